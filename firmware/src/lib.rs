@@ -1,0 +1,2 @@
+//! The firmware logic, without hardware.
+#![no_std]

@@ -1,0 +1,2 @@
+//! The motorlens program.
+fn main() {}
