@@ -1,4 +1,10 @@
-//! The motor model, the physical effects and the compact genetic algorithm of motorlens, without std.
+//! The geared DC motor: model, physical effects, genetic algorithm, excitations and link messages.
+//!
+//! No std, no heap. The same source runs on the board and on the host.
 #![no_std]
 #[cfg(test)]
 extern crate std;
+
+pub mod fixed;
+pub mod lanes;
+pub mod scalar;

@@ -1,0 +1,111 @@
+//! A block of numbers that go through the model side by side, one candidate per lane.
+//!
+//! Plain arrays and loops: compiled for a vector unit (AVX2, AVX-512, NEON) they become vector
+//! instructions without intrinsics.
+
+use crate::scalar::Scalar;
+use core::array::from_fn;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// `N` numbers of kind `T`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(32))]
+pub struct Lanes<T, const N: usize>(pub [T; N]);
+
+macro_rules! lanewise {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl<T: Scalar, const N: usize> $trait for Lanes<T, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(from_fn(|l| self.0[l] $op other.0[l]))
+            }
+        }
+    };
+}
+lanewise!(Add, add, +);
+lanewise!(Sub, sub, -);
+lanewise!(Mul, mul, *);
+lanewise!(Div, div, /);
+
+impl<T: Scalar, const N: usize> Neg for Lanes<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(from_fn(|l| -self.0[l]))
+    }
+}
+impl<T: Scalar, const N: usize> AddAssign for Lanes<T, N> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+impl<T: Scalar, const N: usize> SubAssign for Lanes<T, N> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<T: Scalar<Element = T>, const N: usize> Scalar for Lanes<T, N> {
+    type Element = T;
+    #[inline(always)]
+    fn lit(x: f64) -> Self {
+        Self([T::lit(x); N])
+    }
+    #[inline(always)]
+    fn splat(x: T) -> Self {
+        Self([x; N])
+    }
+    #[inline(always)]
+    fn mul_add(self, m: Self, a: Self) -> Self {
+        Self(from_fn(|l| self.0[l].mul_add(m.0[l], a.0[l])))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(from_fn(|l| self.0[l].abs()))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l].min(other.0[l])))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l].max(other.0[l])))
+    }
+    #[inline(always)]
+    fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
+        Self(from_fn(|l| T::pick_gt(a.0[l], b.0[l], x.0[l], y.0[l])))
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        Self(from_fn(|l| self.0[l].round()))
+    }
+    #[inline(always)]
+    fn look_back(table: &[T], index: usize, back: Self) -> Self {
+        Self(from_fn(|l| T::look_back(table, index, back.0[l])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Lanes;
+    use crate::scalar::Scalar;
+
+    #[test]
+    fn every_lane_computes_what_a_scalar_computes() {
+        let a = Lanes([1.5_f64, -2.0, 0.25, 9.0]);
+        let b = Lanes([0.5_f64, 3.0, -4.0, 9.0]);
+        let r = Lanes::pick_gt(a, b, a.mul_add(b, a), (a / b).sin_turns());
+        for l in 0..4 {
+            let (x, y) = (a.0[l], b.0[l]);
+            let truth = if x > y {
+                x * y + x
+            } else {
+                (x / y).sin_turns()
+            };
+            assert_eq!(r.0[l], truth);
+        }
+    }
+}
