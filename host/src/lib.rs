@@ -1,1 +1,5 @@
 //! motorlens
+pub mod atomic_file;
+pub mod error;
+pub mod log;
+pub mod motor_file;

@@ -1,0 +1,205 @@
+//! `--map time=t:ms,voltage=u,speed=y:deg/s`: which column of a foreign file is what, and in which unit.
+//!
+//! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, voltage, duty, angle, speed, current or
+//! supply. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
+//! `*factor` or `/divisor`; for duty it is the number that means full duty. Where duty is given instead of voltage, the
+//! voltage is duty times the supply column, or times `--supply-volts`.
+
+use std::str::FromStr;
+
+use super::units::{Quantity, Unit};
+
+/// Where one quantity comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What the column measures.
+    pub quantity: Quantity,
+    /// Header of the column, or its 0-based number.
+    pub column: String,
+    /// Its unit and scale.
+    pub unit: Unit,
+}
+
+/// The meaning of the columns of a file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mapping {
+    sources: Vec<Source>,
+}
+
+impl Mapping {
+    /// Where `quantity` comes from, if the mapping says.
+    pub fn source(&self, quantity: Quantity) -> Option<&Source> {
+        self.sources
+            .iter()
+            .find(|source| source.quantity == quantity)
+    }
+
+    /// Whether any angle or speed is mapped; then canonical columns of that kind are not taken on top.
+    pub fn names_motion(&self) -> bool {
+        self.source(Quantity::Angle).is_some() || self.source(Quantity::Speed).is_some()
+    }
+
+    /// Whether every column is given by number, so that the file may lack a header.
+    pub fn is_by_number(&self) -> bool {
+        !self.sources.is_empty()
+            && self
+                .sources
+                .iter()
+                .all(|source| source.column.parse::<usize>().is_ok())
+    }
+}
+
+impl FromStr for Mapping {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut mapping = Mapping::default();
+        for part in text
+            .split(',')
+            .map(str::trim)
+            .filter(|part| !part.is_empty())
+        {
+            let (key, place) = part.split_once('=').ok_or_else(|| {
+                format!("\"{part}\" lacks an equals sign: write for example voltage=u:V")
+            })?;
+            let quantity = quantity_named(key.trim())?;
+            let (column, unit) = match place.rsplit_once(':') {
+                Some((column, unit)) => (column, Unit::parse(quantity, unit.trim())?),
+                None => (place, Unit::SI),
+            };
+            if column.trim().is_empty() {
+                return Err(format!(
+                    "\"{part}\" names no column: write for example {quantity}=3"
+                ));
+            }
+            if mapping.source(quantity).is_some() {
+                return Err(format!("{quantity} is mapped twice"));
+            }
+            mapping.sources.push(Source {
+                quantity,
+                column: column.trim().to_owned(),
+                unit,
+            });
+        }
+        if mapping.source(Quantity::Duty).is_some() && mapping.source(Quantity::Voltage).is_some() {
+            return Err("voltage and duty are both mapped: keep the one that was measured nearer to the motor".into());
+        }
+        if mapping.sources.is_empty() {
+            return Err(
+                "the mapping is empty: write for example time=t:ms,voltage=u,speed=y:deg/s".into(),
+            );
+        }
+        Ok(mapping)
+    }
+}
+
+fn quantity_named(key: &str) -> Result<Quantity, String> {
+    Quantity::ALL
+        .into_iter()
+        .find(|quantity| quantity.key() == key || quantity.canonical() == Some(key))
+        .ok_or_else(|| {
+            let keys = Quantity::ALL.map(Quantity::key).join(", ");
+            format!("\"{key}\" is nothing that a log can hold: use {keys}")
+        })
+}
+
+/// A guess at the mapping from the headers of a file, for messages; never applied by itself.
+pub fn suggest(headers: &[String]) -> Option<String> {
+    const HINTS: [(Quantity, &[&str], &str); 4] = [
+        (
+            Quantity::Time,
+            &["time", "t", "timestamp", "seconds", "ms", "millis"],
+            "s",
+        ),
+        (
+            Quantity::Voltage,
+            &[
+                "voltage", "u", "v", "volt", "volts", "command", "pwm", "input",
+            ],
+            "V",
+        ),
+        (
+            Quantity::Speed,
+            &["speed", "velocity", "vel", "rpm", "omega", "w", "y"],
+            "rad/s",
+        ),
+        (
+            Quantity::Angle,
+            &[
+                "angle", "position", "pos", "theta", "encoder", "counts", "deg",
+            ],
+            "rad",
+        ),
+    ];
+    let find = |words: &[&str]| {
+        let exact = headers
+            .iter()
+            .find(|header| words.contains(&header.to_lowercase().as_str()));
+        exact.or_else(|| {
+            headers.iter().find(|header| {
+                let lower = header.to_lowercase();
+                words
+                    .iter()
+                    .any(|word| word.len() > 2 && lower.contains(word))
+            })
+        })
+    };
+    let parts: Vec<String> = HINTS
+        .iter()
+        .filter_map(|(quantity, words, unit)| {
+            find(words).map(|header| format!("{quantity}={header}:{unit}"))
+        })
+        .collect();
+    (parts.len() >= 2).then(|| parts.join(","))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_of_the_help_is_understood() {
+        let mapping: Mapping = "time=t:ms,voltage=u,speed=y:deg/s".parse().unwrap();
+        assert_eq!(mapping.source(Quantity::Time).unwrap().unit.factor, 1e-3);
+        assert_eq!(mapping.source(Quantity::Voltage).unwrap().column, "u");
+        assert!(mapping.names_motion() && !mapping.is_by_number());
+    }
+
+    #[test]
+    fn columns_may_be_numbers() {
+        let mapping: Mapping = "time=0:ms, voltage=1, angle=3:counts".parse().unwrap();
+        assert!(mapping.is_by_number());
+        assert!(mapping.source(Quantity::Angle).unwrap().unit.counts);
+    }
+
+    #[test]
+    fn each_mistake_is_answered_with_the_right_form() {
+        for (text, answer) in [
+            ("time", "lacks an equals sign"),
+            ("weight=3", "nothing that a log can hold"),
+            ("time=a,time=b", "mapped twice"),
+            ("voltage=u,duty=d:255", "both mapped"),
+            ("speed=y:knots", "no unit of speed"),
+            ("speed=:rpm", "names no column"),
+            ("", "empty"),
+        ] {
+            let error = text.parse::<Mapping>().unwrap_err();
+            assert!(error.contains(answer), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn headers_of_a_foreign_log_lead_to_a_suggestion() {
+        let headers = ["t", "u", "y"].map(String::from);
+        assert_eq!(
+            suggest(&headers).unwrap(),
+            "time=t:s,voltage=u:V,speed=y:rad/s"
+        );
+        let headers = ["time", "leftSpeed", "leftCommand"].map(String::from);
+        assert_eq!(
+            suggest(&headers).unwrap(),
+            "time=time:s,voltage=leftCommand:V,speed=leftSpeed:rad/s"
+        );
+        assert_eq!(suggest(&["foo".to_owned()]), None);
+    }
+}

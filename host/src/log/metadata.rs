@@ -1,0 +1,148 @@
+//! What a log says about itself: `# key: value` lines before the header.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::Hold;
+
+/// Where the encoder sits. Faults of its disc repeat once per turn of that shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EncoderShaft {
+    /// Before the gears.
+    #[default]
+    Motor,
+    /// After the gears.
+    Output,
+}
+
+impl fmt::Display for EncoderShaft {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            EncoderShaft::Motor => "motor",
+            EncoderShaft::Output => "output",
+        })
+    }
+}
+
+impl FromStr for EncoderShaft {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "motor" => Ok(EncoderShaft::Motor),
+            "output" => Ok(EncoderShaft::Output),
+            other => Err(format!(
+                "encoder_shaft \"{other}\" is neither \"motor\" nor \"output\""
+            )),
+        }
+    }
+}
+
+/// Key and value pairs of a record. The keys that the program understands are checked on entry, so the typed
+/// accessors cannot fail; all others are kept as text.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[serde(transparent)]
+pub struct Metadata(BTreeMap<String, String>);
+
+impl Metadata {
+    /// Stores a pair.
+    ///
+    /// # Errors
+    /// Says why, where the key is one the program understands and the value does not fit it.
+    pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
+        match key {
+            "gear_ratio" | "counts_per_rev" => match value.parse::<f64>() {
+                Ok(number) if number.is_finite() && number > 0.0 => {}
+                _ => return Err(format!("{key} \"{value}\" is not a positive number")),
+            },
+            "hold" => drop(value.parse::<Hold>()?),
+            "encoder_shaft" => drop(value.parse::<EncoderShaft>()?),
+            _ => {}
+        }
+        self.0.insert(key.to_owned(), value.to_owned());
+        Ok(())
+    }
+
+    /// The text behind any key.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.0.get(key).map(String::as_str)
+    }
+
+    /// All pairs in the order of their keys.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0
+            .iter()
+            .map(|(key, value)| (key.as_str(), value.as_str()))
+    }
+
+    /// Turns of the motor shaft per turn of the output shaft.
+    pub fn gear_ratio(&self) -> Option<f64> {
+        self.typed("gear_ratio")
+    }
+
+    /// Encoder counts per turn of the output shaft, after x4 decoding and gearing.
+    pub fn counts_per_rev(&self) -> Option<f64> {
+        self.typed("counts_per_rev")
+    }
+
+    /// Where the encoder sits, if the log says.
+    pub fn encoder_shaft(&self) -> Option<EncoderShaft> {
+        self.typed("encoder_shaft")
+    }
+
+    /// What the voltage does between samples, if the log says.
+    pub fn hold(&self) -> Option<Hold> {
+        self.typed("hold")
+    }
+
+    /// The excitation that made the record, as whoever wrote it put it.
+    pub fn programme(&self) -> Option<&str> {
+        self.get("programme")
+    }
+
+    fn typed<T: FromStr>(&self, key: &str) -> Option<T> {
+        self.get(key)?.parse().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_keys_are_typed_and_unknown_ones_are_kept() {
+        let mut meta = Metadata::default();
+        for (key, value) in [
+            ("gear_ratio", "104"),
+            ("hold", "first"),
+            ("operator", "Ada"),
+        ] {
+            meta.insert(key, value).unwrap();
+        }
+        assert_eq!(meta.gear_ratio(), Some(104.0));
+        assert_eq!(meta.hold(), Some(Hold::First));
+        assert_eq!(meta.counts_per_rev(), None);
+        assert_eq!(meta.get("operator"), Some("Ada"));
+    }
+
+    #[test]
+    fn a_known_key_with_an_impossible_value_is_refused() {
+        let mut meta = Metadata::default();
+        for (key, value) in [
+            ("gear_ratio", "-3"),
+            ("counts_per_rev", "many"),
+            ("hold", "second"),
+            ("encoder_shaft", "wheel"),
+        ] {
+            assert!(
+                meta.insert(key, value).unwrap_err().contains(value),
+                "{key}"
+            );
+        }
+        assert_eq!(meta, Metadata::default());
+    }
+}

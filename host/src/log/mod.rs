@@ -1,0 +1,39 @@
+//! Logs of motors: from files of many kinds to [`Record`]s in SI units, and back.
+//!
+//! The way of the data: [`text`] opens a file and vouches for its encoding, [`preamble`] takes metadata and header,
+//! [`table`] (or the reader of a foreign format) turns rows into numbers, [`samples`] keeps the rows that a fit can
+//! use. What a record says about the motor is judged later, by the verbs that need to.
+
+mod args;
+pub mod mapping;
+mod metadata;
+mod preamble;
+mod read;
+mod record;
+mod samples;
+mod table;
+mod text;
+pub mod timing;
+pub mod units;
+mod write;
+
+use std::path::Path;
+
+pub use args::{ReadArgs, load, load_validation};
+pub use metadata::{EncoderShaft, Metadata};
+pub use read::{Format, ReadOptions, read};
+pub use record::{Hold, Record, Warning};
+pub use samples::FEWEST_SAMPLES;
+pub(crate) use text::{cannot_read, open as open_text};
+pub use write::write_canonical;
+
+/// The name of a record from its file.
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(
+        || path.display().to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+#[cfg(test)]
+mod read_tests;

@@ -1,0 +1,209 @@
+//! The lines before the data: `# key: value` metadata, then the header.
+
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+use super::Metadata;
+use super::text::cannot_read;
+use crate::error::{BadInput, Result};
+
+/// More columns than any log of a motor has; beyond this the file is something else.
+const MOST_COLUMNS: usize = 1000;
+
+/// What stands before the data.
+#[derive(Debug)]
+pub struct Preamble {
+    /// The `# key: value` pairs.
+    pub meta: Metadata,
+    /// The column names, or `None` where the first row is data already.
+    pub headers: Option<Vec<String>>,
+    /// The first row, if it was data.
+    pub first_row: Option<String>,
+    /// What separates the fields.
+    pub delimiter: u8,
+    /// Line of the header, or of the last line read where there is none.
+    pub line: u64,
+}
+
+/// Reads up to and including the header. `by_number` permits a file without one.
+///
+/// # Errors
+/// Bad input if there is no header, a name occurs twice, or metadata that matters is malformed.
+pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Preamble> {
+    let mut meta = Metadata::default();
+    let mut number = 0;
+    loop {
+        let mut line = String::new();
+        let count = input
+            .by_ref()
+            .take(1 << 20)
+            .read_line(&mut line)
+            .map_err(|error| cannot_read(path, &error))?;
+        if count == 0 {
+            return Err(BadInput::new(
+                path,
+                "there is no header line",
+                "begin the file with the names of its columns, for example time_s,voltage_v,angle_rad",
+            )
+            .at_line(number.max(1))
+            .into());
+        }
+        number += 1;
+        let text = line.trim();
+        if let Some(comment) = text.strip_prefix('#') {
+            remember(path, &mut meta, comment, number)?;
+        } else if !text.trim_matches([',', ';', '\t']).is_empty() {
+            return header(path, meta, text, number, by_number);
+        }
+    }
+}
+
+fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {
+    if let Some((key, value)) = comment.split_once(':') {
+        meta.insert(key.trim(), value.trim())
+            .map_err(|why| BadInput::new(path, why, "correct or remove this line").at_line(line))?;
+    }
+    Ok(())
+}
+
+fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -> Result<Preamble> {
+    let delimiter = delimiter_of(text);
+    let names = split(text, delimiter);
+    if names.len() > MOST_COLUMNS {
+        return Err(BadInput::new(
+            path,
+            format!("{} columns are more than a log has", names.len()),
+            "write one sample per line and one quantity per column",
+        )
+        .at_line(line)
+        .into());
+    }
+    if names
+        .iter()
+        .all(|name| name.replace(',', ".").parse::<f64>().is_ok())
+    {
+        if by_number {
+            return Ok(Preamble {
+                meta,
+                headers: None,
+                first_row: Some(text.to_owned()),
+                delimiter,
+                line,
+            });
+        }
+        return Err(BadInput::new(
+            path,
+            "the first row holds numbers, so the columns have no names",
+            "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad",
+        )
+        .at_line(line)
+        .into());
+    }
+    for (index, name) in names.iter().enumerate() {
+        if !name.is_empty() && names[..index].contains(name) {
+            return Err(BadInput::new(
+                path,
+                format!("two columns are called \"{name}\""),
+                "rename one of them, or pick by number: --map time=0:s,...",
+            )
+            .at_line(line)
+            .in_column(name)
+            .into());
+        }
+    }
+    Ok(Preamble {
+        meta,
+        headers: Some(names),
+        first_row: None,
+        delimiter,
+        line,
+    })
+}
+
+/// The separator that occurs most often outside quotes.
+fn delimiter_of(header: &str) -> u8 {
+    let count = |wanted: char| {
+        let mut quoted = false;
+        header
+            .chars()
+            .filter(|&c| {
+                quoted ^= c == '"';
+                !quoted && c == wanted
+            })
+            .count()
+    };
+    // A semicolon or tab wins over commas: those may then be decimal commas.
+    [';', '\t']
+        .into_iter()
+        .find(|&candidate| count(candidate) > 0)
+        .map_or(b',', |candidate| candidate as u8)
+}
+
+fn split(text: &str, delimiter: u8) -> Vec<String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .delimiter(delimiter)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    reader
+        .records()
+        .next()
+        .and_then(|record| record.ok())
+        .map(|record| record.iter().map(str::to_owned).collect())
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn preamble(text: &str) -> Result<Preamble> {
+        read(Path::new("x.csv"), &mut text.as_bytes(), false)
+    }
+
+    #[test]
+    fn metadata_comes_before_a_header_in_any_common_separator() {
+        for header in [
+            "time_s,voltage_v",
+            "time_s; voltage_v",
+            "time_s\tvoltage_v",
+            "\"time_s\",\"voltage_v\"",
+        ] {
+            let text = format!("# a remark\n# gear_ratio: 104\n\n{header}\r\n1,2\r\n");
+            let preamble = preamble(&text).unwrap();
+            assert_eq!(
+                preamble.headers.unwrap(),
+                ["time_s", "voltage_v"],
+                "{header}"
+            );
+            assert_eq!(preamble.meta.gear_ratio(), Some(104.0));
+            assert_eq!(preamble.line, 4);
+        }
+    }
+
+    #[test]
+    fn malformed_metadata_is_named_by_line() {
+        let message = preamble("# a: b\n# gear_ratio: lots\nt,u\n")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("x.csv, line 2: gear_ratio \"lots\""),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_header_that_is_missing_or_double_is_refused() {
+        for (text, place, cause) in [
+            ("# only: remarks\n", "line 1", "no header line"),
+            ("0.0,1.0\n0.1,1.0\n", "line 1", "no names"),
+            ("t,u,t\n", "line 1, column t", "two columns"),
+        ] {
+            let message = preamble(text).unwrap_err().to_string();
+            assert!(
+                message.contains(place) && message.contains(cause),
+                "{message}"
+            );
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! One log in memory: SI units, angles and speeds of the output shaft.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::Metadata;
+
+/// What the voltage does between two samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Hold {
+    /// Stays as it was until the next sample, as a drive holds its command.
+    #[default]
+    Zero,
+    /// Runs straight from one sample to the next, as an amplifier does.
+    First,
+}
+
+impl FromStr for Hold {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "zero" => Ok(Hold::Zero),
+            "first" => Ok(Hold::First),
+            other => Err(format!(
+                "hold \"{other}\" is neither \"zero\" nor \"first\""
+            )),
+        }
+    }
+}
+
+/// Something odd in the data that did not stop the reading.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Warning {
+    /// File, and line or column where one is to blame.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// What is odd.
+    #[serde(rename = "fault")]
+    pub what: String,
+    /// What the user can do.
+    pub fix: String,
+}
+
+/// One run of one motor.
+///
+/// All present columns have the length of `time_s`; times rise strictly; all numbers are finite. Times and angles
+/// keep the origin that the file gave them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Record {
+    /// Short name for messages and plots: the file's stem, and the test's name where a file holds several.
+    pub name: String,
+    /// Where it was read from, as the user named it.
+    pub path: PathBuf,
+    /// Sample times, s.
+    pub time_s: Vec<f64>,
+    /// Voltage at the driver's output, V.
+    pub voltage_v: Vec<f64>,
+    /// Angle of the output shaft, rad.
+    pub angle_rad: Option<Vec<f64>>,
+    /// Speed of the output shaft, rad/s.
+    pub speed_rad_s: Option<Vec<f64>>,
+    /// Motor current, A.
+    pub current_a: Option<Vec<f64>>,
+    /// Supply of the driver, V.
+    pub supply_v: Option<Vec<f64>>,
+    /// What the log says about itself, completed by the motor file.
+    pub meta: Metadata,
+    /// What the voltage does between samples.
+    pub hold: Hold,
+    /// Oddities met while reading.
+    pub warnings: Vec<Warning>,
+}
+
+impl Record {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample at all.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Time from the first to the last sample, s.
+    pub fn duration_s(&self) -> f64 {
+        match (self.time_s.first(), self.time_s.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn duration_does_not_depend_on_the_origin_of_time() {
+        let record = Record {
+            time_s: vec![100.0, 100.5, 102.0],
+            ..Record::default()
+        };
+        assert_eq!(record.duration_s(), 2.0);
+        assert_eq!(Record::default().duration_s(), 0.0);
+    }
+}

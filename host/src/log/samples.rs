@@ -1,0 +1,246 @@
+//! Collecting samples row by row, with one policy for holes and clocks whatever the file format.
+//!
+//! A row with an unreadable field is left out with a warning if at most 2 % of the rows are such; a row that repeats
+//! the time before it likewise up to 10 %. Time that runs backwards is an error, because which half is right is not
+//! for a program to guess.
+
+use std::path::{Path, PathBuf};
+
+use super::Warning;
+use crate::error::{BadInput, Result};
+
+/// A third-order model has three numbers and three initial states; fewer rows than this cannot check a fit of it.
+pub const FEWEST_SAMPLES: usize = 20;
+const BAD_SHARE: f64 = 0.02;
+const REPEAT_SHARE: f64 = 0.10;
+/// Bad rows that are reported one by one; the rest is summed up.
+const LISTED: usize = 3;
+/// A pause is worth a warning from this many median intervals on.
+const GAP_INTERVALS: f64 = 10.0;
+
+/// Where a row stands in its file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// A line of text, from 1.
+    Line(u64),
+    /// An entry of a JSON array, from 0.
+    Entry(usize),
+}
+
+impl Place {
+    fn in_words(self) -> String {
+        match self {
+            Place::Line(line) => format!("line {line}"),
+            Place::Entry(entry) => format!("entry {entry}"),
+        }
+    }
+
+    /// Puts the place into a fault: JSON has no line of its own, so an entry goes into the cause.
+    pub fn mark(self, mut fault: BadInput) -> BadInput {
+        match self {
+            Place::Line(line) => fault.at_line(line),
+            Place::Entry(entry) => {
+                fault.why = format!("entry {entry}: {}", fault.why);
+                fault
+            }
+        }
+    }
+}
+
+#[derive(Debug)]
+struct BadField {
+    place: Place,
+    column: String,
+    why: String,
+}
+
+/// Rows as they come in. The first column is time.
+#[derive(Debug)]
+pub struct Samples {
+    path: PathBuf,
+    headers: Vec<String>,
+    columns: Vec<Vec<f64>>,
+    places: Places,
+    rows: usize,
+    bad: Vec<BadField>,
+    bad_count: usize,
+    repeats: usize,
+    first_repeat: Option<Place>,
+}
+
+/// The last place seen, and that of the longest pause so far.
+#[derive(Debug, Default)]
+struct Places {
+    last: Option<Place>,
+    longest_pause: Option<(f64, Place)>,
+}
+
+impl Samples {
+    /// Starts a record with these columns, time first.
+    pub fn new(path: &Path, headers: Vec<String>) -> Self {
+        Samples {
+            path: path.to_owned(),
+            columns: vec![Vec::new(); headers.len()],
+            headers,
+            places: Places::default(),
+            rows: 0,
+            bad: Vec::new(),
+            bad_count: 0,
+            repeats: 0,
+            first_repeat: None,
+        }
+    }
+
+    /// Takes a row of finite numbers, in the order of the columns.
+    ///
+    /// # Errors
+    /// Bad input if time runs backwards.
+    pub fn accept(&mut self, place: Place, row: &[f64]) -> Result<()> {
+        self.rows += 1;
+        self.places.last = Some(place);
+        if let Some(&before) = self.columns[0].last() {
+            let step = row[0] - before;
+            if step < 0.0 {
+                let fault = BadInput::new(
+                    &self.path,
+                    format!("time goes backwards, from {before} s to {} s", row[0]),
+                    "sort the rows by time, or cut the file where the clock was reset and give both parts",
+                );
+                return Err(place.mark(fault).in_column(&self.headers[0]).into());
+            }
+            if step == 0.0 {
+                self.repeats += 1;
+                self.first_repeat.get_or_insert(place);
+                return Ok(());
+            }
+            if self
+                .places
+                .longest_pause
+                .is_none_or(|(longest, _)| step > longest)
+            {
+                self.places.longest_pause = Some((step, place));
+            }
+        }
+        for (column, &value) in self.columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+        Ok(())
+    }
+
+    /// Leaves out a row that has an unreadable field.
+    pub fn reject(&mut self, place: Place, column: &str, why: String) {
+        self.rows += 1;
+        self.places.last = Some(place);
+        self.bad_count += 1;
+        if self.bad.len() < LISTED {
+            self.bad.push(BadField {
+                place,
+                column: column.to_owned(),
+                why,
+            });
+        }
+    }
+
+    /// Ends the record: its columns, and what was odd about it.
+    ///
+    /// # Errors
+    /// Bad input if too many rows had to be left out or too few are left.
+    pub fn finish(self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
+        if self.rows == 0 {
+            let fault = BadInput::new(
+                &self.path,
+                "there is a header but no sample below it",
+                "check that the logger was started, and record at least a few seconds",
+            );
+            return Err(header
+                .map_or(fault.clone(), |place| place.mark(fault))
+                .into());
+        }
+        if self.bad_count as f64 > BAD_SHARE * self.rows as f64 {
+            let first = &self.bad[0];
+            let fault = BadInput::new(
+                &self.path,
+                format!(
+                    "{} ({} of {} rows are unreadable)",
+                    first.why, self.bad_count, self.rows
+                ),
+                "remove these rows or repair the logger; up to 2 % of the rows may be unreadable",
+            );
+            return Err(first.place.mark(fault).in_column(&first.column).into());
+        }
+        let kept = self.columns[0].len();
+        if let Some(first) = self.first_repeat
+            && self.repeats as f64 > REPEAT_SHARE * self.rows as f64
+        {
+            let fault = BadInput::new(
+                &self.path,
+                format!(
+                    "{} of {} rows repeat the time of the row before",
+                    self.repeats, self.rows
+                ),
+                "log the time with more digits, or log each sample once",
+            );
+            return Err(first.mark(fault).in_column(&self.headers[0]).into());
+        }
+        if kept < FEWEST_SAMPLES {
+            let fault = BadInput::new(
+                &self.path,
+                format!("{kept} samples are too few to fit a motor"),
+                format!(
+                    "record at least {FEWEST_SAMPLES} samples, better some seconds with changing voltage"
+                ),
+            );
+            return Err(self
+                .places
+                .last
+                .map_or(fault.clone(), |place| place.mark(fault))
+                .into());
+        }
+        let warnings = self.warnings();
+        Ok((self.columns, warnings))
+    }
+
+    fn warnings(&self) -> Vec<Warning> {
+        let file = self.path.display();
+        let mut warnings: Vec<Warning> = self
+            .bad
+            .iter()
+            .map(|bad| Warning {
+                place: format!("{file}, {}, column {}", bad.place.in_words(), bad.column),
+                what: format!("{}; the row was left out", bad.why),
+                fix: "remove the row".into(),
+            })
+            .collect();
+        if self.bad_count > LISTED {
+            warnings.push(Warning {
+                place: file.to_string(),
+                what: format!(
+                    "{} more unreadable rows were left out",
+                    self.bad_count - LISTED
+                ),
+                fix: "repair the logger".into(),
+            });
+        }
+        if let Some(first) = self.first_repeat {
+            warnings.push(Warning {
+                place: format!("{file}, {}, column {}", first.in_words(), self.headers[0]),
+                what: format!(
+                    "{} rows repeat the time before them and were left out",
+                    self.repeats
+                ),
+                fix: "log the time with more digits, or log each sample once".into(),
+            });
+        }
+        let median = super::timing::median_interval(&self.columns[0]);
+        if let Some((pause, place)) = self.places.longest_pause
+            && pause > GAP_INTERVALS * median
+        {
+            warnings.push(Warning {
+                place: format!("{file}, {}", place.in_words()),
+                what: format!("samples are missing for {pause:.3} s before this row"),
+                fix: "log without pauses, or cut the file there and give both parts".into(),
+            });
+        }
+        warnings
+    }
+}

@@ -1,0 +1,305 @@
+//! Reading a table of samples: canonical logs, and foreign ones by `--map`.
+
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use csv::ByteRecord;
+
+use super::mapping::{self, Mapping};
+use super::samples::{Place, Samples};
+use super::text::cannot_read;
+use super::units::{Quantity, Unit};
+use super::{Metadata, ReadOptions, Record, preamble};
+use crate::error::{BadInput, Result};
+
+/// A column of the file that is wanted.
+#[derive(Debug)]
+struct Wanted {
+    quantity: Quantity,
+    index: usize,
+    header: String,
+    factor: f64,
+}
+
+/// Reads one record from `input`, which stands at the beginning of the file at `path`.
+///
+/// # Errors
+/// Bad input, with line and column; wrong usage where an option is missing to make sense of the mapping.
+pub fn read(
+    path: &Path,
+    mut input: impl std::io::BufRead,
+    options: &ReadOptions,
+) -> Result<Record> {
+    let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
+    let head = preamble::read(path, &mut input, by_number)?;
+    let mut meta = head.meta;
+    options.complete(path, &mut meta)?;
+
+    let width = head.headers.as_ref().map(Vec::len);
+    let names = head.headers.unwrap_or_default();
+    let wanted = Choice {
+        path,
+        line: head.line,
+        names: &names,
+        meta: &meta,
+    }
+    .columns(options.map.as_ref())?;
+    let mut samples = Samples::new(
+        path,
+        wanted.iter().map(|column| column.header.clone()).collect(),
+    );
+
+    let mut lines_before = head.line;
+    let first = head.first_row.map_or_else(String::new, |row| {
+        lines_before -= 1;
+        row + "\n"
+    });
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .delimiter(head.delimiter)
+        .from_reader(Cursor::new(first).chain(input));
+    let mut row = ByteRecord::new();
+    let mut numbers = vec![0.0; wanted.len()];
+    loop {
+        match reader.read_byte_record(&mut row) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(error) => {
+                return Err(match error.into_kind() {
+                    csv::ErrorKind::Io(error) => cannot_read(path, &error),
+                    other => cannot_read(path, &std::io::Error::other(format!("{other:?}"))),
+                });
+            }
+        }
+        let place = Place::Line(lines_before + row.position().map_or(0, csv::Position::line));
+        match numbers_of(&row, &wanted, width, head.delimiter, &mut numbers) {
+            Ok(()) => samples.accept(place, &numbers)?,
+            Err((column, why)) => samples.reject(place, column, why),
+        }
+    }
+    let (columns, warnings) = samples.finish(Some(Place::Line(head.line)))?;
+    let mut record = Record {
+        name: super::stem(path),
+        path: path.to_owned(),
+        hold: options.hold.or(meta.hold()).unwrap_or_default(),
+        meta,
+        warnings,
+        ..Record::default()
+    };
+    fill(&mut record, &wanted, columns, options)?;
+    Ok(record)
+}
+
+fn numbers_of<'w>(
+    row: &ByteRecord,
+    wanted: &'w [Wanted],
+    width: Option<usize>,
+    delimiter: u8,
+    numbers: &mut [f64],
+) -> Result<(), (&'w str, String)> {
+    if let Some(width) = width
+        && row.len() > width
+        && row
+            .iter()
+            .skip(width)
+            .any(|extra| !extra.trim_ascii().is_empty())
+    {
+        let why = format!("the row has {} fields under {width} headers", row.len());
+        return Err((&wanted[0].header, why));
+    }
+    for (column, number) in wanted.iter().zip(numbers) {
+        let field = row
+            .get(column.index)
+            .map(<[u8]>::trim_ascii)
+            .unwrap_or_default();
+        let text = std::str::from_utf8(field).unwrap_or_default();
+        let value = text.parse::<f64>().ok().or_else(|| {
+            let decimal_comma = delimiter != b',' && text.contains(',');
+            decimal_comma
+                .then(|| text.replacen(',', ".", 1).parse().ok())
+                .flatten()
+        });
+        *number = match value {
+            Some(value) if value.is_finite() => value * column.factor,
+            Some(_) => {
+                return Err((
+                    &column.header,
+                    format!("\"{text}\" is not a number a fit can use"),
+                ));
+            }
+            None if text.is_empty() => return Err((&column.header, "the field is empty".into())),
+            None => {
+                let shown: String = text.chars().take(40).collect();
+                return Err((&column.header, format!("\"{shown}\" is not a number")));
+            }
+        };
+    }
+    Ok(())
+}
+
+fn fill(
+    record: &mut Record,
+    wanted: &[Wanted],
+    columns: Vec<Vec<f64>>,
+    options: &ReadOptions,
+) -> Result<()> {
+    let mut duty = None;
+    for (column, values) in wanted.iter().zip(columns) {
+        match column.quantity {
+            Quantity::Time => record.time_s = values,
+            Quantity::Voltage => record.voltage_v = values,
+            Quantity::Duty => duty = Some(values),
+            Quantity::Angle => record.angle_rad = Some(values),
+            Quantity::Speed => record.speed_rad_s = Some(values),
+            Quantity::Current => record.current_a = Some(values),
+            Quantity::Supply => record.supply_v = Some(values),
+        }
+    }
+    if let Some(duty) = duty {
+        record.voltage_v = match (&record.supply_v, options.supply_volts) {
+            (Some(supply), _) => duty
+                .iter()
+                .zip(supply)
+                .map(|(duty, supply)| duty * supply)
+                .collect(),
+            (None, Some(volts)) => duty.iter().map(|duty| duty * volts).collect(),
+            (None, None) => {
+                return Err(crate::error::Error::usage(
+                    "duty alone does not give a voltage",
+                    "add --supply-volts 7.9, or map the supply: --map ...,supply=COLUMN:V",
+                ));
+            }
+        };
+    }
+    Ok(())
+}
+
+/// The header of a file, out of which columns are chosen.
+struct Choice<'a> {
+    path: &'a Path,
+    line: u64,
+    names: &'a [String],
+    meta: &'a Metadata,
+}
+
+impl Choice<'_> {
+    fn columns(&self, map: Option<&Mapping>) -> Result<Vec<Wanted>> {
+        let mut wanted = Vec::new();
+        for quantity in Quantity::ALL {
+            if let Some(source) = map.and_then(|map| map.source(quantity)) {
+                wanted.push(self.named(quantity, &source.column, source.unit)?);
+            } else if !displaced(quantity, map)
+                && let Some(header) = quantity.canonical()
+                && let Some(index) = self.names.iter().position(|name| name == header)
+            {
+                wanted.push(Wanted {
+                    quantity,
+                    index,
+                    header: header.to_owned(),
+                    factor: 1.0,
+                });
+            }
+        }
+        let has = |quantity| {
+            wanted
+                .iter()
+                .any(|column: &Wanted| column.quantity == quantity)
+        };
+        if !has(Quantity::Time) {
+            return Err(self.missing("time_s", "no column gives the time"));
+        }
+        if !has(Quantity::Voltage) && !has(Quantity::Duty) {
+            return Err(self.missing("voltage_v", "no column gives the voltage"));
+        }
+        if !has(Quantity::Angle) && !has(Quantity::Speed) {
+            return Err(self.missing(
+                "angle_rad",
+                "no column gives the angle or the speed (speed_rad_s)",
+            ));
+        }
+        Ok(wanted)
+    }
+
+    fn named(&self, quantity: Quantity, column: &str, unit: Unit) -> Result<Wanted> {
+        let by_name = self.names.iter().position(|name| name == column);
+        let index = by_name
+            .or_else(|| {
+                column
+                    .parse()
+                    .ok()
+                    .filter(|&index| self.names.is_empty() || index < self.names.len())
+            })
+            .ok_or_else(|| {
+                BadInput::new(
+                    self.path,
+                    format!("there is no column \"{column}\" for {quantity}"),
+                    format!("take one of: {}", self.listed()),
+                )
+                .at_line(self.line)
+                .in_column(column)
+            })?;
+        let header = self
+            .names
+            .get(index)
+            .cloned()
+            .unwrap_or_else(|| index.to_string());
+        let mut factor = unit.factor;
+        if unit.counts {
+            factor /= self.meta.counts_per_rev().ok_or_else(|| {
+                BadInput::new(
+                    self.path,
+                    "encoder counts need the counts of one turn of the output shaft",
+                    format!(
+                        "put counts_per_rev into motor.toml or write --map {quantity}={column}:rev/1400 (for 1400 counts)"
+                    ),
+                )
+                .in_column(&header)
+            })?;
+        }
+        Ok(Wanted {
+            quantity,
+            index,
+            header,
+            factor,
+        })
+    }
+
+    fn missing(&self, header: &str, why: &str) -> crate::error::Error {
+        let example = mapping::suggest(self.names)
+            .unwrap_or_else(|| "time=t:ms,voltage=u:V,speed=y:deg/s".into());
+        BadInput::new(
+            self.path,
+            format!("{why}; the columns are {}", self.listed()),
+            format!("say which column is what and in which unit, for example --map {example}"),
+        )
+        .at_line(self.line)
+        .in_column(header)
+        .into()
+    }
+
+    fn listed(&self) -> String {
+        const SHOWN: usize = 20;
+        let mut text = self
+            .names
+            .iter()
+            .take(SHOWN)
+            .cloned()
+            .collect::<Vec<_>>()
+            .join(", ");
+        if self.names.len() > SHOWN {
+            text += &format!(" and {} more", self.names.len() - SHOWN);
+        }
+        text
+    }
+}
+
+/// Whether the mapping makes a canonical column of this kind unwanted.
+fn displaced(quantity: Quantity, map: Option<&Mapping>) -> bool {
+    map.is_some_and(|map| match quantity {
+        Quantity::Angle | Quantity::Speed => map.names_motion(),
+        Quantity::Voltage => map.source(Quantity::Duty).is_some(),
+        _ => false,
+    })
+}

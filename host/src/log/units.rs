@@ -1,0 +1,221 @@
+//! Units that other people's logs come in, and their factors to SI.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+/// What a column measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Time of the sample, s.
+    Time,
+    /// Voltage at the driver's output, V.
+    Voltage,
+    /// Fraction of the supply that the driver puts out, -1 to 1.
+    Duty,
+    /// Angle of the output shaft, rad.
+    Angle,
+    /// Speed of the output shaft, rad/s.
+    Speed,
+    /// Motor current, A.
+    Current,
+    /// Supply of the driver, V.
+    Supply,
+}
+
+impl Quantity {
+    /// All quantities, in the order in which a log lists them.
+    pub const ALL: [Quantity; 7] = [
+        Quantity::Time,
+        Quantity::Voltage,
+        Quantity::Duty,
+        Quantity::Angle,
+        Quantity::Speed,
+        Quantity::Current,
+        Quantity::Supply,
+    ];
+
+    /// The word for it in `--map`.
+    pub fn key(self) -> &'static str {
+        match self {
+            Quantity::Time => "time",
+            Quantity::Voltage => "voltage",
+            Quantity::Duty => "duty",
+            Quantity::Angle => "angle",
+            Quantity::Speed => "speed",
+            Quantity::Current => "current",
+            Quantity::Supply => "supply",
+        }
+    }
+
+    /// The name of its column in a canonical log; duty has none.
+    pub fn canonical(self) -> Option<&'static str> {
+        match self {
+            Quantity::Time => Some("time_s"),
+            Quantity::Voltage => Some("voltage_v"),
+            Quantity::Duty => None,
+            Quantity::Angle => Some("angle_rad"),
+            Quantity::Speed => Some("speed_rad_s"),
+            Quantity::Current => Some("current_a"),
+            Quantity::Supply => Some("supply_v"),
+        }
+    }
+
+    /// Units it may come in, with the factor to SI; the first is the SI unit.
+    fn units(self) -> &'static [(&'static str, f64)] {
+        const VOLT: &[(&str, f64)] = &[("V", 1.0), ("mV", 1e-3)];
+        const RPM: f64 = TAU / 60.0;
+        const DEGREE: f64 = TAU / 360.0;
+        match self {
+            Quantity::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
+            Quantity::Voltage | Quantity::Supply => VOLT,
+            Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
+            Quantity::Angle => &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)],
+            Quantity::Speed => &[
+                ("rad/s", 1.0),
+                ("deg/s", DEGREE),
+                ("rev/s", TAU),
+                ("counts/s", TAU),
+                ("rpm", RPM),
+            ],
+            Quantity::Current => &[("A", 1.0), ("mA", 1e-3)],
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+/// How to turn a number of a file into SI: multiply, and divide by the counts per turn if it counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// Factor to SI; for encoder counts, the factor after division by the counts of one turn of the output shaft.
+    pub factor: f64,
+    /// Whether the number counts encoder edges.
+    pub counts: bool,
+}
+
+impl Unit {
+    /// The number is in SI already.
+    pub const SI: Unit = Unit {
+        factor: 1.0,
+        counts: false,
+    };
+
+    /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, a full scale: `255`.
+    ///
+    /// # Errors
+    /// Names the units that the quantity may come in.
+    pub fn parse(quantity: Quantity, text: &str) -> Result<Unit, String> {
+        if quantity == Quantity::Duty
+            && let Ok(full_scale) = text.parse::<f64>()
+            && full_scale.is_finite()
+            && full_scale != 0.0
+        {
+            return Ok(Unit {
+                factor: 1.0 / full_scale,
+                counts: false,
+            });
+        }
+        let known = quantity.units();
+        let (name, mut factor, rest) = known
+            .iter()
+            .filter_map(|&(name, factor)| text.strip_prefix(name).map(|rest| (name, factor, rest)))
+            .filter(|(_, _, rest)| rest.is_empty() || rest.starts_with(['*', '/']))
+            .max_by_key(|(name, ..)| name.len())
+            .or_else(|| text.starts_with(['*', '/']).then_some(("", 1.0, text)))
+            .ok_or_else(|| unknown(quantity, text))?;
+        let mut scales = rest;
+        while let Some(operator) = scales.chars().next() {
+            let tail = &scales[1..];
+            let end = tail.find(['*', '/']).unwrap_or(tail.len());
+            let number: f64 = tail[..end]
+                .trim()
+                .parse()
+                .map_err(|_| unknown(quantity, text))?;
+            factor = if operator == '*' {
+                factor * number
+            } else {
+                factor / number
+            };
+            scales = &tail[end..];
+        }
+        if !factor.is_finite() || factor == 0.0 {
+            return Err(format!(
+                "the scale in \"{text}\" leaves nothing of the {quantity}"
+            ));
+        }
+        Ok(Unit {
+            factor,
+            counts: name.starts_with("counts"),
+        })
+    }
+}
+
+fn unknown(quantity: Quantity, text: &str) -> String {
+    let names: Vec<&str> = quantity.units().iter().map(|&(name, _)| name).collect();
+    let full_scale = if quantity == Quantity::Duty {
+        ", or the number that means full duty, for example 255"
+    } else {
+        ""
+    };
+    format!(
+        "\"{text}\" is no unit of {quantity}: use {}{full_scale}; a scale may follow, for example {}*0.5 or {}/-1",
+        names.join(", "),
+        names[0],
+        names[0]
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn factor(quantity: Quantity, text: &str) -> f64 {
+        Unit::parse(quantity, text).unwrap().factor
+    }
+
+    #[test]
+    fn every_unit_of_the_contract_has_its_factor() {
+        let pi = std::f64::consts::PI;
+        for (quantity, text, expected) in [
+            (Quantity::Time, "s", 1.0),
+            (Quantity::Time, "ms", 1e-3),
+            (Quantity::Time, "us", 1e-6),
+            (Quantity::Voltage, "mV", 1e-3),
+            (Quantity::Angle, "deg", pi / 180.0),
+            (Quantity::Angle, "rev", 2.0 * pi),
+            (Quantity::Speed, "rad/s", 1.0),
+            (Quantity::Speed, "deg/s", pi / 180.0),
+            (Quantity::Speed, "rpm", pi / 30.0),
+            (Quantity::Current, "mA", 1e-3),
+        ] {
+            let relative = factor(quantity, text) / expected;
+            assert!((relative - 1.0).abs() < 1e-15, "{quantity} {text}");
+        }
+        assert!(Unit::parse(Quantity::Angle, "counts").unwrap().counts);
+    }
+
+    #[test]
+    fn scales_multiply_and_divide_after_any_unit() {
+        assert!((factor(Quantity::Voltage, "V/255*7.9") - 7.9 / 255.0).abs() < 1e-15);
+        assert_eq!(factor(Quantity::Voltage, "*0.031"), 0.031);
+        assert_eq!(factor(Quantity::Speed, "rad/s*-1"), -1.0);
+        assert_eq!(factor(Quantity::Speed, "rad/s/2"), 0.5);
+        assert_eq!(factor(Quantity::Duty, "255"), 1.0 / 255.0);
+    }
+
+    #[test]
+    fn a_wrong_unit_is_answered_with_the_right_ones() {
+        let answer = Unit::parse(Quantity::Speed, "km/h").unwrap_err();
+        assert!(
+            answer.contains("km/h") && answer.contains("rpm"),
+            "{answer}"
+        );
+        for text in ["V*", "V*zero", "V*0", "V/0", "Vx", "radians"] {
+            assert!(Unit::parse(Quantity::Voltage, text).is_err(), "{text}");
+        }
+    }
+}
