@@ -87,13 +87,7 @@ impl<const FRAC: u32> Scalar for Fixed<FRAC> {
     fn lit(x: f64) -> Self {
         let units = x * (1_u64 << FRAC) as f64;
         // `as` saturates, which is what an out-of-range literal should do.
-        Self(
-            (if units < 0.0 {
-                units - 0.5
-            } else {
-                units + 0.5
-            }) as i32,
-        )
+        Self((if units < 0.0 { units - 0.5 } else { units + 0.5 }) as i32)
     }
     #[inline(always)]
     fn splat(x: Self) -> Self {

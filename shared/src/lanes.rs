@@ -100,11 +100,7 @@ mod tests {
         let r = Lanes::pick_gt(a, b, a.mul_add(b, a), (a / b).sin_turns());
         for l in 0..4 {
             let (x, y) = (a.0[l], b.0[l]);
-            let truth = if x > y {
-                x * y + x
-            } else {
-                (x / y).sin_turns()
-            };
+            let truth = if x > y { x * y + x } else { (x / y).sin_turns() };
             assert_eq!(r.0[l], truth);
         }
     }

@@ -5,6 +5,11 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod base;
+pub mod effects;
 pub mod fixed;
 pub mod lanes;
+pub mod per_unit;
 pub mod scalar;
+pub mod simulator;
+pub mod step;

@@ -72,12 +72,7 @@ pub trait Scalar:
     #[inline(always)]
     fn sign(self) -> Self {
         let zero = Self::zero();
-        Self::pick_gt(
-            self,
-            zero,
-            Self::one(),
-            Self::pick_gt(zero, self, -Self::one(), zero),
-        )
+        Self::pick_gt(self, zero, Self::one(), Self::pick_gt(zero, self, -Self::one(), zero))
     }
     /// Sine of an angle in turns (1 = a whole revolution); error below 4e-9.
     ///
@@ -87,12 +82,8 @@ pub trait Scalar:
         let x = self - self.round(); // -0.5 ..= 0.5
         let quarter = Self::lit(0.25);
         // Fold the outer quarters back: sin(pi - a) = sin(a).
-        let folded = Self::pick_gt(
-            x,
-            quarter,
-            Self::lit(0.5) - x,
-            Self::pick_gt(-x, quarter, Self::lit(-0.5) - x, x),
-        );
+        let folded =
+            Self::pick_gt(x, quarter, Self::lit(0.5) - x, Self::pick_gt(-x, quarter, Self::lit(-0.5) - x, x));
         // In quarter turns, so that every power stays within one: fixed point keeps its digits.
         let q = folded * Self::lit(4.0);
         let s = q * q;

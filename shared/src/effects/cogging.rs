@@ -1,0 +1,73 @@
+//! Torque ripple of the slots, a fixed number of times per motor revolution.
+
+use super::spec::{Port, Scale, Spec, shape, strength};
+use super::{Effect, Memory, Now, Setting};
+use crate::scalar::Scalar;
+use crate::step::Drive;
+
+pub(super) const SPEC: Spec = Spec {
+    name: "cogging",
+    port: Port::Torque,
+    title: "torque ripple locked to the motor's angle (slots, commutator)",
+    equation: "f = -(sine sin(order n x) + cosine cos(order n x))",
+    source: "slot ripple of permanent-magnet motors; n is the gear ratio",
+    signature: "residual torque against the motor's angle repeats a whole number of times a revolution; slow motion is jerky",
+    parameters: &[
+        strength("sine", "V", "ripple torque, sine part", Scale::Volt, [-6.0, 0.15, 6.0]),
+        strength("cosine", "V", "ripple torque, cosine part", Scale::Volt, [-6.0, 0.15, 6.0]),
+        shape("order", "1", "periods per motor revolution", Scale::One, [1.0, 0.002, 64.0]),
+    ],
+    // The order comes from the data (a periodogram over the angle); these are fallbacks.
+    probes: &[
+        &[0.2, 0.0, 3.0], &[0.0, 0.2, 3.0], &[-0.2, 0.0, 3.0], &[0.0, -0.2, 3.0],
+        &[0.2, 0.0, 6.0], &[0.0, 0.2, 6.0], &[-0.2, 0.0, 6.0], &[0.0, -0.2, 6.0],
+    ],
+    contains: &[],
+};
+
+/// Torque of `order` periods per motor revolution.
+#[derive(Debug, Clone, Copy)]
+pub struct Cogging<S> {
+    sine: S,
+    cosine: S,
+    turns: S,
+    half_step: S,
+}
+
+impl<S: Scalar> Cogging<S> {
+    pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
+        Self {
+            sine: parameters[0],
+            cosine: parameters[1],
+            turns: parameters[2] * setting.motor_turns,
+            half_step: setting.step * S::lit(0.5),
+        }
+    }
+}
+
+impl<S: Scalar> Effect<S> for Cogging<S> {
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
+        // At the middle of the step: the ripple may pass a good part of a period in one.
+        let middle = now.state.speed.mul_add(self.half_step, now.state.angle);
+        let turn = middle * self.turns;
+        drive.torque -= self.sine.mul_add(turn.sin_turns(), self.cosine * turn.cos_turns());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+
+    /// A quarter of a ripple period away from balance the slots hold the shaft against a small voltage.
+    #[test]
+    fn holds_the_shaft_where_the_ripple_balances_the_voltage() {
+        let (_, motion) = run(Kind::Cogging, &[1.0, 0.0, 4.0], &[0.5; 4000]);
+        close(motion.state.angle, libm::asin(0.5) / (4.0 * RIG.gear_ratio), 1e-6);
+    }
+
+    #[test]
+    fn at_speed_the_ripple_averages_out() {
+        close(steady_speed(Kind::Cogging, &[0.3, 0.0, 4.0], 10.0), BASE.gain * 10.0, 0.05);
+    }
+}

@@ -1,0 +1,84 @@
+//! A springy shaft or belt between motor and load.
+
+use super::spec::{Port, Scale, Spec, shape};
+use super::{Effect, Setting};
+use crate::scalar::Scalar;
+use crate::step::State;
+
+pub(super) const SPEC: Spec = Spec {
+    name: "compliance",
+    port: Port::Transmission,
+    title: "a springy shaft, belt or harmonic drive: the load swings against the motor",
+    equation: "load: dw_l/dt = (2 pi frequency)^2 (x - x_l) + 2 damping (2 pi frequency) (w - w_l)",
+    source: "two-mass resonance; the symplectic step keeps its energy",
+    signature: "ringing at one frequency after every jump of the voltage",
+    parameters: &[
+        shape("frequency", "Hz", "where the load swings with the motor held", Scale::One, [1.5, 8.0, 80.0]),
+        shape("load_share", "1", "load's share of the inertia", Scale::One, [0.05, 0.45, 0.9]),
+        shape("damping", "1", "damping ratio of that swing", Scale::One, [0.002, 0.05, 1.0]),
+    ],
+    probes: &[
+        &[3.5, 0.45, 0.05], &[5.0, 0.45, 0.05], &[7.0, 0.45, 0.05], &[10.0, 0.45, 0.05],
+        &[14.0, 0.45, 0.05], &[20.0, 0.45, 0.05], &[28.0, 0.45, 0.05], &[40.0, 0.45, 0.05],
+    ],
+    contains: &[],
+};
+
+/// A spring and a damper between rotor and load.
+#[derive(Debug, Clone, Copy)]
+pub struct Compliance<S> {
+    stiffness: S,
+    damping: S,
+    load_per_rotor: S,
+}
+
+impl<S: Scalar> Compliance<S> {
+    pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
+        let rate = parameters[0] * S::lit(core::f64::consts::TAU);
+        let share = parameters[1];
+        Self {
+            stiffness: rate * rate,
+            damping: S::lit(2.0) * parameters[2] * rate,
+            load_per_rotor: share / (S::one() - share),
+        }
+    }
+}
+
+impl<S: Scalar> Effect<S> for Compliance<S> {
+    #[inline(always)]
+    fn couple(&self, part: S, s: &mut State<S>) {
+        let pull = self.damping * (s.speed - s.load_speed) + self.stiffness * (s.angle - s.load_angle);
+        let kick = pull * part;
+        s.load_speed += kick;
+        s.speed -= kick * self.load_per_rotor;
+        s.load_angle += s.load_speed * part;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+
+    #[test]
+    fn load_follows_without_error_in_steady_motion() {
+        let (_, motion) = run(Kind::Compliance, &[8.0, 0.45, 0.2], &[6.0; 3000]);
+        close(motion.state.speed, BASE.gain * 6.0, 1e-6);
+        close(motion.state.load_speed, BASE.gain * 6.0, 1e-6);
+    }
+
+    /// With the rotor held by a heavy inertia the load swings at the stated frequency.
+    #[test]
+    fn load_swings_at_the_stated_frequency() {
+        let setting = super::super::Setting::new(&BASE, &RIG);
+        let spring = super::Compliance::new(&[8.0, 1e-9, 1e-6], &setting);
+        let mut s = crate::step::State::rest();
+        s.load_angle = 0.1;
+        let (mut crossings, part) = (0, 2.5e-4);
+        for _ in 0..4000 {
+            let before = s.load_angle;
+            super::Effect::couple(&spring, part, &mut s);
+            crossings += usize::from(before * s.load_angle < 0.0);
+        }
+        assert_eq!(crossings, 16); // eight swings in one second
+    }
+}

@@ -1,0 +1,60 @@
+//! A weight on an arm.
+
+use super::spec::{Port, Scale, Spec, strength};
+use super::{Effect, Memory, Now, Setting};
+use crate::scalar::Scalar;
+use crate::step::Drive;
+
+pub(super) const SPEC: Spec = Spec {
+    name: "gravity",
+    port: Port::Torque,
+    title: "a weight on an arm: torque once per output revolution",
+    equation: "f = -(sine sin(x) + cosine cos(x)) at the load",
+    source: "pendulum; two components because the log's zero is not the hanging position",
+    signature: "residual torque against the output angle, folded once a revolution, is a sine",
+    parameters: &[
+        strength("sine", "V", "torque at a quarter turn", Scale::Volt, [-6.0, 0.15, 6.0]),
+        strength("cosine", "V", "torque at the log's zero", Scale::Volt, [-6.0, 0.15, 6.0]),
+    ],
+    probes: &[
+        &[0.1, 0.0], &[0.0, 0.1], &[-0.1, 0.0], &[0.0, -0.1],
+        &[0.4, 0.0], &[0.0, 0.4], &[-0.4, 0.0], &[0.0, -0.4],
+        &[1.2, 0.0], &[0.0, 1.2], &[-1.2, 0.0], &[0.0, -1.2],
+    ],
+    contains: &[],
+};
+
+/// Torque of a pendulum in two components.
+#[derive(Debug, Clone, Copy)]
+pub struct Gravity<S> {
+    sine: S,
+    cosine: S,
+    turns: S,
+}
+
+impl<S: Scalar> Gravity<S> {
+    pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
+        Self { sine: parameters[0], cosine: parameters[1], turns: setting.output_turns }
+    }
+}
+
+impl<S: Scalar> Effect<S> for Gravity<S> {
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
+        let turn = now.state.load_angle * self.turns;
+        let torque = self.sine.mul_add(turn.sin_turns(), self.cosine * turn.cos_turns());
+        drive.load_torque -= torque;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+
+    /// Held at a small voltage, the arm comes to rest where the weight balances it.
+    #[test]
+    fn rests_where_the_weight_balances_the_voltage() {
+        let (_, motion) = run(Kind::Gravity, &[1.0, 0.0], &[0.5; 40_000]);
+        close(motion.state.angle, libm::asin(0.5), 1e-6);
+    }
+}

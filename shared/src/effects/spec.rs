@@ -1,0 +1,143 @@
+//! The registry row of an effect.
+
+use super::Rig;
+
+/// Where an effect enters the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Port {
+    /// Changes the voltage on the winding.
+    Voltage,
+    /// Adds a torque.
+    Torque,
+    /// Changes what passes from rotor to load.
+    Transmission,
+    /// Changes what the encoder shows.
+    Sensor,
+}
+
+impl Port {
+    /// The word that users see.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Voltage => "voltage",
+            Self::Torque => "torque",
+            Self::Transmission => "transmission",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
+/// What one unit of a bound or probe stands for, so that one row serves every motor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// A plain number.
+    One,
+    /// A twelfth of the nominal voltage, V.
+    Volt,
+    /// The no-load speed at nominal voltage, rad/s.
+    Speed,
+    /// `Volt` at the no-load speed, growing with its square, V per (rad/s)^2.
+    VoltPerSpeedSquared,
+    /// `Volt` per revolution of the output shaft, V/rad.
+    VoltPerTurn,
+    /// A millisecond, s.
+    Millisecond,
+    /// A degree, rad.
+    Degree,
+    /// A count of the encoder, rad of the output shaft.
+    Count,
+}
+
+impl Scale {
+    /// One unit on `rig`, in the unit that the parameter is stored in.
+    #[must_use]
+    pub fn unit(self, rig: &Rig) -> f64 {
+        let volt = rig.nominal_v / 12.0;
+        match self {
+            Self::One => 1.0,
+            Self::Volt => volt,
+            Self::Speed => rig.reference_speed,
+            Self::VoltPerSpeedSquared => volt / (rig.reference_speed * rig.reference_speed),
+            Self::VoltPerTurn => volt / core::f64::consts::TAU,
+            Self::Millisecond => 1e-3,
+            Self::Degree => core::f64::consts::PI / 180.0,
+            Self::Count => rig.count_rad,
+        }
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name in the model file.
+    pub name: &'static str,
+    /// Unit of the stored value.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Unit of `low`, `high`, `typical` and the probes.
+    pub scale: Scale,
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// A size one meets; the step of searches.
+    pub typical: f64,
+    /// The effect vanishes when this parameter is zero.
+    pub strength: bool,
+}
+
+/// A row of the registry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spec {
+    /// Name that users type.
+    pub name: &'static str,
+    /// Where it enters.
+    pub port: Port,
+    /// A line of plain words.
+    pub title: &'static str,
+    /// The law, in the symbols of [`crate::base`].
+    pub equation: &'static str,
+    /// Where the law is from.
+    pub source: &'static str,
+    /// What it looks like in data.
+    pub signature: &'static str,
+    /// Parameters, in order.
+    pub parameters: &'static [Parameter],
+    /// Finite trial values for the diagnosis, in each parameter's scale.
+    pub probes: &'static [&'static [f64]],
+    /// Simpler effects that this one contains.
+    pub contains: &'static [&'static str],
+}
+
+impl Spec {
+    /// Which parameter is the load's share of the inertia; none unless this is a transmission.
+    #[must_use]
+    pub fn load_share(&self) -> Option<usize> {
+        self.parameters.iter().position(|p| p.name == "load_share")
+    }
+}
+
+/// A parameter whose zero switches the effect off.
+pub(super) const fn strength(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    scale: Scale,
+    [low, typical, high]: [f64; 3],
+) -> Parameter {
+    Parameter { name, unit, meaning, scale, low, high, typical, strength: true }
+}
+
+/// A parameter that shapes an effect.
+pub(super) const fn shape(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    scale: Scale,
+    [low, typical, high]: [f64; 3],
+) -> Parameter {
+    Parameter { name, unit, meaning, scale, low, high, typical, strength: false }
+}

@@ -1,0 +1,53 @@
+//! A spring at the output.
+
+use super::spec::{Port, Scale, Spec, shape, strength};
+use super::{Effect, Memory, Now, Setting};
+use crate::scalar::Scalar;
+use crate::step::Drive;
+
+pub(super) const SPEC: Spec = Spec {
+    name: "spring",
+    port: Port::Torque,
+    title: "a spring at the output (cable, return spring)",
+    equation: "f = -stiffness (x - x_start) - preload",
+    source: "Hooke's law",
+    signature: "residual torque against the output angle is a straight line; the shaft creeps back at zero voltage",
+    parameters: &[
+        strength("stiffness", "V/rad", "torque per angle", Scale::VoltPerTurn, [0.0, 0.15, 60.0]),
+        shape("preload", "V", "torque at the start of the record", Scale::Volt, [-6.0, 0.05, 6.0]),
+    ],
+    probes: &[&[0.03, 0.0], &[0.15, 0.0], &[0.6, 0.0], &[3.0, 0.0]],
+    contains: &["constant_load"],
+};
+
+/// A linear spring from the record's first angle.
+#[derive(Debug, Clone, Copy)]
+pub struct Spring<S> {
+    stiffness: S,
+    preload: S,
+}
+
+impl<S: Scalar> Spring<S> {
+    pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
+        Self { stiffness: parameters[0], preload: parameters[1] }
+    }
+}
+
+impl<S: Scalar> Effect<S> for Spring<S> {
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
+        let stretch = now.state.load_angle - memory.origin;
+        drive.load_torque -= self.stiffness.mul_add(stretch, self.preload);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+
+    #[test]
+    fn rests_where_the_spring_balances_the_voltage() {
+        let (_, motion) = run(Kind::Spring, &[0.5, 0.0], &[2.0; 60_000]);
+        close(motion.state.angle, 4.0, 1e-6);
+    }
+}

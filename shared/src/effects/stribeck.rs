@@ -1,0 +1,64 @@
+//! Dry friction that falls as the lubricant begins to carry.
+
+use super::spec::{Port, Scale, Spec, shape, strength};
+use super::{Effect, Memory, Now, Setting};
+use crate::scalar::Scalar;
+use crate::step::Drive;
+
+pub(super) const SPEC: Spec = Spec {
+    name: "stribeck",
+    port: Port::Torque,
+    title: "dry friction with a higher break-away level (Stribeck)",
+    equation: "f = -(level + excess / (1 + s + s^2/2)) sign(w),  s = (w / speed)^2",
+    source: "Stribeck 1902; Tustin 1947; the quotient follows exp(-s) and needs no exponential",
+    signature: "residual torque steps at zero speed and falls within a few per cent of the top speed; stick-slip at slow triangles",
+    parameters: &[
+        strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 5.0]),
+        strength("excess", "V", "break-away level above it", Scale::Volt, [0.0, 0.15, 5.0]),
+        shape("speed", "rad/s", "where the excess has fallen to 40 %", Scale::Speed, [0.002, 0.02, 0.2]),
+    ],
+    probes: &[&[0.2, 0.14, 0.01], &[0.2, 0.14, 0.035], &[0.7, 0.5, 0.01], &[0.7, 0.5, 0.035]],
+    contains: &["coulomb"],
+};
+
+/// Dry friction `level + excess` at rest, `level` at speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Stribeck<S> {
+    level: S,
+    excess: S,
+    per_speed: S,
+}
+
+impl<S: Scalar> Stribeck<S> {
+    pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
+        Self { level: parameters[0], excess: parameters[1], per_speed: S::one() / parameters[2] }
+    }
+}
+
+impl<S: Scalar> Effect<S> for Stribeck<S> {
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
+        let x = now.state.speed * self.per_speed;
+        let s = x * x;
+        let fall = S::lit(0.5).mul_add(s * s, s) + S::one();
+        let friction = self.level + self.excess / fall;
+        drive.friction_forward += friction;
+        drive.friction_backward += friction;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+
+    #[test]
+    fn breaks_away_above_level_plus_excess_only() {
+        assert_eq!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 0.49), 0.0);
+        assert!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 0.53) > 0.0);
+    }
+
+    #[test]
+    fn at_speed_only_the_level_is_left() {
+        close(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 6.0), BASE.gain * 5.7, 1e-4);
+    }
+}

@@ -1,0 +1,50 @@
+//! A small motor for the effects' own tests.
+
+use super::{Kind, Rig};
+use crate::base::Base;
+use crate::simulator::{Motion, Simulator};
+use crate::step::State;
+
+pub const BASE: Base<f64> = Base { gain: 0.8, tau_m: 0.05, tau_e: 5e-4, viscous_share: 0.1 };
+
+pub const RIG: Rig = Rig {
+    step_s: 1e-3,
+    gear_ratio: 50.0,
+    encoder_on_motor: true,
+    nominal_v: 12.0,
+    supply_v: 12.0,
+    reference_speed: 9.6,
+    count_rad: 0.002,
+};
+
+/// Runs one effect over `voltages` (one a millisecond) from `state`; returns the angle read after each step and
+/// the last motion.
+pub fn run_from(
+    state: State<f64>,
+    kind: Kind,
+    parameters: &[f64],
+    voltages: &[f64],
+) -> (std::vec::Vec<f64>, Motion<f64>) {
+    let simulator = Simulator::new(&BASE, [(kind, parameters)], &RIG);
+    let mut motion = simulator.start(state);
+    let mut angles = std::vec::Vec::new();
+    for k in 0..voltages.len() {
+        simulator.advance(&mut motion, voltages, k);
+        angles.push(simulator.read(&motion));
+    }
+    (angles, motion)
+}
+
+/// From rest.
+pub fn run(kind: Kind, parameters: &[f64], voltages: &[f64]) -> (std::vec::Vec<f64>, Motion<f64>) {
+    run_from(State::rest(), kind, parameters, voltages)
+}
+
+/// Speed after two seconds at `volts`.
+pub fn steady_speed(kind: Kind, parameters: &[f64], volts: f64) -> f64 {
+    run(kind, parameters, &[volts; 2000]).1.state.speed
+}
+
+pub fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance, "{a} is not {b} within {tolerance}");
+}

@@ -1,0 +1,169 @@
+//! What holds for every row of the registry, and for the template.
+
+use super::testing::{BASE, RIG};
+use super::{Kind, Port};
+use crate::fixed::Fixed;
+use crate::lanes::Lanes;
+use crate::simulator::Simulator;
+use crate::step::State;
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+use std::vec::Vec;
+
+fn typical(kind: Kind) -> Vec<f64> {
+    let spec = kind.spec();
+    let probe = spec.probes[spec.probes.len() / 2];
+    spec.parameters.iter().zip(probe).map(|(p, x)| x * p.scale.unit(&RIG)).collect()
+}
+
+/// A drive with reversals, coasting, slow and fast parts.
+fn drive(n: usize) -> Vec<f64> {
+    (0..n)
+        .map(|k| match (k / 400) % 5 {
+            0 => 9.0,
+            1 => 0.0,
+            2 => -6.0,
+            3 => 0.01 * (k % 400) as f64 - 2.0,
+            _ => 5.0 * libm::sin(k as f64 * 0.03),
+        })
+        .collect()
+}
+
+fn angles(effects: &[(Kind, Vec<f64>)], volts: &[f64]) -> Vec<f64> {
+    let s = Simulator::new(&BASE, effects.iter().map(|(k, p)| (*k, &p[..])), &RIG);
+    let mut m = s.start(State::rest());
+    (0..volts.len())
+        .map(|k| {
+            s.advance(&mut m, volts, k);
+            s.read(&m)
+        })
+        .collect()
+}
+
+#[test]
+fn names_are_unique_and_lead_back_to_their_row() {
+    let names: BTreeSet<_> = Kind::ALL.iter().map(|k| k.name()).collect();
+    assert_eq!(names.len(), Kind::ALL.len());
+    for (index, kind) in Kind::ALL.iter().enumerate() {
+        assert_eq!(Kind::by_name(kind.name()), Some(*kind));
+        assert_eq!(kind.index(), index);
+    }
+    assert_eq!(Kind::by_name("none"), None);
+}
+
+#[test]
+fn every_row_is_complete_and_consistent() {
+    for kind in Kind::ALL {
+        let s = kind.spec();
+        for text in [s.title, s.equation, s.source, s.signature] {
+            assert!(!text.is_empty(), "{kind}: an empty text in its row");
+        }
+        assert!(s.parameters.len() <= crate::simulator::MAX_PARAMETERS);
+        assert!(s.parameters.iter().any(|p| p.strength) || s.port == Port::Transmission);
+        for probe in s.probes {
+            assert_eq!(probe.len(), s.parameters.len(), "{kind}: a probe of another length");
+            for (x, p) in probe.iter().zip(s.parameters) {
+                assert!((p.low..=p.high).contains(x), "{kind}: probe {x} of {} out of bounds", p.name);
+            }
+        }
+        for simpler in s.contains {
+            assert!(Kind::by_name(simpler).is_some(), "{kind}: contains an unknown {simpler}");
+        }
+        assert_eq!(s.load_share().is_some(), s.port == Port::Transmission);
+    }
+}
+
+#[test]
+fn every_effect_changes_the_reading_and_stays_finite() {
+    let volts = drive(4000);
+    let plain = angles(&[], &volts);
+    for kind in Kind::ALL {
+        let with = angles(&[(*kind, typical(*kind))], &volts);
+        let change: f64 = with.iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(with.iter().all(|x| x.is_finite()), "{kind} blew up");
+        assert!(change > 1e-3, "{kind} changed the reading by {change} rad only");
+    }
+}
+
+#[test]
+fn an_effect_of_strength_zero_is_the_plain_motor() {
+    let volts = drive(2000);
+    let plain = angles(&[], &volts);
+    for kind in Kind::ALL.iter().filter(|k| k.spec().port != Port::Transmission) {
+        let zero: Vec<f64> = typical(*kind)
+            .iter()
+            .zip(kind.spec().parameters)
+            .map(|(x, p)| if p.strength || p.low < 0.0 { 0.0 } else { *x })
+            .collect();
+        let with = angles(&[(*kind, zero)], &volts);
+        for (a, b) in with.iter().zip(&plain) {
+            assert!((a - b).abs() < 1e-9, "{kind} acts although its strength is zero");
+        }
+    }
+}
+
+#[test]
+fn lanes_give_every_candidate_its_own_answer() {
+    let volts = drive(2000);
+    for kind in Kind::ALL {
+        let p = typical(*kind);
+        let factors = [1.0, 0.7, 1.0, 0.4];
+        let base = crate::base::Base {
+            gain: Lanes([BASE.gain; 4]),
+            tau_m: Lanes([BASE.tau_m, BASE.tau_m, 0.08, 0.03]),
+            tau_e: Lanes([BASE.tau_e; 4]),
+            viscous_share: Lanes([BASE.viscous_share; 4]),
+        };
+        let wide: Vec<Lanes<f64, 4>> =
+            p.iter().map(|x| Lanes(core::array::from_fn(|l| x * factors[l]))).collect();
+        let s = Simulator::new(&base, [(*kind, &wide[..])], &RIG);
+        let mut m = s.start(State::rest());
+        for k in 0..volts.len() {
+            s.advance(&mut m, &volts, k);
+        }
+        let block = s.read(&m);
+        for l in 0..4 {
+            let base = crate::base::Base { tau_m: base.tau_m.0[l], ..BASE };
+            let narrow: Vec<f64> = p.iter().map(|x| x * factors[l]).collect();
+            let s = Simulator::new(&base, [(*kind, &narrow[..])], &RIG);
+            let mut m = s.start(State::rest());
+            for k in 0..volts.len() {
+                s.advance(&mut m, &volts, k);
+            }
+            assert_eq!(block.0[l], s.read(&m), "{kind}, lane {l}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Without a drive, no effect but a load or a spring may add energy to a moving shaft.
+    #[test]
+    fn a_coasting_shaft_never_speeds_up(speed in -9.0_f64..9.0, which in 0..Kind::ALL.len(), size in 0.1_f64..1.0) {
+        let kind = Kind::ALL[which];
+        let driving = [Kind::ConstantLoad, Kind::Spring, Kind::Gravity, Kind::Cogging];
+        prop_assume!(!driving.contains(&kind));
+        let p: Vec<f64> = typical(kind).iter().zip(kind.spec().parameters)
+            .map(|(x, q)| (x * size).max(q.low * q.scale.unit(&RIG))).collect();
+        let s = Simulator::new(&BASE, [(kind, &p[..])], &RIG);
+        let mut m = s.start(State::moving(0.0, speed, 0.0));
+        let volts = [0.0; 500];
+        for k in 0..500 {
+            s.advance(&mut m, &volts, k);
+            prop_assert!(m.state.speed.abs() <= speed.abs() * (1.0 + 1e-9));
+        }
+    }
+}
+
+/// 36 s at 1 kHz in 32-bit fixed point: friction, weight and a gap beside the base model, per-unit.
+#[test]
+fn fixed_point_follows_double_precision_for_36_seconds() {
+    type Q = Fixed<25>;
+    let volts: Vec<f64> =
+        (0..36_000).map(|k| 7.0 * libm::sin(core::f64::consts::TAU * 0.25 * k as f64 * 1e-3)).collect();
+    let units =
+        crate::base::Units { volt: 8.0, speed: BASE.gain * 8.0, angle: BASE.gain * 8.0 * 1e-3 * 1024.0 };
+    let worst = crate::per_unit::compare::<Q>(&BASE, 0.4, &volts, &units);
+    // Stated error: a quarter of the paper's encoder count (1.26e-3 rad).
+    assert!(worst < 3e-4, "fixed point is {worst} rad off");
+}

@@ -1,0 +1,74 @@
+//! The winding warms up and its resistance rises.
+
+use super::spec::{Port, Scale, Spec, shape, strength};
+use super::{Effect, Memory, Now, Setting};
+use crate::scalar::Scalar;
+use crate::step::{Drive, State};
+
+pub(super) const SPEC: Spec = Spec {
+    name: "winding_heating",
+    port: Port::Voltage,
+    title: "the winding warms up: resistance rises while the motor works",
+    equation: "dq/dt = rate (u / nominal)^2 - q / cooling;  resistance (1 + q)",
+    source: "one thermal capacity heated by R i^2; copper gains 0.39 % a kelvin",
+    signature: "the model fits the beginning of a record and drifts off towards its end",
+    parameters: &[
+        strength("rate", "1/s", "rise of resistance per second at stall", Scale::One, [0.0, 0.05, 2.0]),
+        shape("cooling", "s", "thermal time constant", Scale::One, [2.0, 30.0, 300.0]),
+    ],
+    probes: &[&[0.02, 30.0], &[0.1, 30.0], &[0.3, 30.0], &[0.3, 8.0]],
+    contains: &[],
+};
+
+/// Heating by the square of the current; memory holds the relative rise of resistance.
+#[derive(Debug, Clone, Copy)]
+pub struct WindingHeating<S> {
+    gain: S,
+    loss: S,
+}
+
+impl<S: Scalar> WindingHeating<S> {
+    pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
+        Self {
+            gain: parameters[0] * setting.step * setting.per_nominal * setting.per_nominal,
+            loss: setting.step / parameters[1],
+        }
+    }
+}
+
+impl<S: Scalar> Effect<S> for WindingHeating<S> {
+    #[inline(always)]
+    fn drive(&self, _now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
+        drive.series += memory.store;
+    }
+    #[inline(always)]
+    fn settle(&self, _now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
+        let heat = self.gain * after.current * after.current;
+        memory.store += heat - self.loss * memory.store;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kind, testing::*};
+    use crate::effects::Rig;
+    use crate::simulator::Simulator;
+    use crate::step::State;
+
+    /// Stalled by friction, the current falls as 1 / (1 + q) with dq/dt = rate (v / nominal)^2 / (1 + q)^2.
+    #[test]
+    fn stall_current_falls_as_the_winding_warms() {
+        let rig = Rig { ..RIG };
+        let heat = [0.1, 1e9];
+        let stall = [50.0];
+        let s = Simulator::new(&BASE, [(Kind::WindingHeating, &heat[..]), (Kind::Coulomb, &stall[..])], &rig);
+        let mut motion = s.start(State::rest());
+        let volts = [12.0; 5000];
+        for k in 0..volts.len() {
+            s.advance(&mut motion, &volts, k);
+        }
+        // (1 + q)^3 = 1 + 3 rate t
+        let truth = 12.0 / libm::cbrt(1.0 + 3.0 * 0.1 * 5.0);
+        close(s.current(&motion), truth, 0.03);
+    }
+}
