@@ -2,6 +2,9 @@
 //!
 //! No std, no heap. The same source runs on the board and on the host.
 #![no_std]
+
+pub mod excitation;
+
 #[cfg(test)]
 extern crate std;
 
