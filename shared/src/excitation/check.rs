@@ -51,17 +51,11 @@ pub struct ProgrammeError {
 
 impl ProgrammeError {
     pub(super) fn whole(fault: Fault) -> Self {
-        Self {
-            segment: None,
-            fault,
-        }
+        Self { segment: None, fault }
     }
 
     pub(super) fn at(segment: usize, fault: Fault) -> Self {
-        Self {
-            segment: Some(segment as u8),
-            fault,
-        }
+        Self { segment: Some(segment as u8), fault }
     }
 }
 
@@ -72,33 +66,27 @@ impl fmt::Display for ProgrammeError {
         }
         match self.fault {
             Fault::Empty => write!(f, "the programme has no segment; add at least one"),
-            Fault::TooManySegments => write!(
-                f,
-                "more than {} segments; split the programme in two",
-                super::MAX_SEGMENTS
-            ),
+            Fault::TooManySegments => {
+                write!(f, "more than {} segments; split the programme in two", super::MAX_SEGMENTS)
+            }
             Fault::Duration => write!(f, "seconds must be more than 0 and at most 3600"),
-            Fault::Parameter => write!(
-                f,
-                "a parameter is not finite, or a time, frequency or amplitude is not positive"
-            ),
-            Fault::OverVoltage { asked_v, limit_v } => write!(
-                f,
-                "asks for {asked_v} V but the limit is {limit_v} V; lower the amplitude or offset"
-            ),
+            Fault::Parameter => {
+                write!(f, "a parameter is not finite, or a time, frequency or amplitude is not positive")
+            }
+            Fault::OverVoltage { asked_v, limit_v } => {
+                write!(f, "asks for {asked_v} V but the limit is {limit_v} V; lower the amplitude or offset")
+            }
             Fault::Tones => write!(f, "tones must be 1 to {MAX_TONES}"),
             Fault::Band => write!(
                 f,
                 "the band is empty: low_hz must be at most high_hz, and high_hz at least one cycle per segment"
             ),
-            Fault::TooManyCycles => write!(
-                f,
-                "more than {MAX_CYCLES} cycles in the segment; shorten it or lower the frequency"
-            ),
-            Fault::TooManyLevels => write!(
-                f,
-                "more than {MAX_LEVELS} levels in the staircase; hold them longer"
-            ),
+            Fault::TooManyCycles => {
+                write!(f, "more than {MAX_CYCLES} cycles in the segment; shorten it or lower the frequency")
+            }
+            Fault::TooManyLevels => {
+                write!(f, "more than {MAX_LEVELS} levels in the staircase; hold them longer")
+            }
             Fault::TooFastForRate { rate_hz } => write!(
                 f,
                 "too fast for {rate_hz} samples per second; sample faster, or slow the segment down"
@@ -124,10 +112,7 @@ pub(super) fn programme(programme: &Programme, limit_v: f32) -> Result<(), Progr
         shape(&segment.shape, segment.seconds).map_err(|fault| ProgrammeError::at(index, fault))?;
         let asked_v = segment.shape.peak_v();
         if asked_v > limit_v {
-            return Err(ProgrammeError::at(
-                index,
-                Fault::OverVoltage { asked_v, limit_v },
-            ));
+            return Err(ProgrammeError::at(index, Fault::OverVoltage { asked_v, limit_v }));
         }
     }
     Ok(())
@@ -152,57 +137,32 @@ fn shape(shape: &Shape, seconds: f32) -> Result<(), Fault> {
     };
     match *shape {
         Shape::Rest => Ok(()),
-        Shape::Sine {
-            amplitude_v,
-            frequency_hz,
-            offset_v,
-        } => {
+        Shape::Sine { amplitude_v, frequency_hz, offset_v } => {
             if !offset_v.is_finite() {
                 return Err(Fault::Parameter);
             }
             positive(&[amplitude_v, frequency_hz])
         }
-        Shape::Multisine {
-            amplitude_v,
-            low_hz,
-            high_hz,
-            tones,
-            ..
-        } => {
+        Shape::Multisine { amplitude_v, low_hz, high_hz, tones, .. } => {
             positive(&[amplitude_v, low_hz, high_hz])?;
             if tones == 0 || usize::from(tones) > MAX_TONES {
                 return Err(Fault::Tones);
             }
             band(low_hz, high_hz)
         }
-        Shape::Chirp {
-            amplitude_v,
-            low_hz,
-            high_hz,
-        } => {
+        Shape::Chirp { amplitude_v, low_hz, high_hz } => {
             positive(&[amplitude_v, low_hz, high_hz])?;
             band(low_hz, high_hz)
         }
-        Shape::Staircase {
-            amplitude_v,
-            hold_s,
-            ..
-        } => {
+        Shape::Staircase { amplitude_v, hold_s, .. } => {
             positive(&[amplitude_v, hold_s])?;
             if seconds / hold_s > MAX_LEVELS {
                 return Err(Fault::TooManyLevels);
             }
             Ok(())
         }
-        Shape::Triangle {
-            amplitude_v,
-            period_s,
-        } => positive(&[amplitude_v, period_s]),
-        Shape::Prbs {
-            amplitude_v,
-            chip_s,
-            ..
-        } => positive(&[amplitude_v, chip_s]),
+        Shape::Triangle { amplitude_v, period_s } => positive(&[amplitude_v, period_s]),
+        Shape::Prbs { amplitude_v, chip_s, .. } => positive(&[amplitude_v, chip_s]),
         Shape::PulseAndCoast { amplitude_v } => positive(&[amplitude_v]),
         Shape::Step { level_v } => {
             if level_v.is_finite() {
@@ -211,9 +171,6 @@ fn shape(shape: &Shape, seconds: f32) -> Result<(), Fault> {
                 Err(Fault::Parameter)
             }
         }
-        Shape::Square {
-            amplitude_v,
-            frequency_hz,
-        } => positive(&[amplitude_v, frequency_hz]),
+        Shape::Square { amplitude_v, frequency_hz } => positive(&[amplitude_v, frequency_hz]),
     }
 }

@@ -69,16 +69,10 @@ impl Programme {
     ///
     /// # Errors
     /// [`Fault::TooManySegments`] when they do not fit.
-    pub fn sequence(
-        name: &str,
-        segments: impl IntoIterator<Item = Segment>,
-    ) -> Result<Self, ProgrammeError> {
+    pub fn sequence(name: &str, segments: impl IntoIterator<Item = Segment>) -> Result<Self, ProgrammeError> {
         let mut programme = Self::empty(name);
         for segment in segments {
-            programme
-                .segments
-                .push(segment)
-                .map_err(|_| ProgrammeError::whole(Fault::TooManySegments))?;
+            programme.segments.push(segment).map_err(|_| ProgrammeError::whole(Fault::TooManySegments))?;
         }
         Ok(programme)
     }
@@ -90,10 +84,7 @@ impl Programme {
                 break;
             }
         }
-        Self {
-            name: short,
-            segments: Vec::new(),
-        }
+        Self { name: short, segments: Vec::new() }
     }
 
     /// How long the whole programme takes, in seconds.
@@ -103,10 +94,7 @@ impl Programme {
 
     /// The largest voltage magnitude that the programme can ask for, in volts.
     pub fn peak_v(&self) -> f32 {
-        self.segments
-            .iter()
-            .map(|segment| segment.shape.peak_v())
-            .fold(0.0, f32::max)
+        self.segments.iter().map(|segment| segment.shape.peak_v()).fold(0.0, f32::max)
     }
 
     /// Checks every segment against its limits and against the driver's `limit_v` (volts).

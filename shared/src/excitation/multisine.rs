@@ -26,13 +26,7 @@ impl Tone {
 }
 
 /// Tones on harmonics of the segment, so that the record is periodic and the crest can be scanned exactly.
-pub fn prepare(
-    amplitude_v: f32,
-    (low, high): (f32, f32),
-    tones: u8,
-    seed: u32,
-    samples: u32,
-) -> Tones {
+pub fn prepare(amplitude_v: f32, (low, high): (f32, f32), tones: u8, seed: u32, samples: u32) -> Tones {
     let mut list = Tones::new();
     let mut last = 0;
     for index in 0..u32::from(tones) {

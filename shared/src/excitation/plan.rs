@@ -82,77 +82,45 @@ impl Plan {
             {
                 return too_fast;
             }
-            Shape::Multisine { high_hz, .. } | Shape::Chirp { high_hz, .. }
-                if high_hz > nyquist_hz =>
-            {
+            Shape::Multisine { high_hz, .. } | Shape::Chirp { high_hz, .. } if high_hz > nyquist_hz => {
                 return too_fast;
             }
             Shape::Staircase { hold_s, .. } if hold(hold_s) == 0 => return too_fast,
             Shape::Prbs { chip_s, .. } if hold(chip_s) == 0 => return too_fast,
             Shape::Triangle { period_s, .. } if hold(period_s) < 2 => return too_fast,
-            Shape::Sine {
-                amplitude_v,
-                frequency_hz,
-                offset_v,
-            } => Self::Sine {
+            Shape::Sine { amplitude_v, frequency_hz, offset_v } => Self::Sine {
                 amplitude_v,
                 offset_v,
                 turn: phase::turn_per_sample(f64::from(frequency_hz), rate_hz),
             },
-            Shape::Multisine {
-                amplitude_v,
-                low_hz,
-                high_hz,
-                tones,
-                seed,
-            } => {
+            Shape::Multisine { amplitude_v, low_hz, high_hz, tones, seed } => {
                 let band = (low_hz * segment.seconds, high_hz * segment.seconds);
                 Self::Multisine {
                     peak_v: amplitude_v,
                     tones: multisine::prepare(amplitude_v, band, tones, seed, samples),
                 }
             }
-            Shape::Chirp {
-                amplitude_v,
-                low_hz,
-                high_hz,
-            } => {
+            Shape::Chirp { amplitude_v, low_hz, high_hz } => {
                 let (low, high) = (f64::from(low_hz), f64::from(high_hz));
                 // A chirp of no width is a sine; half a cent keeps the formula and its digits.
-                let octaves_per_second =
-                    libm::log2((high / low).max(1.0003)) / f64::from(segment.seconds);
+                let octaves_per_second = libm::log2((high / low).max(1.0003)) / f64::from(segment.seconds);
                 Self::Chirp {
                     amplitude_v,
                     turns: (low / (octaves_per_second * core::f64::consts::LN_2)) as f32,
                     octaves: libm::round(octaves_per_second / f64::from(rate_hz) * TURN) as u64,
                 }
             }
-            Shape::Staircase {
-                amplitude_v,
-                hold_s,
-                seed,
-            } => Self::Staircase {
+            Shape::Staircase { amplitude_v, hold_s, seed } => Self::Staircase {
                 amplitude_v,
                 hold: hold(hold_s),
                 levels: samples.div_ceil(hold(hold_s)),
                 seed,
             },
-            Shape::Triangle {
-                amplitude_v,
-                period_s,
-            } => Self::Triangle {
+            Shape::Triangle { amplitude_v, period_s } => Self::Triangle {
                 amplitude_v,
                 turn: phase::turn_per_sample(1.0 / f64::from(period_s), rate_hz),
             },
-            Shape::Prbs {
-                amplitude_v,
-                chip_s,
-                seed,
-            } => Self::Prbs {
-                amplitude_v,
-                chip: hold(chip_s),
-                seed,
-            },
+            Shape::Prbs { amplitude_v, chip_s, seed } => Self::Prbs { amplitude_v, chip: hold(chip_s), seed },
             Shape::PulseAndCoast { amplitude_v } => {
                 let mut end_s = 0.0;
                 Self::Pulses {
@@ -163,13 +131,9 @@ impl Plan {
                     }),
                 }
             }
-            Shape::Square {
-                amplitude_v,
-                frequency_hz,
-            } => Self::Square {
-                amplitude_v,
-                turn: phase::turn_per_sample(f64::from(frequency_hz), rate_hz),
-            },
+            Shape::Square { amplitude_v, frequency_hz } => {
+                Self::Square { amplitude_v, turn: phase::turn_per_sample(f64::from(frequency_hz), rate_hz) }
+            }
         })
     }
 
@@ -178,30 +142,19 @@ impl Plan {
     pub fn volts(&self, k: u32, chip: bool) -> f32 {
         match *self {
             Self::Constant { level_v } => level_v,
-            Self::Sine {
-                amplitude_v,
-                offset_v,
-                turn,
-            } => offset_v + amplitude_v * phase::sine(turn.wrapping_mul(k)).clamp(-1.0, 1.0),
+            Self::Sine { amplitude_v, offset_v, turn } => {
+                offset_v + amplitude_v * phase::sine(turn.wrapping_mul(k)).clamp(-1.0, 1.0)
+            }
             Self::Multisine { peak_v, ref tones } => {
                 let sum: f32 = tones.iter().map(|tone| tone.volts(k)).sum();
                 sum.clamp(-peak_v, peak_v)
             }
-            Self::Chirp {
-                amplitude_v,
-                turns,
-                octaves,
-            } => {
+            Self::Chirp { amplitude_v, turns, octaves } => {
                 let cycles = turns * (phase::exp2(octaves * u64::from(k)) - 1.0);
                 let part = cycles - cycles as u32 as f32;
                 amplitude_v * phase::sine((part * TURN as f32) as u32).clamp(-1.0, 1.0)
             }
-            Self::Staircase {
-                amplitude_v,
-                hold,
-                levels,
-                seed,
-            } => {
+            Self::Staircase { amplitude_v, hold, levels, seed } => {
                 let level = permute(k / hold, levels, seed);
                 let steps = (levels - 1).max(1);
                 amplitude_v * ((2 * level) as f32 / steps as f32 - 1.0)
@@ -219,10 +172,7 @@ impl Plan {
                     -amplitude_v
                 }
             }
-            Self::Pulses {
-                amplitude_v,
-                ref ends,
-            } => {
+            Self::Pulses { amplitude_v, ref ends } => {
                 let within = k % ends[PULSES.len() - 1];
                 let pulse = ends.iter().take_while(|end| **end <= within).count();
                 amplitude_v * PULSES[pulse].1

@@ -35,24 +35,16 @@ impl Player {
         programme.validate(f32::MAX)?;
         let mut plans = Vec::new();
         for (index, segment) in programme.segments.iter().enumerate() {
-            let samples =
-                libm::round(f64::from(segment.seconds) * f64::from(rate_hz)).max(0.0) as u32;
+            let samples = libm::round(f64::from(segment.seconds) * f64::from(rate_hz)).max(0.0) as u32;
             if samples == 0 {
                 let fault = Fault::TooFastForRate { rate_hz };
                 return Err(ProgrammeError::at(index, fault));
             }
-            let plan = Plan::new(segment, samples, rate_hz)
-                .map_err(|fault| ProgrammeError::at(index, fault))?;
+            let plan =
+                Plan::new(segment, samples, rate_hz).map_err(|fault| ProgrammeError::at(index, fault))?;
             plans.extend([(samples, plan)]);
         }
-        Ok(Self {
-            plans,
-            rate_hz,
-            segment: 0,
-            sample: 0,
-            register: Lfsr::new(0),
-            chip: false,
-        })
+        Ok(Self { plans, rate_hz, segment: 0, sample: 0, register: Lfsr::new(0), chip: false })
     }
 
     /// Samples in the whole programme.
@@ -102,12 +94,7 @@ impl Iterator for Player {
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let total: u32 = self
-            .plans
-            .iter()
-            .skip(self.segment)
-            .map(|(samples, _)| samples)
-            .sum();
+        let total: u32 = self.plans.iter().skip(self.segment).map(|(samples, _)| samples).sum();
         let left = (total - self.sample) as usize;
         (left, Some(left))
     }

@@ -17,11 +17,7 @@ pub struct Protocol {
 impl Protocol {
     /// How long all six programmes take, in seconds.
     pub fn seconds(&self) -> f32 {
-        self.training
-            .iter()
-            .chain([&self.held_out])
-            .map(Programme::seconds)
-            .sum()
+        self.training.iter().chain([&self.held_out]).map(Programme::seconds).sum()
     }
 }
 
@@ -48,10 +44,7 @@ impl Programme {
             seed,
         };
         let triangle = |nominal_v: f32| Segment {
-            shape: Shape::Triangle {
-                amplitude_v: nominal_v * share,
-                period_s: SECONDS / 2.0,
-            },
+            shape: Shape::Triangle { amplitude_v: nominal_v * share, period_s: SECONDS / 2.0 },
             seconds: SECONDS / 2.0,
         };
         let mut triangles = Self::empty("triangle");
@@ -59,30 +52,16 @@ impl Programme {
         Protocol {
             training: [
                 triangles,
-                Self::single(
-                    "pulse-and-coast",
-                    Shape::PulseAndCoast {
-                        amplitude_v: 10.0 * share,
-                    },
-                    SECONDS,
-                ),
+                Self::single("pulse-and-coast", Shape::PulseAndCoast { amplitude_v: 10.0 * share }, SECONDS),
                 Self::single("multisine", multisine(8.0, 1), SECONDS),
                 Self::single(
                     "prbs",
-                    Shape::Prbs {
-                        amplitude_v: 9.0 * share,
-                        chip_s: 0.06,
-                        seed: 1,
-                    },
+                    Shape::Prbs { amplitude_v: 9.0 * share, chip_s: 0.06, seed: 1 },
                     SECONDS,
                 ),
                 Self::single(
                     "staircase",
-                    Shape::Staircase {
-                        amplitude_v: 10.0 * share,
-                        hold_s: 0.6,
-                        seed: 1,
-                    },
+                    Shape::Staircase { amplitude_v: 10.0 * share, hold_s: 0.6, seed: 1 },
                     SECONDS,
                 ),
             ],
@@ -93,14 +72,6 @@ impl Programme {
     /// The paper's excitation: `amplitude * sin(0.5 pi t)` for three periods, 12 s
     /// (Soleimani Amiri, Ibrahim and Ramli 2020; their amplitudes are 3, 5 and 7 V).
     pub fn paper(amplitude_v: f32) -> Self {
-        Self::single(
-            "paper-sine",
-            Shape::Sine {
-                amplitude_v,
-                frequency_hz: 0.25,
-                offset_v: 0.0,
-            },
-            12.0,
-        )
+        Self::single("paper-sine", Shape::Sine { amplitude_v, frequency_hz: 0.25, offset_v: 0.0 }, 12.0)
     }
 }

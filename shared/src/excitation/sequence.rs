@@ -33,11 +33,7 @@ impl Lfsr {
 /// A four-round Feistel network over the next even power of two, walked until it lands inside
 /// (Black and Rogaway 2002): every index is reached once without storing the order. `count` in 1..=65536.
 pub fn permute(index: u32, count: u32, seed: u32) -> u32 {
-    let half = count
-        .max(2)
-        .next_power_of_two()
-        .trailing_zeros()
-        .div_ceil(2);
+    let half = count.max(2).next_power_of_two().trailing_zeros().div_ceil(2);
     let mask = (1 << half) - 1;
     let mut x = index;
     loop {

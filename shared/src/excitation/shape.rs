@@ -97,11 +97,7 @@ impl Shape {
     pub fn peak_v(&self) -> f32 {
         match *self {
             Self::Rest => 0.0,
-            Self::Sine {
-                amplitude_v,
-                offset_v,
-                ..
-            } => amplitude_v.abs() + offset_v.abs(),
+            Self::Sine { amplitude_v, offset_v, .. } => amplitude_v.abs() + offset_v.abs(),
             Self::Multisine { amplitude_v, .. }
             | Self::Chirp { amplitude_v, .. }
             | Self::Staircase { amplitude_v, .. }
