@@ -1,2 +1,44 @@
-//! Project tasks.
-fn main() {}
+//! Project tasks: `cargo xtask test` is the whole test run, the other subcommands are its parts and the tools around it.
+
+mod apt;
+mod arm;
+mod bench;
+mod licences;
+mod process;
+mod report;
+mod sizes;
+mod test;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// The project's tasks.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Run everything: format, lints, documents, licences, tests, the ARM image, the virtual bench.
+    Test(test::Options),
+    /// Build the ARM image and print its use of flash and RAM against the limits.
+    Sizes,
+    /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
+    Bench(bench::Options),
+    /// Check that every dependency of every workspace has a permissive licence.
+    Licences,
+}
+
+fn main() -> anyhow::Result<ExitCode> {
+    match Cli::parse().task {
+        Task::Test(options) => return Ok(test::run(&options)),
+        Task::Sizes => sizes::print()?,
+        Task::Bench(options) => bench::serve(&options)?,
+        Task::Licences => licences::check_all()?,
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,124 @@
+//! The emulated board: an STM32F4 with an 8 MHz crystal and a supply, run at a fixed rate of instructions.
+
+use std::num::{NonZeroU32, NonZeroU64};
+use std::path::{Path, PathBuf};
+
+use rigless::cpu;
+use rigless::emulator::{self, Driver, Finished, Start};
+use rigless::image::Image;
+use rigless::machine::{Board, Target, armv7m};
+use rigless::mcu::{Mcu, Operate};
+use rigless::session::Session;
+use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::time::VirtualNanos;
+
+/// The core's clock, Hz, which the image's clock tree must reach.
+pub const CORE_HZ: u64 = 84_000_000;
+
+/// The board with nothing but the chip, its crystal and its supply.
+#[derive(Debug)]
+pub struct Machine {
+    /// The chip; what stands around it is driven and read here.
+    pub mcu: Stm32f427,
+    instructions_per_second: u64,
+}
+
+impl Machine {
+    /// A board whose core completes so many instructions a second: 84 million where every instruction takes one
+    /// cycle, fewer to stand for the flash's wait states.
+    pub fn new(instructions_per_second: u64) -> Self {
+        let mut mcu = Stm32f427::new().expect("the part's own tables are sound");
+        mcu.rcc.attach_crystals(8_000_000, 0);
+        mcu.set_supply(3300);
+        Machine {
+            mcu,
+            instructions_per_second,
+        }
+    }
+
+    /// Runs an image until the driver ends the run; the driver is first asked at `first_stop`.
+    pub fn run<D: Driver<Machine> + 'static>(
+        self,
+        image: &Path,
+        first_stop: VirtualNanos,
+        driver: D,
+    ) -> Finished<Machine, D> {
+        let session =
+            Session::new(Box::new(self), 0, first_stop).expect("the board is composed soundly");
+        let images = [Image::read(image, None)
+            .unwrap_or_else(|error| panic!("{}: {error:?}", image.display()))];
+        emulator::run(session, &Start::new(&images), driver)
+            .unwrap_or_else(|error| panic!("the emulator: {error:?}"))
+    }
+}
+
+impl Store for Machine {}
+
+impl Board for Machine {
+    fn name(&self) -> &'static str {
+        "motorlens"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32f4"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.mcu)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let lines = u32::from(Operate::cpu(&self.mcu).interrupt_lines);
+        let core = armv7m::Core {
+            variant: armv7m::Variant::M4,
+            clock_hz: NonZeroU64::new(CORE_HZ).expect("not zero"),
+            interrupt_lines: NonZeroU32::new(lines).expect("the part has interrupts"),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).expect("not zero"),
+            instructions_per_second: NonZeroU64::new(self.instructions_per_second)
+                .expect("not zero"),
+            boot: "flash",
+        };
+        let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
+        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        vec![Target::new("stm32f4", &mut self.mcu, core)]
+    }
+}
+
+/// The image under test: `MOTORLENS_IMAGE`, which `cargo xtask test` sets to the ELF it has just built.
+pub fn image() -> PathBuf {
+    std::env::var_os("MOTORLENS_IMAGE")
+        .expect("MOTORLENS_IMAGE names the firmware's ELF; run the bench by `cargo xtask test --only bench`")
+        .into()
+}
+
+/// Panics when the image touched anything the emulated chip has not: an address without a register, a register
+/// without a model, an access the bus refused, an instruction without meaning, an interrupt without a line.
+pub fn assert_clean(session: &Session<Machine>) {
+    assert!(
+        session.unmapped().is_empty(),
+        "unmapped: {:?}",
+        session.unmapped()
+    );
+    assert!(
+        session.unimplemented().is_empty(),
+        "unimplemented: {:?}",
+        session.unimplemented()
+    );
+    assert!(
+        session.refused().is_empty(),
+        "refused: {:?}",
+        session.refused()
+    );
+    assert!(
+        session.undefined().is_empty(),
+        "undefined: {:?}",
+        session.undefined()
+    );
+    assert!(
+        session.unrouted().is_empty(),
+        "unrouted: {:?}",
+        session.unrouted()
+    );
+}

@@ -1,0 +1,133 @@
+//! The compiler for Cortex-M: rustup's where the target is installed, else Debian's.
+//!
+//! Debian's `rustc-web` and `rust-web-src` carry a compiler and the library source that matches it, from which cargo
+//! builds `core` for the target. What that takes is set for the one child process and goes to a target directory of
+//! its own, so the host's build never sees it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::{apt, process};
+
+/// Cortex-M4F and M7F, the boards' core.
+pub const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
+/// Cortex-M0 and M0+: no FPU, no divide.
+pub const CORTEX_M0: &str = "thumbv6m-none-eabi";
+
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+
+/// A way to build for one target.
+pub struct Compiler {
+    target: &'static str,
+    debian_linker: Option<PathBuf>,
+}
+
+impl Compiler {
+    /// Finds what builds for `target`, installing Debian's packages when rustup has not the target.
+    pub fn find_or_install(target: &'static str) -> Result<Self> {
+        let sysroot = process::output(Command::new("rustc").args(["--print", "sysroot"]))?;
+        let libraries = Path::new(sysroot.trim()).join("lib/rustlib");
+        if libraries.join(target).join("lib").is_dir() {
+            return Ok(Compiler {
+                target,
+                debian_linker: None,
+            });
+        }
+        apt::ensure_apt(&["rustc-web", "rust-web-src"]).with_context(|| {
+            format!("no compiler for {target}: neither `rustup target add {target}` nor Debian's rustc-web is here")
+        })?;
+        Ok(Compiler {
+            target,
+            debian_linker: Some(linker(&libraries)?),
+        })
+    }
+
+    /// A cargo command (`build`, `clippy`, ...) in `directory` for the target.
+    pub fn cargo(&self, subcommand: &str, directory: &Path) -> Command {
+        let mut command = process::cargo();
+        command
+            .current_dir(directory)
+            .arg(subcommand)
+            .args(["--target", self.target]);
+        command
+            .env("CARGO_TARGET_DIR", target_directory())
+            .env_remove("RUSTFLAGS");
+        if let Some(linker) = &self.debian_linker {
+            let variable = format!(
+                "CARGO_TARGET_{}_LINKER",
+                self.target.to_uppercase().replace('-', "_")
+            );
+            command
+                .arg("-Zbuild-std=core,alloc")
+                .env("RUSTC", DEBIAN_RUSTC)
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env(variable, linker);
+        }
+        command
+    }
+
+    /// Where a release build puts the program `name`.
+    pub fn artifact(&self, name: &str) -> PathBuf {
+        target_directory()
+            .join(self.target)
+            .join("release")
+            .join(name)
+    }
+}
+
+/// Everything built for Cortex-M goes here, apart from the host's build.
+fn target_directory() -> PathBuf {
+    process::root().join("target").join("arm")
+}
+
+/// `rust-lld`, which rustup's own tool chain carries; else Debian's `ld.lld`.
+fn linker(libraries: &Path) -> Result<PathBuf> {
+    let hosts = std::fs::read_dir(libraries)
+        .with_context(|| format!("cannot list {}", libraries.display()))?;
+    for host in hosts {
+        let candidate = host?.path().join("bin/rust-lld");
+        if candidate.is_file() {
+            return Ok(candidate);
+        }
+    }
+    apt::ensure_apt(&["lld"])?;
+    let debian = PathBuf::from("/usr/bin/ld.lld");
+    if !debian.is_file() {
+        bail!(
+            "no linker for Cortex-M: neither rust-lld in the tool chain nor {}",
+            debian.display()
+        );
+    }
+    Ok(debian)
+}
+
+/// The directory of the board image's own workspace.
+pub fn image_directory() -> PathBuf {
+    process::root().join("firmware/stm32f4")
+}
+
+/// Builds the board image as it is flashed and returns its ELF.
+pub fn build_image() -> Result<PathBuf> {
+    let compiler = Compiler::find_or_install(CORTEX_M4F)?;
+    process::run(
+        compiler
+            .cargo("build", &image_directory())
+            .args(["--release", "--locked"]),
+    )?;
+    Ok(compiler.artifact("motorlens-stm32f4"))
+}
+
+/// Builds the crates that run on boards for a core, to show that they need neither std nor an FPU.
+pub fn build_no_std(target: &'static str, packages: &[&str]) -> Result<()> {
+    let compiler = Compiler::find_or_install(target)?;
+    for package in packages {
+        process::run(compiler.cargo("build", &process::root()).args([
+            "--release",
+            "--package",
+            package,
+        ]))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,52 @@
+//! The virtual bench: the unmodified image on an emulated STM32F4 with a simulated motor.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::report::Count;
+use crate::{arm, process};
+
+/// How the bench is set up.
+#[derive(Args)]
+pub struct Options {
+    /// Passed on to the bench; `cargo xtask bench -- --help` lists them.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<String>,
+}
+
+/// Builds the image and the bench, then serves until interrupted.
+pub fn serve(options: &Options) -> Result<()> {
+    let image = arm::build_image()?;
+    process::run(
+        bench_cargo("run")
+            .arg("--")
+            .arg("--image")
+            .arg(image)
+            .args(&options.arguments),
+    )
+}
+
+/// Runs the bench's own tests on the image.
+pub fn tests() -> Result<Count> {
+    let image = arm::build_image()?;
+    process::run_tests(bench_cargo("test").env("MOTORLENS_IMAGE", image))
+}
+
+/// A cargo command in the bench's workspace. The emulator declares a newer compiler than it needs.
+fn bench_cargo(subcommand: &str) -> Command {
+    let mut command = process::cargo();
+    command.current_dir(directory()).arg(subcommand).args([
+        "--release",
+        "--locked",
+        "--ignore-rust-version",
+    ]);
+    command
+}
+
+/// The directory of the bench's own workspace.
+pub fn directory() -> PathBuf {
+    process::root().join("tests/bench")
+}

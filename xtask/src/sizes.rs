@@ -1,0 +1,66 @@
+//! What the image takes of the chip.
+
+use anyhow::{Context, Result, ensure};
+use object::{Object, ObjectSection, SectionFlags, elf};
+
+use crate::arm;
+
+/// Flash that the image may take, bytes.
+const FLASH_LIMIT: u64 = 96 * 1024;
+/// RAM that statics may take, bytes; the stack uses what is left of the chip's.
+const RAM_LIMIT: u64 = 48 * 1024;
+
+/// Bytes of flash and RAM that an ELF takes.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Sizes {
+    flash: u64,
+    ram: u64,
+}
+
+/// Builds the image, prints its sizes, fails when one is over its limit.
+pub fn print() -> Result<()> {
+    let elf = arm::build_image()?;
+    let bytes = std::fs::read(&elf).with_context(|| format!("cannot read {}", elf.display()))?;
+    let sizes = measure(&bytes)?;
+    println!(
+        "flash {:>7} of {FLASH_LIMIT} bytes ({:.1} KiB)",
+        sizes.flash,
+        sizes.flash as f64 / 1024.0
+    );
+    println!(
+        "RAM   {:>7} of {RAM_LIMIT} bytes ({:.1} KiB), without the stack",
+        sizes.ram,
+        sizes.ram as f64 / 1024.0
+    );
+    ensure!(
+        sizes.flash <= FLASH_LIMIT,
+        "the image takes more flash than it may"
+    );
+    ensure!(
+        sizes.ram <= RAM_LIMIT,
+        "the image takes more RAM than it may"
+    );
+    Ok(())
+}
+
+/// Sums the sections that are loaded: what is written at run time is RAM, and what carries bytes is flash; initialised
+/// data is both.
+fn measure(elf: &[u8]) -> Result<Sizes> {
+    let file = object::File::parse(elf)?;
+    let mut sizes = Sizes::default();
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else {
+            continue;
+        };
+        if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
+            continue;
+        }
+        if sh_flags & u64::from(elf::SHF_WRITE) != 0 {
+            sizes.ram += section.size();
+        }
+        if section.file_range().is_some_and(|(_, length)| length > 0) {
+            sizes.flash += section.size();
+        }
+    }
+    Ok(sizes)
+}

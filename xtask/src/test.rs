@@ -1,0 +1,99 @@
+//! The whole test run.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::report::{Count, Report};
+use crate::{arm, bench, licences, process, sizes};
+
+/// What to run.
+#[derive(Args)]
+pub struct Options {
+    /// Run only the parts whose name contains this.
+    #[arg(long)]
+    only: Option<String>,
+}
+
+/// The crates that run on boards.
+const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
+
+/// A part of the run: its name and what it does.
+type Part = (&'static str, fn() -> Result<Count>);
+
+/// Every part, cheap ones first so that a slip shows early.
+const PARTS: [Part; 9] = [
+    ("format", || one(format())),
+    ("licences", || one(licences::check_all())),
+    ("lints", || {
+        let lint = [
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--locked",
+            "--",
+            "-D",
+            "warnings",
+        ];
+        one(process::run(process::cargo().args(lint)))
+    }),
+    ("documents", || {
+        let mut doc = process::cargo();
+        doc.args(["doc", "--workspace", "--no-deps", "--locked"])
+            .env("RUSTDOCFLAGS", "-D warnings");
+        one(process::run(&mut doc))
+    }),
+    ("host tests", || {
+        process::run_tests(process::cargo().args([
+            "test",
+            "--workspace",
+            "--locked",
+            "--no-fail-fast",
+        ]))
+    }),
+    ("no_std on Cortex-M4F", || {
+        one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))
+    }),
+    ("no_std on Cortex-M0", || {
+        one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))
+    }),
+    ("image and its sizes", || one(sizes::print())),
+    ("virtual bench", bench::tests),
+];
+
+/// Runs the parts, prints a summary, fails when anything failed.
+pub fn run(options: &Options) -> ExitCode {
+    let mut report = Report::default();
+    for (name, part) in PARTS {
+        if options
+            .only
+            .as_deref()
+            .is_none_or(|wanted| name.contains(wanted))
+        {
+            report.part(name, part);
+        }
+    }
+    if report.finish() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// The workspaces beside the host's are formatted like it.
+fn format() -> Result<()> {
+    for directory in [process::root(), arm::image_directory(), bench::directory()] {
+        process::run(
+            process::cargo()
+                .current_dir(directory)
+                .args(["fmt", "--all", "--check"]),
+        )?;
+    }
+    Ok(())
+}
+
+/// A part that is one check.
+fn one(result: Result<()>) -> Result<Count> {
+    result.map(|()| Count::ONE)
+}
