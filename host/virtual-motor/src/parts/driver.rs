@@ -1,0 +1,172 @@
+//! Supply and bridge: delay, dead zone, coasting PWM, sag.
+
+use super::find;
+use crate::effect::Effect;
+use crate::motor::Motor;
+use crate::table::Kind;
+use crate::virtual_motor::Bridge;
+use std::collections::VecDeque;
+
+/// Immutable parameters of supply and bridge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Driver {
+    nominal_v: f64,
+    delay_s: f64,
+    dead_zone_v: f64,
+    coast: Option<Coast>,
+    source_resistance: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Coast {
+    share: f64,
+    period_s: f64,
+}
+
+/// What the bridge does, what it was told to do later, and the voltage behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriverState {
+    waiting: VecDeque<(f64, Bridge)>,
+    last: Bridge,
+    active: Bridge,
+    /// Voltage behind the bridge, V.
+    pub bus_v: f64,
+}
+
+/// Time constant of the capacitor behind the bridge, s.
+const BUS_S: f64 = 0.002;
+
+impl Driver {
+    pub fn new(motor: &Motor, effects: &[Effect]) -> Self {
+        let first = |kind| find(effects, kind).unwrap_or_default()[0];
+        Self {
+            nominal_v: motor.nominal_v,
+            delay_s: 1e-3 * first(Kind::Delay),
+            dead_zone_v: first(Kind::DeadZone),
+            coast: find(effects, Kind::Coast)
+                .map(|[share, pwm_hz, ..]| Coast { share, period_s: 1.0 / pwm_hz }),
+            source_resistance: first(Kind::SupplySag) * motor.resistance_ohm,
+        }
+    }
+
+    /// A driver at rest with a full supply.
+    pub fn rest(&self) -> DriverState {
+        DriverState {
+            waiting: VecDeque::new(),
+            last: Bridge::Volts(0.0),
+            active: Bridge::Volts(0.0),
+            bus_v: self.nominal_v,
+        }
+    }
+
+    /// Tells the bridge what to do from `now` (s) on; it does so after its delay.
+    pub fn command(&self, state: &mut DriverState, now: f64, bridge: Bridge) {
+        if bridge != state.last {
+            state.last = bridge;
+            state.waiting.push_back((now + self.delay_s, bridge));
+        }
+    }
+
+    /// What the bridge does at `now`, and until when, at most until `end`.
+    pub fn output(&self, state: &mut DriverState, now: f64, end: f64) -> (Bridge, f64) {
+        while let Some(&(from, bridge)) = state.waiting.front()
+            && from <= now + 1e-12
+        {
+            state.active = bridge;
+            state.waiting.pop_front();
+        }
+        let mut until = state.waiting.front().map_or(end, |next| next.0.min(end));
+        let Bridge::Volts(asked) = state.active else { return (Bridge::Floating, until) };
+        let magnitude = (asked.abs().min(self.nominal_v) - self.dead_zone_v).max(0.0);
+        let Some(coast) = &self.coast else {
+            return (Bridge::Volts(magnitude.copysign(asked)), until);
+        };
+        // One period: driven fully for its duty, braked for what does not float, then floating.
+        let duty = magnitude / self.nominal_v;
+        let braked = duty + (1.0 - duty) * (1.0 - coast.share);
+        let periods = now / coast.period_s + 1e-9;
+        let (start, part) = (periods.floor() * coast.period_s, periods.fract());
+        let (bridge, edge) = if part < duty {
+            (Bridge::Volts(self.nominal_v.copysign(asked)), duty)
+        } else if part < braked {
+            (Bridge::Volts(0.0), braked)
+        } else {
+            (Bridge::Floating, 1.0)
+        };
+        until = until.min(start + edge * coast.period_s);
+        (bridge, until)
+    }
+
+    /// Lets the supply sag or recover for `dt` seconds while the bridge draws `current` (A) from it.
+    #[inline]
+    pub fn draw(&self, state: &mut DriverState, current: f64, dt: f64) {
+        if self.source_resistance > 0.0 {
+            let steady = self.nominal_v - self.source_resistance * current;
+            state.bus_v += (steady - state.bus_v) * dt / BUS_S;
+            state.bus_v = state.bus_v.max(0.05 * self.nominal_v);
+        }
+    }
+
+    /// Voltage of the unloaded supply, V.
+    pub fn nominal_v(&self) -> f64 {
+        self.nominal_v
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn driver(text: &str) -> (Driver, DriverState) {
+        let driver = Driver::new(&Motor::paper(), &[Effect::parse(text).unwrap()]);
+        let state = driver.rest();
+        (driver, state)
+    }
+
+    #[test]
+    fn a_command_arrives_after_the_delay_and_not_before() {
+        let (driver, mut state) = driver("delay=5");
+        driver.command(&mut state, 0.0, Bridge::Volts(3.0));
+        assert_eq!(driver.output(&mut state, 0.0, 1.0), (Bridge::Volts(0.0), 0.005));
+        assert_eq!(driver.output(&mut state, 0.005, 1.0), (Bridge::Volts(3.0), 1.0));
+    }
+
+    #[test]
+    fn the_dead_zone_is_taken_from_both_signs_and_the_supply_is_the_limit() {
+        let (driver, mut state) = driver("dead_zone=0.5");
+        for (asked, out) in [(2.0, 1.5), (-2.0, -1.5), (0.3, 0.0), (99.0, 11.5)] {
+            driver.command(&mut state, 0.0, Bridge::Volts(asked));
+            assert_eq!(driver.output(&mut state, 0.0, 1.0).0, Bridge::Volts(out));
+        }
+    }
+
+    #[test]
+    fn a_coasting_bridge_drives_brakes_and_floats_in_the_stated_parts() {
+        let (driver, mut state) = driver("coast=0.5,pwm_hz=100");
+        driver.command(&mut state, 0.0, Bridge::Volts(-6.0));
+        let mut spent = [0.0; 3];
+        let mut now = 0.0;
+        while now < 0.0999 {
+            let (bridge, until) = driver.output(&mut state, now, 0.1);
+            let part = match bridge {
+                Bridge::Volts(v) if v < 0.0 => 0,
+                Bridge::Volts(_) => 1,
+                Bridge::Floating => 2,
+            };
+            spent[part] += until - now;
+            now = until;
+        }
+        for (part, expected) in spent.into_iter().zip([0.05, 0.025, 0.025]) {
+            assert!((part - expected).abs() < 1e-6, "{part}");
+        }
+    }
+
+    #[test]
+    fn the_bus_sags_by_source_resistance_times_current() {
+        let (driver, mut state) = driver("supply_sag=0.5");
+        for _ in 0..10_000 {
+            driver.draw(&mut state, 1.0, 25e-6);
+        }
+        assert!((state.bus_v - (12.0 - 0.5 * Motor::paper().resistance_ohm)).abs() < 1e-6);
+    }
+}
