@@ -32,6 +32,9 @@ pub struct ReadArgs {
     /// Supply of the driver in volts, where the log gives duty only
     #[arg(long, value_name = "VOLTS", value_parser = positive)]
     pub supply_volts: Option<f64>,
+    /// Duty per radian of error and unit of kp of a position servo (bam-json; 0.1649 if absent)
+    #[arg(long, value_name = "GAIN", value_parser = positive)]
+    pub servo_gain: Option<f64>,
     /// A log to keep out of every fit and to judge by; repeatable
     #[arg(long, value_name = "LOG")]
     pub validate: Vec<PathBuf>,
@@ -58,6 +61,7 @@ impl ReadArgs {
             map: self.map.clone(),
             hold: self.hold,
             supply_volts: self.supply_volts,
+            servo_gain: self.servo_gain,
             motor: self.motor_file()?,
         })
     }
@@ -87,7 +91,7 @@ pub fn load_validation(args: &ReadArgs) -> Result<Vec<Record>> {
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("give a positive number of volts".into()),
+        _ => Err("give a positive number".into()),
     }
 }
 

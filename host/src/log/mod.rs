@@ -5,12 +5,15 @@
 //! use. What a record says about the motor is judged later, by the verbs that need to.
 
 mod args;
+pub mod bam;
+mod json;
 pub mod mapping;
 mod metadata;
 mod preamble;
 mod read;
 mod record;
 mod samples;
+pub mod sysid;
 mod table;
 mod text;
 pub mod timing;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, table, text};
+use super::{Hold, Metadata, Record, bam, sysid, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -15,6 +15,10 @@ pub enum Format {
     /// A table with a header; the canonical log, or any other with `--map`.
     #[default]
     Csv,
+    /// The JSON of WPILib's SysId: up to four tests, each a record of its own.
+    WpilibSysid,
+    /// The JSON of Rhoban's BAM: a position servo, its voltage inferred from its loop.
+    BamJson,
 }
 
 /// How to understand a file.
@@ -28,6 +32,8 @@ pub struct ReadOptions {
     pub hold: Option<Hold>,
     /// Supply of the driver, V, where the log gives duty only.
     pub supply_volts: Option<f64>,
+    /// Duty per radian of error and unit of kp of a servo whose voltage is inferred; [`super::bam::SERVO_GAIN`] if absent.
+    pub servo_gain: Option<f64>,
     /// What is known of the motor, above what the file says.
     pub motor: MotorFile,
 }
@@ -69,17 +75,63 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         .fill_buf()
         .map_err(|error| cannot_read(path, &error))?;
     match options.format {
-        Format::Csv => {
-            if start.trim_ascii_start().starts_with(b"{") {
-                return Err(BadInput::new(
-                    path,
-                    "this is JSON, not a table",
-                    "give the layout, for example --format wpilib-sysid; a model file comes before the logs",
-                )
-                .at_line(1)
-                .into());
-            }
-            Ok(vec![table::read(path, input, options)?])
+        Format::WpilibSysid => sysid::read(path, input, options),
+        Format::BamJson => Ok(vec![bam::read(path, input, options)?]),
+        Format::Csv if start.trim_ascii_start().starts_with(b"{") => {
+            let (why, remedy) = json_kind(start);
+            Err(BadInput::new(path, why, remedy).at_line(1).into())
+        }
+        Format::Csv => Ok(vec![table::read(path, input, options)?]),
+    }
+}
+
+/// What the JSON file given as a table most likely is.
+fn json_kind(start: &[u8]) -> (&'static str, &'static str) {
+    let has = |key: &str| memchr::memmem::find(start, key.as_bytes()).is_some();
+    if has("\"slow-forward\"")
+        || has("\"fast-forward\"")
+        || has("\"slow-backward\"")
+        || has("\"fast-backward\"")
+    {
+        (
+            "this is a SysId file, not a table",
+            "add --format wpilib-sysid",
+        )
+    } else if has("\"entries\"") && has("\"kp\"") {
+        ("this is a BAM log, not a table", "add --format bam-json")
+    } else if has("\"schema\"") {
+        (
+            "this is a model or a result, not a log",
+            "give the model first and the logs after it",
+        )
+    } else {
+        (
+            "this is JSON, not a table",
+            "convert it to CSV, or name its layout with --format",
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_tests::{assert_bad, file};
+    use super::*;
+
+    #[test]
+    fn json_given_as_a_table_is_recognised_and_the_remedy_fits() {
+        for (content, cause, remedy) in [
+            ("{\"fast-forward\": []}", "SysId", "wpilib-sysid"),
+            ("{\"kp\": 1, \"entries\": []}", "BAM", "bam-json"),
+            ("{\"schema\": 1}", "model", "model first"),
+            ("  {}", "JSON", "CSV"),
+        ] {
+            let (_directory, path) = file(content.as_bytes());
+            assert_bad(
+                &read(&path, &ReadOptions::default()).unwrap_err(),
+                "line 1",
+                cause,
+                remedy,
+            );
         }
     }
 }
