@@ -26,7 +26,7 @@ pub struct ReadArgs {
     /// What the voltage does between samples: stays (zero) or runs straight to the next (first)
     #[arg(long, value_enum)]
     pub hold: Option<Hold>,
-    /// What is known of the motor: gear_ratio, counts_per_rev, [nameplate], [fixed]
+    /// What is known of the motor: gear_ratio, counts_per_rev, its name plate, values to keep fixed
     #[arg(long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
     /// Supply of the driver in volts, where the log gives duty only

@@ -6,18 +6,24 @@
 
 mod args;
 pub mod bam;
+mod fields;
 mod json;
 pub mod mapping;
 mod metadata;
+mod motion;
 mod preamble;
+pub mod quantum;
 mod read;
 mod record;
+pub mod repeats;
 mod samples;
 pub mod sysid;
 mod table;
 mod text;
 pub mod timing;
+mod unit_check;
 pub mod units;
+mod usable;
 mod write;
 
 use std::path::Path;
@@ -28,6 +34,7 @@ pub use read::{Format, ReadOptions, read};
 pub use record::{Hold, Record, Warning};
 pub use samples::FEWEST_SAMPLES;
 pub(crate) use text::{cannot_read, open as open_text};
+pub use usable::{Fault, check_usable, content_faults};
 pub use write::write_canonical;
 
 /// The name of a record from its file.

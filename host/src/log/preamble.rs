@@ -4,6 +4,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 use super::Metadata;
+use super::fields::Splitter;
 use super::text::cannot_read;
 use crate::error::{BadInput, Result};
 
@@ -68,7 +69,17 @@ fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Resul
 
 fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -> Result<Preamble> {
     let delimiter = delimiter_of(text);
-    let names = split(text, delimiter);
+    let mut splitter = Splitter::new(delimiter);
+    if !splitter.split(text.as_bytes()) {
+        return Err(BadInput::new(
+            path,
+            "a quotation mark in the header is not closed",
+            "close or remove it",
+        )
+        .at_line(line)
+        .into());
+    }
+    let names: Vec<String> = splitter.iter().map(str::to_owned).collect();
     if names.len() > MOST_COLUMNS {
         return Err(BadInput::new(
             path,
@@ -137,20 +148,6 @@ fn delimiter_of(header: &str) -> u8 {
         .into_iter()
         .find(|&candidate| count(candidate) > 0)
         .map_or(b',', |candidate| candidate as u8)
-}
-
-fn split(text: &str, delimiter: u8) -> Vec<String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(delimiter)
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    reader
-        .records()
-        .next()
-        .and_then(|record| record.ok())
-        .map(|record| record.iter().map(str::to_owned).collect())
-        .unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -142,6 +142,26 @@ fn a_few_bad_rows_are_left_out_with_a_warning_that_names_them() {
 }
 
 #[test]
+fn closing_words_of_a_logger_are_left_out_but_not_words_between_rows() {
+    let words = "\n\nAcceleration: 5.9\n".to_owned() + &"Acceleration: 6.1\n".repeat(9);
+    let footer = canonical(40, |_| None) + &words;
+    let record = read_text(footer.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(record.len(), 40);
+    assert_eq!(record.warnings.len(), 1);
+    assert!(
+        record.warnings[0].place.contains("line 44"),
+        "{}",
+        record.warnings[0].place
+    );
+    assert!(record.warnings[0].what.contains("10 lines at the end"));
+    let between = footer + "0.500,1,1\n";
+    let error = read_text(between.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert_bad(&error, "line 44, column time_s", "10 of 51 rows", "remove");
+    let mostly_words = canonical(30, |_| None) + &words.repeat(9);
+    assert!(read_text(mostly_words.as_bytes(), &ReadOptions::default()).is_err());
+}
+
+#[test]
 fn a_pause_in_the_log_is_a_warning_with_its_line() {
     let text = canonical(100, |row| {
         (row >= 50).then(|| format!("{},1,1", 1.0 + row as f64 * 0.01))

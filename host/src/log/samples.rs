@@ -1,8 +1,9 @@
 //! Collecting samples row by row, with one policy for holes and clocks whatever the file format.
 //!
 //! A row with an unreadable field is left out with a warning if at most 2 % of the rows are such; a row that repeats
-//! the time before it likewise up to 10 %. Time that runs backwards is an error, because which half is right is not
-//! for a program to guess.
+//! the time before it likewise up to 10 %. Lines after the last sample that are no rows at all (a logger's closing
+//! words) are left out with a warning. Time that runs backwards is an error, because which half is right is not for a
+//! program to guess.
 
 use std::path::{Path, PathBuf};
 
@@ -64,6 +65,8 @@ pub struct Samples {
     rows: usize,
     bad: Vec<BadField>,
     bad_count: usize,
+    /// The first of the lines since the last row that are no rows, and their number.
+    strays: Option<(BadField, usize)>,
     repeats: usize,
     first_repeat: Option<Place>,
 }
@@ -86,6 +89,7 @@ impl Samples {
             rows: 0,
             bad: Vec::new(),
             bad_count: 0,
+            strays: None,
             repeats: 0,
             first_repeat: None,
         }
@@ -96,6 +100,7 @@ impl Samples {
     /// # Errors
     /// Bad input if time runs backwards.
     pub fn accept(&mut self, place: Place, row: &[f64]) -> Result<()> {
+        self.count_strays();
         self.rows += 1;
         self.places.last = Some(place);
         if let Some(&before) = self.columns[0].last() {
@@ -129,15 +134,45 @@ impl Samples {
 
     /// Leaves out a row that has an unreadable field.
     pub fn reject(&mut self, place: Place, column: &str, why: String) {
-        self.rows += 1;
+        self.count_strays();
         self.places.last = Some(place);
-        self.bad_count += 1;
-        if self.bad.len() < LISTED {
-            self.bad.push(BadField {
+        self.note(
+            BadField {
                 place,
                 column: column.to_owned(),
                 why,
-            });
+            },
+            1,
+        );
+    }
+
+    /// Leaves out a line that has not the shape of a row: a fault between rows, a footer after the last.
+    pub fn stray(&mut self, place: Place, column: &str, why: String) {
+        match &mut self.strays {
+            Some((_, count)) => *count += 1,
+            None => {
+                let first = BadField {
+                    place,
+                    column: column.to_owned(),
+                    why,
+                };
+                self.strays = Some((first, 1));
+            }
+        }
+    }
+
+    /// Strays with a row after them are bad rows.
+    fn count_strays(&mut self) {
+        if let Some((first, count)) = self.strays.take() {
+            self.note(first, count);
+        }
+    }
+
+    fn note(&mut self, first: BadField, count: usize) {
+        self.rows += count;
+        self.bad_count += count;
+        if self.bad.len() < LISTED {
+            self.bad.push(first);
         }
     }
 
@@ -145,7 +180,14 @@ impl Samples {
     ///
     /// # Errors
     /// Bad input if too many rows had to be left out or too few are left.
-    pub fn finish(self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
+    pub fn finish(mut self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
+        if self
+            .strays
+            .as_ref()
+            .is_some_and(|(_, count)| *count > self.columns[0].len())
+        {
+            self.count_strays();
+        }
         if self.rows == 0 {
             let fault = BadInput::new(
                 &self.path,
@@ -219,6 +261,13 @@ impl Samples {
                     self.bad_count - LISTED
                 ),
                 fix: "repair the logger".into(),
+            });
+        }
+        if let Some((first, count)) = &self.strays {
+            warnings.push(Warning {
+                place: format!("{file}, {}", first.place.in_words()),
+                what: format!("{count} lines at the end are no samples and were left out"),
+                fix: "remove them".into(),
             });
         }
         if let Some(first) = self.first_repeat {

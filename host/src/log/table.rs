@@ -1,10 +1,9 @@
 //! Reading a table of samples: canonical logs, and foreign ones by `--map`.
 
-use std::io::{Cursor, Read};
+use std::io::BufRead;
 use std::path::Path;
 
-use csv::ByteRecord;
-
+use super::fields::Splitter;
 use super::mapping::{self, Mapping};
 use super::samples::{Place, Samples};
 use super::text::cannot_read;
@@ -25,11 +24,7 @@ struct Wanted {
 ///
 /// # Errors
 /// Bad input, with line and column; wrong usage where an option is missing to make sense of the mapping.
-pub fn read(
-    path: &Path,
-    mut input: impl std::io::BufRead,
-    options: &ReadOptions,
-) -> Result<Record> {
+pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Record> {
     let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
     let head = preamble::read(path, &mut input, by_number)?;
     let mut meta = head.meta;
@@ -49,35 +44,38 @@ pub fn read(
         wanted.iter().map(|column| column.header.clone()).collect(),
     );
 
-    let mut lines_before = head.line;
-    let first = head.first_row.map_or_else(String::new, |row| {
-        lines_before -= 1;
-        row + "\n"
-    });
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .delimiter(head.delimiter)
-        .from_reader(Cursor::new(first).chain(input));
-    let mut row = ByteRecord::new();
+    let mut splitter = Splitter::new(head.delimiter);
     let mut numbers = vec![0.0; wanted.len()];
-    loop {
-        match reader.read_byte_record(&mut row) {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(error) => {
-                return Err(match error.into_kind() {
-                    csv::ErrorKind::Io(error) => cannot_read(path, &error),
-                    other => cannot_read(path, &std::io::Error::other(format!("{other:?}"))),
-                });
+    let mut number = head.line;
+    let mut line = Vec::new();
+    if let Some(first) = head.first_row {
+        line = first.into_bytes();
+        number -= 1;
+    }
+    while !line.is_empty()
+        || input
+            .read_until(b'\n', &mut line)
+            .map_err(|error| cannot_read(path, &error))?
+            > 0
+    {
+        number += 1;
+        let place = Place::Line(number);
+        let text = line.trim_ascii();
+        if !text.is_empty() && !text.starts_with(b"#") {
+            if !splitter.split(text) {
+                let why = "a quotation mark is not closed";
+                samples.stray(place, &wanted[0].header, why.into());
+            } else {
+                match numbers_of(&splitter, &wanted, width, head.delimiter, &mut numbers) {
+                    Ok(()) => samples.accept(place, &numbers)?,
+                    Err((column, why)) if width.is_some_and(|width| splitter.len() < width) => {
+                        samples.stray(place, column, why);
+                    }
+                    Err((column, why)) => samples.reject(place, column, why),
+                }
             }
         }
-        let place = Place::Line(lines_before + row.position().map_or(0, csv::Position::line));
-        match numbers_of(&row, &wanted, width, head.delimiter, &mut numbers) {
-            Ok(()) => samples.accept(place, &numbers)?,
-            Err((column, why)) => samples.reject(place, column, why),
-        }
+        line.clear();
     }
     let (columns, warnings) = samples.finish(Some(Place::Line(head.line)))?;
     let mut record = Record {
@@ -93,7 +91,7 @@ pub fn read(
 }
 
 fn numbers_of<'w>(
-    row: &ByteRecord,
+    row: &Splitter,
     wanted: &'w [Wanted],
     width: Option<usize>,
     delimiter: u8,
@@ -101,20 +99,13 @@ fn numbers_of<'w>(
 ) -> Result<(), (&'w str, String)> {
     if let Some(width) = width
         && row.len() > width
-        && row
-            .iter()
-            .skip(width)
-            .any(|extra| !extra.trim_ascii().is_empty())
+        && row.iter().skip(width).any(|extra| !extra.is_empty())
     {
         let why = format!("the row has {} fields under {width} headers", row.len());
         return Err((&wanted[0].header, why));
     }
     for (column, number) in wanted.iter().zip(numbers) {
-        let field = row
-            .get(column.index)
-            .map(<[u8]>::trim_ascii)
-            .unwrap_or_default();
-        let text = std::str::from_utf8(field).unwrap_or_default();
+        let text = row.get(column.index).unwrap_or_default();
         let value = text.parse::<f64>().ok().or_else(|| {
             let decimal_comma = delimiter != b',' && text.contains(',');
             decimal_comma

@@ -1,0 +1,89 @@
+//! Signals derived from a record for judging its plausibility; no fit uses them.
+
+use super::Record;
+use super::timing::median_interval;
+
+/// Window over which an angle is turned into a speed, s: long enough to cover several encoder counts.
+const WINDOW_S: f64 = 0.05;
+
+/// The measured speed, or the slope of the measured angle over a window, rad/s, one value per sample.
+pub fn speed(record: &Record) -> Vec<f64> {
+    match (&record.speed_rad_s, &record.angle_rad) {
+        (Some(speed), _) => speed.clone(),
+        (None, Some(angle)) => slope(&record.time_s, angle),
+        (None, None) => Vec::new(),
+    }
+}
+
+/// Central difference quotient of `values` over about [`WINDOW_S`].
+pub fn slope(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let reach = ((0.5 * WINDOW_S / median_interval(time_s)).round() as usize).clamp(1, last.max(1));
+    (0..values.len())
+        .map(|i| {
+            let (from, to) = (i.saturating_sub(reach), (i + reach).min(last));
+            if to == from {
+                0.0
+            } else {
+                (values[to] - values[from]) / (time_s[to] - time_s[from])
+            }
+        })
+        .collect()
+}
+
+/// First-order low-pass of `values` with time constant `tau_s`, starting at its first value.
+pub fn low_pass(time_s: &[f64], values: &[f64], tau_s: f64) -> Vec<f64> {
+    let mut state = values.first().copied().unwrap_or_default();
+    let mut before = time_s.first().copied().unwrap_or_default();
+    time_s
+        .iter()
+        .zip(values)
+        .map(|(&time, &value)| {
+            let share = 1.0 - (-(time - before) / tau_s).exp();
+            before = time;
+            state += share * (value - state);
+            state
+        })
+        .collect()
+}
+
+/// Correlation coefficient of two signals, -1 to 1; 0 if either does not change.
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
+    cosine(a, b, mean(a), mean(b))
+}
+
+/// As [`correlation`], about zero instead of the means: negative where the signals mostly have opposite signs.
+pub fn alignment(a: &[f64], b: &[f64]) -> f64 {
+    cosine(a, b, 0.0, 0.0)
+}
+
+fn cosine(a: &[f64], b: &[f64], origin_a: f64, origin_b: f64) -> f64 {
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        let (x, y) = (x - origin_a, y - origin_b);
+        ab += x * y;
+        aa += x * x;
+        bb += y * y;
+    }
+    if aa > 0.0 && bb > 0.0 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// Largest minus smallest value.
+pub fn span(values: &[f64]) -> f64 {
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        });
+    if low <= high { high - low } else { 0.0 }
+}
+
+/// Largest magnitude.
+pub fn peak(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |peak: f64, v| peak.max(v.abs()))
+}

@@ -1,0 +1,99 @@
+//! The step of a quantised column, estimated from its values.
+
+/// Share of the gaps between neighbouring levels that must be multiples of the step.
+const AGREEING: f64 = 0.95;
+/// How far, in steps, a gap may lie from a multiple: values are rounded when written.
+const TOLERANCE: f64 = 0.2;
+/// Levels closer than this share of the span are one level written with rounding noise.
+const SAME_LEVEL: f64 = 1e-9;
+/// With fewer levels there is nothing to agree on.
+const FEWEST_LEVELS: usize = 4;
+
+/// The smallest step of which all differences of `values` are multiples, in their unit, tolerant of rounding on
+/// writing; `None` where the values look continuous or hardly change.
+///
+/// The smallest gap between neighbouring levels, or a half or third of it, is tried as the step and then refined by
+/// least squares over all gaps.
+pub fn quantum(values: &[f64]) -> Option<f64> {
+    let mut levels: Vec<f64> = values
+        .iter()
+        .copied()
+        .filter(|value| value.is_finite())
+        .collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    let span = levels.last()? - levels.first()?;
+    levels.dedup_by(|next, kept| *next - *kept <= SAME_LEVEL * span);
+    // A quantised column comes back to its levels; a continuous one hardly ever does.
+    if levels.len() < FEWEST_LEVELS || levels.len() * 10 > values.len() * 9 {
+        return None;
+    }
+    let gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+    let near: Vec<f64> = gaps
+        .iter()
+        .copied()
+        .filter(|gap| *gap < 1.5 * smallest)
+        .collect();
+    let typical = near.iter().sum::<f64>() / near.len() as f64;
+    (1..=3).find_map(|divisor| fit(&gaps, typical / f64::from(divisor)))
+}
+
+fn fit(gaps: &[f64], start: f64) -> Option<f64> {
+    let mut step = start;
+    for _ in 0..3 {
+        let (mut numerator, mut denominator) = (0.0, 0.0);
+        for gap in gaps {
+            let multiple = (gap / step).round();
+            numerator += gap * multiple;
+            denominator += multiple * multiple;
+        }
+        step = numerator / denominator;
+    }
+    let agreeing = gaps
+        .iter()
+        .filter(|&gap| ((gap / step) - (gap / step).round()).abs() < TOLERANCE)
+        .count();
+    (agreeing as f64 >= AGREEING * gaps.len() as f64).then_some(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn swing(i: usize) -> f64 {
+        (i as f64 * 0.013).sin() * 2.0 + (i as f64 * 0.0071).cos()
+    }
+
+    #[test]
+    fn an_encoder_step_is_found_even_if_written_with_few_digits() {
+        let step = TAU / 4992.0;
+        let counted: Vec<f64> = (0..5000)
+            .map(|i| (swing(i) / step).floor() * step + 0.77)
+            .collect();
+        let found = quantum(&counted).unwrap();
+        assert!((found / step - 1.0).abs() < 1e-6, "{found} {step}");
+        let written: Vec<f64> = counted
+            .iter()
+            .map(|value| (value * 1e4).round() / 1e4)
+            .collect();
+        let found = quantum(&written).unwrap();
+        assert!((found / step - 1.0).abs() < 0.01, "{found} {step}");
+    }
+
+    #[test]
+    fn a_speed_that_skips_levels_still_shows_its_step() {
+        let levels = [0.0, 2.0, 5.0, 7.0, 11.0, 14.0, 20.0, 23.0];
+        let speed: Vec<f64> = (0..400).map(|i| levels[(i * 7) % 8] * 0.1122).collect();
+        let found = quantum(&speed).unwrap();
+        assert!((found - 0.1122).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
+    fn continuous_and_constant_columns_have_no_step() {
+        let smooth: Vec<f64> = (0..3000).map(swing).collect();
+        assert_eq!(quantum(&smooth), None);
+        assert_eq!(quantum(&[1.0; 100]), None);
+        assert_eq!(quantum(&[]), None);
+    }
+}

@@ -1,0 +1,278 @@
+//! Numbers that can hardly be in the unit that the column claims.
+//!
+//! Every rule needs two facts that exclude each other, so that an unusual motor is not refused.
+
+use std::f64::consts::TAU;
+
+use super::Record;
+use super::motion::{peak, slope, speed};
+use super::quantum::quantum;
+use super::timing::median_interval;
+use super::usable::Fault;
+
+/// No motor that is driven by a logging controller sees more.
+const HIGHEST_VOLTAGE: f64 = 1000.0;
+/// Slower samples than this say nothing about a motor, s.
+const SLOWEST_INTERVAL: f64 = 5.0;
+/// Faster samples than this are not logged, s.
+const FASTEST_INTERVAL: f64 = 1e-6;
+/// About 140,000 turns a minute, beyond any brushed motor, rad/s.
+const FASTEST_SHAFT: f64 = 15_000.0;
+
+/// Units that are wrong beyond doubt.
+pub fn unit_faults(record: &Record) -> Vec<Fault> {
+    let checks = [time, voltage, angle, agreement, shaft_speed];
+    checks.iter().filter_map(|check| check(record)).collect()
+}
+
+fn fault(column: &'static str, why: String, fix: impl Into<String>) -> Fault {
+    Fault {
+        name: "wrong_units",
+        column,
+        why,
+        fix: fix.into(),
+    }
+}
+
+fn whole(values: &[f64]) -> bool {
+    values.iter().all(|value| value.fract() == 0.0)
+}
+
+fn time(record: &Record) -> Option<Fault> {
+    let interval = median_interval(&record.time_s);
+    let milliseconds = interval >= 0.5 && whole(&record.time_s);
+    if interval > SLOWEST_INTERVAL || milliseconds {
+        let unit = if interval >= 500.0 { "us" } else { "ms" };
+        return Some(fault(
+            "time_s",
+            format!(
+                "a sample every {interval} s is too slow for a motor; the column looks like {unit}"
+            ),
+            format!("if so, say --map time=time_s:{unit} (with the column's own name)"),
+        ));
+    }
+    (interval < FASTEST_INTERVAL).then(|| {
+        fault(
+            "time_s",
+            format!(
+                "a sample every {interval:e} s is too fast to be logged; the unit looks too small"
+            ),
+            "check the unit given with --map time=...; a column in seconds needs none",
+        )
+    })
+}
+
+fn voltage(record: &Record) -> Option<Fault> {
+    let highest = peak(&record.voltage_v);
+    if highest > HIGHEST_VOLTAGE {
+        return Some(fault(
+            "voltage_v",
+            format!(
+                "the voltage reaches {highest}, which looks like millivolts or a timer's compare value"
+            ),
+            "say --map voltage=voltage_v:mV for millivolts, or --map duty=COLUMN:FULL with --supply-volts for duty",
+        ));
+    }
+    (highest > 100.0 && whole(&record.voltage_v)).then(|| {
+        fault(
+            "voltage_v",
+            format!(
+                "the voltage holds whole numbers up to {highest}, which looks like a PWM command"
+            ),
+            "say --map duty=COLUMN:255 --supply-volts 12 (full scale and supply of this drive)",
+        )
+    })
+}
+
+fn angle(record: &Record) -> Option<Fault> {
+    let angle = record.angle_rad.as_ref()?;
+    if whole(angle) && peak(angle) >= 100.0 {
+        return Some(fault(
+            "angle_rad",
+            "the angle holds whole numbers only, which looks like encoder counts or degrees".into(),
+            "say --map angle=angle_rad:rev/1400 (with the counts of one turn) or --map angle=angle_rad:deg",
+        ));
+    }
+    // The counts of one turn fix what one count must be.
+    let step = quantum(angle)? * record.meta.counts_per_rev()? / TAU;
+    let close = |unit: f64| (step / unit - 1.0).abs() < 0.05;
+    [(360.0 / TAU, "deg"), (1.0 / TAU, "rev")]
+        .into_iter()
+        .find(|&(unit, _)| close(unit))
+        .map(|(_, unit)| {
+            fault(
+                "angle_rad",
+                format!("one encoder count is {step:.4} times what it is in radians; the column looks like {unit}"),
+                format!("say --map angle=angle_rad:{unit}, or correct counts_per_rev"),
+            )
+        })
+}
+
+/// Angle and speed of one record must be one motion.
+fn agreement(record: &Record) -> Option<Fault> {
+    let derived = slope(&record.time_s, record.angle_rad.as_ref()?);
+    let measured = record.speed_rad_s.as_ref()?;
+    let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
+    for (derived, measured) in derived.iter().zip(measured) {
+        product += derived * measured;
+        square += derived * derived;
+        energy += measured * measured;
+    }
+    let together = product / (square * energy).sqrt();
+    if together.is_nan() || together <= 0.8 {
+        return None;
+    }
+    let ratio = (energy / square).sqrt();
+    if (0.5..2.0).contains(&ratio) {
+        return None;
+    }
+    Some(fault(
+        "speed_rad_s",
+        format!(
+            "the speed is {ratio:.3} times the change of the angle; {}",
+            likely(ratio)
+        ),
+        "give both units, for example --map angle=angle_rad:deg,speed=speed_rad_s:rpm",
+    ))
+}
+
+fn likely(ratio: f64) -> &'static str {
+    const RATIOS: [(f64, &str); 8] = [
+        (60.0 / TAU, "the speed looks like rpm"),
+        (360.0 / TAU, "the speed looks like deg/s"),
+        (1.0 / TAU, "the speed looks like turns per second"),
+        (TAU / 360.0, "the angle looks like degrees"),
+        (TAU, "the angle looks like turns"),
+        (
+            6.0,
+            "the angle looks like turns and the speed like rpm, or the like",
+        ),
+        (1000.0, "the time looks like milliseconds"),
+        (1e6, "the time looks like microseconds"),
+    ];
+    RATIOS
+        .into_iter()
+        .find(|(unit, _)| (ratio / unit - 1.0).abs() < 0.1)
+        .map_or(
+            "one of them is in another unit, or on the other side of the gears",
+            |(_, text)| text,
+        )
+}
+
+fn shaft_speed(record: &Record) -> Option<Fault> {
+    let ratio = record.meta.gear_ratio().unwrap_or(1.0);
+    let mut magnitudes: Vec<f64> = speed(record)
+        .iter()
+        .map(|speed| speed.abs() * ratio)
+        .collect();
+    if magnitudes.is_empty() {
+        return None;
+    }
+    // A glitch of the sensor is no wrong unit, so the fastest hundredth does not count.
+    let index = (magnitudes.len() - 1) * 99 / 100;
+    let fast = *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1;
+    let column = if record.speed_rad_s.is_some() {
+        "speed_rad_s"
+    } else {
+        "angle_rad"
+    };
+    (fast > FASTEST_SHAFT).then(|| {
+        fault(
+            column,
+            format!("the motor shaft would turn at {:.0} turns a minute; the column looks like degrees or rpm", fast * 60.0 / TAU),
+            "give the unit, for example --map angle=angle_rad:deg or --map speed=speed_rad_s:rpm, and check gear_ratio",
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::read_tests::assert_bad;
+    use crate::log::usable::{check_usable, tests::motor};
+
+    fn scale(column: Option<&mut Vec<f64>>, factor: f64) {
+        column
+            .unwrap()
+            .iter_mut()
+            .for_each(|value| *value *= factor);
+    }
+
+    #[test]
+    fn each_wrong_unit_is_named_with_the_option_that_corrects_it() {
+        let base = motor();
+        let whole_ms = |r: &mut Record| r.time_s = (0..2000).map(f64::from).collect();
+        let counts = |r: &mut Record| {
+            for angle in r.angle_rad.as_mut().unwrap() {
+                *angle = (*angle * 200.0).round();
+            }
+        };
+        let degrees = |r: &mut Record| {
+            r.meta.insert("counts_per_rev", "1000").unwrap();
+            for angle in r.angle_rad.as_mut().unwrap() {
+                *angle = (*angle * 1000.0 / TAU).floor() * 0.36;
+            }
+        };
+        let rpm = |r: &mut Record| {
+            let speed = slope(&r.time_s, r.angle_rad.as_ref().unwrap());
+            r.speed_rad_s = Some(speed.iter().map(|speed| speed * 60.0 / TAU).collect());
+        };
+        let geared = |r: &mut Record| {
+            r.meta.insert("gear_ratio", "104").unwrap();
+            scale(r.angle_rad.as_mut(), 360.0 / TAU);
+        };
+        type Edit<'a> = &'a dyn Fn(&mut Record);
+        let cases: [(Edit, &str, &str, &str); 10] = [
+            (
+                &|r| scale(Some(&mut r.time_s), 1000.0),
+                "column time_s",
+                "looks like ms",
+                "time_s:ms",
+            ),
+            (
+                &|r| scale(Some(&mut r.time_s), 1e6),
+                "column time_s",
+                "looks like us",
+                "time_s:us",
+            ),
+            (&whole_ms, "column time_s", "looks like ms", "time_s:ms"),
+            (
+                &|r| scale(Some(&mut r.time_s), 1e-5),
+                "column time_s",
+                "too fast",
+                "--map time",
+            ),
+            (
+                &|r| scale(Some(&mut r.voltage_v), 1000.0),
+                "column voltage_v",
+                "millivolts",
+                "voltage_v:mV",
+            ),
+            (
+                &|r| scale(Some(&mut r.voltage_v), 40.0),
+                "column voltage_v",
+                "PWM",
+                "duty=",
+            ),
+            (&counts, "column angle_rad", "counts", "rev/1400"),
+            (
+                &degrees,
+                "column angle_rad",
+                "looks like deg",
+                "angle_rad:deg",
+            ),
+            (
+                &rpm,
+                "column speed_rad_s",
+                "looks like rpm",
+                "speed_rad_s:rpm",
+            ),
+            (&geared, "column angle_rad", "turns a minute", "gear_ratio"),
+        ];
+        for (edit, place, cause, remedy) in cases {
+            let mut record = base.clone();
+            edit(&mut record);
+            assert_bad(&check_usable(&record).unwrap_err(), place, cause, remedy);
+        }
+    }
+}

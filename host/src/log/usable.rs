@@ -1,0 +1,296 @@
+//! Whether a record can teach anything about a motor.
+//!
+//! The reader takes every well-formed log. The verbs that fit call [`check_usable`]; a diagnosis lists
+//! [`content_faults`] instead and goes on where it can.
+
+use super::motion::{alignment, correlation, low_pass, peak, slope, span, speed};
+use super::quantum::quantum;
+use super::{Record, Warning, sysid, unit_check};
+use crate::error::{BadInput, Result};
+
+/// Time constants by which the voltage is smoothed before the motion is compared with it, s.
+const SMOOTHING_S: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+/// Less motion than this in a whole record is none, rad (or rad/s).
+const NO_MOTION: f64 = 1e-4;
+
+/// Something about the content of a record that keeps it from being used as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    /// A short name for programs.
+    pub name: &'static str,
+    /// The canonical column at fault.
+    pub column: &'static str,
+    /// The cause, with figures.
+    pub why: String,
+    /// What to do.
+    pub fix: String,
+}
+
+impl Fault {
+    /// The fault as it is listed in `data_faults`.
+    pub fn to_warning(&self, record: &Record) -> Warning {
+        Warning {
+            place: format!("{}, column {}", record.path.display(), self.column),
+            what: format!("{}: {}", self.name, self.why),
+            fix: self.fix.clone(),
+        }
+    }
+}
+
+/// Refuses a record that no fit could use: wrong units, no excitation, no motion, reversed sign.
+///
+/// # Errors
+/// Bad input that names file, first data column at fault, cause and remedy.
+pub fn check_usable(record: &Record) -> Result<()> {
+    match content_faults(record).into_iter().next() {
+        None => Ok(()),
+        Some(fault) => {
+            let why = if record.name == super::stem(&record.path) {
+                fault.why
+            } else {
+                format!("{}: {}", record.name, fault.why)
+            };
+            Err(BadInput::new(&record.path, why, fault.fix)
+                .in_column(fault.column)
+                .into())
+        }
+    }
+}
+
+/// All that is wrong with the content of `record`, the gravest first.
+pub fn content_faults(record: &Record) -> Vec<Fault> {
+    let mut faults = unit_check::unit_faults(record);
+    faults.extend(no_excitation(record));
+    match no_motion(record) {
+        Some(fault) => faults.push(fault),
+        None => faults.extend(reversed(record)),
+    }
+    faults
+}
+
+fn no_excitation(record: &Record) -> Option<Fault> {
+    let voltage = &record.voltage_v;
+    // The dynamic tests of SysId hold the voltage from rest on; their ramps supply what they lack.
+    if record.meta.get(sysid::TEST_KEY).is_some() || span(voltage) > 1e-6 * peak(voltage).max(1e-3)
+    {
+        return None;
+    }
+    Some(Fault {
+        name: "constant_voltage",
+        column: "voltage_v",
+        why: format!(
+            "the voltage is {} V from the first line to the last, so nothing shows how the motor answers to it",
+            voltage.first().copied().unwrap_or_default()
+        ),
+        fix: "record a programme that changes the voltage (motorlens plan writes one), and check that this column is the applied voltage".into(),
+    })
+}
+
+fn no_motion(record: &Record) -> Option<Fault> {
+    let (column, moved, values) = match (&record.angle_rad, &record.speed_rad_s) {
+        (Some(angle), _) => ("angle_rad", span(angle), angle),
+        (None, Some(speed)) => ("speed_rad_s", peak(speed), speed),
+        (None, None) => return None,
+    };
+    if moved > NO_MOTION.max(2.0 * quantum(values).unwrap_or(0.0)) {
+        return None;
+    }
+    Some(Fault {
+        name: "no_motion",
+        column,
+        why: format!(
+            "the motor never moves although the voltage reaches {:.3} V",
+            peak(&record.voltage_v)
+        ),
+        fix: "check the motor's supply, the enable line and the encoder's plug; raise the voltage above the friction".into(),
+    })
+}
+
+/// Compares motion and voltage by correlation after several smoothings, so that neither delay nor inertia matters.
+fn reversed(record: &Record) -> Option<Fault> {
+    if let (Some(angle), Some(measured)) = (&record.angle_rad, &record.speed_rad_s)
+        && correlation(&slope(&record.time_s, angle), measured) < -0.5
+    {
+        return Some(Fault {
+            name: "angle_against_speed",
+            column: "speed_rad_s",
+            why: "the speed has the opposite sign of the change of the angle".into(),
+            fix: "turn one of them round: --map angle=angle_rad,speed=speed_rad_s:rad/s*-1".into(),
+        });
+    }
+    let motion = speed(record);
+    let smoothed = SMOOTHING_S.map(|tau| low_pass(&record.time_s, &record.voltage_v, tau));
+    let together = smoothed.iter().map(|voltage| correlation(voltage, &motion));
+    let (lowest, highest) = together.fold((0.0, 0.0), |(low, high): (f64, f64), c| {
+        (low.min(c), high.max(c))
+    });
+    let same_sign = smoothed
+        .iter()
+        .map(|voltage| alignment(voltage, &motion))
+        .fold(1.0, f64::min);
+    let flipped = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
+    flipped.then(|| {
+        let (column, turn) = if record.angle_rad.is_some() {
+            ("angle_rad", "--map angle=angle_rad:rad*-1")
+        } else {
+            ("speed_rad_s", "--map speed=speed_rad_s:rad/s*-1")
+        };
+        Fault {
+            name: "sign_flipped",
+            column,
+            why: format!(
+                "the motor turns against its voltage (correlation {:.2}): the sign of the encoder or of the voltage is reversed",
+                lowest.min(same_sign)
+            ),
+            fix: format!("swap the encoder's A and B or the motor's wires, or turn the column round with {turn}"),
+        }
+    })
+}
+
+#[cfg(test)]
+pub(in crate::log) mod tests {
+    use super::*;
+    use crate::log::read_tests::assert_bad;
+
+    /// A first-order motor under a staircase that reverses, 100 Hz, 20 s.
+    pub(in crate::log) fn motor() -> Record {
+        let time: Vec<f64> = (0..2000).map(|i| i as f64 * 0.01).collect();
+        let voltage: Vec<f64> = (0..2000)
+            .map(|i| (((i / 100) * 7) % 13) as f64 - 6.0)
+            .collect();
+        let (mut speed, mut angle) = (0.0, 0.0);
+        let mut angles = Vec::new();
+        for v in &voltage {
+            angles.push(angle);
+            speed += 0.1 * (0.6 * v - speed);
+            angle += 0.01 * speed;
+        }
+        Record {
+            name: "run".into(),
+            path: "run.csv".into(),
+            time_s: time,
+            voltage_v: voltage,
+            angle_rad: Some(angles),
+            ..Record::default()
+        }
+    }
+
+    fn as_speed(mut record: Record) -> Record {
+        record.speed_rad_s = record
+            .angle_rad
+            .take()
+            .map(|angle| slope(&record.time_s, &angle));
+        record
+    }
+
+    #[test]
+    fn a_moving_motor_is_usable_by_angle_speed_or_both() {
+        let both = Record {
+            angle_rad: motor().angle_rad,
+            ..as_speed(motor())
+        };
+        for record in [motor(), as_speed(motor()), both] {
+            assert_eq!(content_faults(&record), []);
+            check_usable(&record).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_constant_voltage_is_refused_unless_it_is_a_sysid_step() {
+        let mut record = motor();
+        record.voltage_v.fill(5.0);
+        assert_bad(
+            &check_usable(&record).unwrap_err(),
+            "run.csv, column voltage_v",
+            "5 V from the first",
+            "plan",
+        );
+        record.voltage_v.fill(0.0);
+        assert!(check_usable(&record).is_err());
+        record.meta.insert(sysid::TEST_KEY, "fast-forward").unwrap();
+        assert!(no_excitation(&record).is_none());
+    }
+
+    #[test]
+    fn a_motor_that_never_moves_is_refused_even_if_a_count_flickers() {
+        let mut record = motor();
+        record.angle_rad = Some((0..2000).map(|i| 1.0 + f64::from(i % 2) * 1e-5).collect());
+        assert_bad(
+            &check_usable(&record).unwrap_err(),
+            "column angle_rad",
+            "never moves",
+            "enable line",
+        );
+        let mut record = as_speed(record);
+        record.speed_rad_s = Some(vec![0.0; 2000]);
+        assert_bad(
+            &check_usable(&record).unwrap_err(),
+            "column speed_rad_s",
+            "never moves",
+            "encoder",
+        );
+    }
+
+    #[test]
+    fn a_flipped_encoder_is_refused_and_the_remedy_turns_it_round() {
+        let mut record = motor();
+        record
+            .angle_rad
+            .as_mut()
+            .unwrap()
+            .iter_mut()
+            .for_each(|angle| *angle = -*angle);
+        assert_bad(
+            &check_usable(&record).unwrap_err(),
+            "column angle_rad",
+            "against its voltage",
+            "angle_rad:rad*-1",
+        );
+        assert_bad(
+            &check_usable(&as_speed(record.clone())).unwrap_err(),
+            "speed_rad_s",
+            "against",
+            "rad/s*-1",
+        );
+        // A drive in one direction only, seen backwards.
+        record.voltage_v.iter_mut().for_each(|v| *v = v.abs() + 3.0);
+        record.angle_rad = Some(
+            record
+                .time_s
+                .iter()
+                .map(|t| -3.0 * t - 0.01 * (5.0 * t).sin())
+                .collect(),
+        );
+        assert!(check_usable(&record).is_err());
+    }
+
+    #[test]
+    fn a_speed_that_contradicts_the_angle_is_refused() {
+        let mut record = as_speed(motor());
+        record
+            .speed_rad_s
+            .as_mut()
+            .unwrap()
+            .iter_mut()
+            .for_each(|speed| *speed = -*speed);
+        record.angle_rad = motor().angle_rad;
+        assert_eq!(content_faults(&record)[0].name, "angle_against_speed");
+    }
+
+    #[test]
+    fn a_load_that_drives_the_motor_is_no_flipped_encoder() {
+        // A hoist that is let down: voltage and speed opposed on the whole, together in their changes.
+        let mut record = motor();
+        let lowered: Vec<f64> = record
+            .angle_rad
+            .as_ref()
+            .unwrap()
+            .iter()
+            .zip(&record.time_s)
+            .map(|(a, t)| a - 2.0 * t)
+            .collect();
+        record.voltage_v.iter_mut().for_each(|v| *v += 7.0);
+        record.angle_rad = Some(lowered);
+        assert_eq!(content_faults(&record), []);
+    }
+}

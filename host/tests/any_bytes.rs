@@ -1,0 +1,90 @@
+//! Properties of the reader over files that nobody would write by hand.
+
+use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, write_canonical};
+use proptest::prelude::*;
+
+fn outcome(
+    content: &[u8],
+    format: Format,
+    map: Option<&str>,
+) -> Result<Vec<Record>, motorlens::error::Error> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("any.csv");
+    std::fs::write(&path, content).unwrap();
+    let options = ReadOptions {
+        format,
+        map: map.map(|map| map.parse().unwrap()),
+        ..ReadOptions::default()
+    };
+    read(&path, &options)
+}
+
+/// What holds for every answer of the reader: clean records, or a message with cause and remedy.
+fn holds(answer: Result<Vec<Record>, motorlens::error::Error>) -> Result<(), TestCaseError> {
+    match answer {
+        Ok(records) => {
+            for record in records {
+                let columns = [
+                    Some(&record.voltage_v),
+                    record.angle_rad.as_ref(),
+                    record.speed_rad_s.as_ref(),
+                ];
+                for column in columns.into_iter().flatten() {
+                    prop_assert_eq!(column.len(), record.len());
+                    prop_assert!(column.iter().all(|value| value.is_finite()));
+                }
+                prop_assert!(record.time_s.windows(2).all(|pair| pair[0] < pair[1]));
+                content_faults(&record);
+            }
+        }
+        Err(error) => {
+            prop_assert_eq!(error.exit_code(), 3);
+            prop_assert!(error.to_string().contains("\n  do: "), "{}", error);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_bytes_make_the_reader_panic(content in prop::collection::vec(any::<u8>(), 0..400)) {
+        for format in [Format::Csv, Format::WpilibSysid, Format::BamJson] {
+            holds(outcome(&content, format, None))?;
+        }
+    }
+
+    #[test]
+    fn no_fields_under_a_good_header_make_the_reader_panic(
+        rows in prop::collection::vec("[-0-9.eE,;#\"x\u{B5} ]{0,24}", 0..60),
+        mapped in any::<bool>(),
+    ) {
+        let content = format!("time_s,voltage_v,speed_rad_s\n{}", rows.join("\n"));
+        holds(outcome(content.as_bytes(), Format::Csv, mapped.then_some("time=0:us,voltage=1:mV*3,angle=2:rev")))?;
+    }
+
+    #[test]
+    fn any_numbers_survive_writing_and_reading(
+        steps in prop::collection::vec((1e-6..10.0f64, -1e3..1e3f64, prop::num::f64::NORMAL), 20..80),
+        hold in prop::bool::ANY,
+    ) {
+        let mut time = 0.0;
+        let record = Record {
+            name: "any".into(),
+            time_s: steps.iter().map(|(step, ..)| { time += step; time }).collect(),
+            voltage_v: steps.iter().map(|(_, voltage, _)| *voltage).collect(),
+            angle_rad: Some(steps.iter().map(|(.., angle)| *angle).collect()),
+            hold: if hold { Hold::First } else { Hold::Zero },
+            ..Record::default()
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("any.csv");
+        write_canonical(&record, &path).unwrap();
+        let back = read(&path, &ReadOptions::default()).unwrap().remove(0);
+        prop_assert_eq!(back.time_s, record.time_s);
+        prop_assert_eq!(back.voltage_v, record.voltage_v);
+        prop_assert_eq!(back.angle_rad, record.angle_rad);
+        prop_assert_eq!(back.hold, record.hold);
+    }
+}
