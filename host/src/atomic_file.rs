@@ -16,10 +16,8 @@ pub fn write_with<F>(path: &Path, fill: F) -> Result<()>
 where
     F: FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 {
-    replace(path, fill).map_err(|source| Error::Io {
-        doing: format!("cannot write {}", path.display()),
-        source,
-    })
+    replace(path, fill)
+        .map_err(|source| Error::Io { doing: format!("cannot write {}", path.display()), source })
 }
 
 /// Writes `content` to `path`, whole or not at all.

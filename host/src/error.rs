@@ -79,13 +79,7 @@ pub struct BadInput {
 impl BadInput {
     /// A fault of the whole file.
     pub fn new(file: &Path, why: impl Into<String>, remedy: impl Into<String>) -> Self {
-        BadInput {
-            file: file.to_owned(),
-            line: None,
-            column: None,
-            why: why.into(),
-            remedy: remedy.into(),
-        }
+        BadInput { file: file.to_owned(), line: None, column: None, why: why.into(), remedy: remedy.into() }
     }
 
     /// The same fault, at a line counted from 1.
@@ -134,18 +128,12 @@ impl From<BadInput> for Error {
 impl Error {
     /// Wrong usage, with what to type instead.
     pub fn usage(why: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Error::Usage {
-            why: why.into(),
-            remedy: remedy.into(),
-        }
+        Error::Usage { why: why.into(), remedy: remedy.into() }
     }
 
     /// A device that did not answer or refused, with what to check.
     pub fn device(why: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Error::Device {
-            why: why.into(),
-            remedy: remedy.into(),
-        }
+        Error::Device { why: why.into(), remedy: remedy.into() }
     }
 
     /// The status the process ends with: 2 usage, 3 bad input, 4 device, 1 the machine itself.
@@ -194,14 +182,10 @@ mod tests {
     use super::*;
 
     fn nan_in_run3() -> Error {
-        BadInput::new(
-            Path::new("run3.csv"),
-            "\"NaN\" is not a number a fit can use",
-            "remove the row",
-        )
-        .at_line(17)
-        .in_column("voltage_v")
-        .into()
+        BadInput::new(Path::new("run3.csv"), "\"NaN\" is not a number a fit can use", "remove the row")
+            .at_line(17)
+            .in_column("voltage_v")
+            .into()
     }
 
     #[test]
@@ -224,10 +208,8 @@ mod tests {
 
     #[test]
     fn each_kind_of_failure_has_its_exit_status() {
-        let full_disk = Error::Io {
-            doing: "cannot write model.json".into(),
-            source: std::io::Error::other("no space"),
-        };
+        let full_disk =
+            Error::Io { doing: "cannot write model.json".into(), source: std::io::Error::other("no space") };
         assert_eq!(Error::usage("a", "b").exit_code(), 2);
         assert_eq!(nan_in_run3().exit_code(), 3);
         assert_eq!(Error::device("a", "b").exit_code(), 4);

@@ -141,13 +141,8 @@ pub fn parse(path: &Path, text: &str) -> Result<MotorFile> {
         if value.is_finite() && value > 0.0 {
             return Ok(Some(value));
         }
-        Err(fault(
-            path,
-            text,
-            number.span().start,
-            &format!("{key} = {value} is not a positive number"),
-        )
-        .into())
+        Err(fault(path, text, number.span().start, &format!("{key} = {value} is not a positive number"))
+            .into())
     };
     let mut fixed = BTreeMap::new();
     for (key, number) in raw.fixed {
@@ -192,14 +187,9 @@ fn fault(path: &Path, text: &str, start: usize, message: &str) -> BadInput {
     let why = message.lines().next().unwrap_or(message);
     let (why, remedy) = match unknown_key(why) {
         Some(key) => (format!("the key \"{key}\" is unknown"), did_you_mean(key)),
-        None => (
-            why.to_owned(),
-            "correct this line; all keys are optional".to_owned(),
-        ),
+        None => (why.to_owned(), "correct this line; all keys are optional".to_owned()),
     };
-    BadInput::new(path, why, remedy)
-        .at_line(line)
-        .at_character(character)
+    BadInput::new(path, why, remedy).at_line(line).at_character(character)
 }
 
 fn unknown_key(message: &str) -> Option<&str> {
@@ -223,9 +213,7 @@ mod tests {
     use super::*;
 
     fn message(text: &str) -> String {
-        parse(Path::new("motor.toml"), text)
-            .unwrap_err()
-            .to_string()
+        parse(Path::new("motor.toml"), text).unwrap_err().to_string()
     }
 
     #[test]
@@ -237,10 +225,7 @@ mod tests {
         assert_eq!(motor.encoder_shaft, Some(EncoderShaft::Output));
         assert_eq!(motor.nameplate.resistance_ohm, Some(2.5));
         assert_eq!(motor.fixed["coulomb"], 0.3);
-        assert_eq!(
-            parse(Path::new("motor.toml"), "").unwrap(),
-            MotorFile::default()
-        );
+        assert_eq!(parse(Path::new("motor.toml"), "").unwrap(), MotorFile::default());
     }
 
     #[test]
@@ -256,25 +241,14 @@ mod tests {
     #[test]
     fn impossible_values_and_broken_syntax_are_named_with_line_and_column() {
         for (text, place, cause) in [
-            (
-                "gear_ratio = -3",
-                "line 1, column 14",
-                "not a positive number",
-            ),
-            (
-                "[fixed]\na = nan",
-                "line 2, column 5",
-                "not a finite number",
-            ),
+            ("gear_ratio = -3", "line 1, column 14", "not a positive number"),
+            ("[fixed]\na = nan", "line 2, column 5", "not a finite number"),
             ("gear_ratio = \"big\"", "line 1, column 14", "expected"),
             ("encoder_shaft = \"wheel\"", "line 1", "wheel"),
             ("a = = 1", "line 1", "motor.toml"),
         ] {
             let shown = message(text);
-            assert!(
-                shown.contains(place) && shown.contains(cause),
-                "{text}: {shown}"
-            );
+            assert!(shown.contains(place) && shown.contains(cause), "{text}: {shown}");
         }
     }
 }

@@ -11,11 +11,7 @@ fn outcome(
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("any.csv");
     std::fs::write(&path, content).unwrap();
-    let options = ReadOptions {
-        format,
-        map: map.map(|map| map.parse().unwrap()),
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { format, map: map.map(|map| map.parse().unwrap()), ..ReadOptions::default() };
     read(&path, &options)
 }
 
@@ -24,11 +20,8 @@ fn holds(answer: Result<Vec<Record>, motorlens::error::Error>) -> Result<(), Tes
     match answer {
         Ok(records) => {
             for record in records {
-                let columns = [
-                    Some(&record.voltage_v),
-                    record.angle_rad.as_ref(),
-                    record.speed_rad_s.as_ref(),
-                ];
+                let columns =
+                    [Some(&record.voltage_v), record.angle_rad.as_ref(), record.speed_rad_s.as_ref()];
                 for column in columns.into_iter().flatten() {
                     prop_assert_eq!(column.len(), record.len());
                     prop_assert!(column.iter().all(|value| value.is_finite()));

@@ -30,10 +30,7 @@ fn a_hundred_megabytes_are_read_in_seconds() {
     #[cfg(target_os = "linux")]
     {
         let status = std::fs::read_to_string("/proc/self/status").unwrap();
-        let peak = status
-            .lines()
-            .find(|line| line.starts_with("VmHWM:"))
-            .unwrap();
+        let peak = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
         let kilobytes: usize = peak.split_whitespace().nth(1).unwrap().parse().unwrap();
         // Three columns of a million numbers, twice while a column grows, and the program itself.
         assert!(kilobytes < 90_000, "{kilobytes} kB");

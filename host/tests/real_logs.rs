@@ -10,31 +10,21 @@ use motorlens::log::quantum::quantum;
 use motorlens::log::{Format, ReadOptions, Record, check_usable, content_faults, read};
 
 fn data(directory: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("MOTORLENS_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
-        PathBuf::from,
-    );
+    let root = std::env::var_os("MOTORLENS_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     let found = root.join(directory);
     if found.is_dir() {
         return Some(found);
     }
     // Written past the test harness, which would swallow it.
-    let _ = writeln!(
-        std::io::stderr(),
-        "SKIPPED: no real logs at {} (set MOTORLENS_DATA)",
-        found.display()
-    );
+    let message = format!("SKIPPED: no real logs at {} (set MOTORLENS_DATA)\n", found.display());
+    let _ = std::io::stderr().write_all(message.as_bytes());
     None
 }
 
 fn one(path: &Path, map: &str) -> Record {
-    let options = ReadOptions {
-        map: Some(map.parse().unwrap()),
-        ..ReadOptions::default()
-    };
-    read(path, &options)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .remove(0)
+    let options = ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
+    read(path, &options).unwrap_or_else(|error| panic!("{error}")).remove(0)
 }
 
 #[test]
@@ -43,41 +33,18 @@ fn the_teaching_rig_is_read_in_its_units_and_shows_its_encoder_step() {
         return;
     };
     for (file, map, rows) in [
-        (
-            "DCmotor_prbs_open_exp.csv",
-            "time=t,voltage=u,speed=y:deg/s",
-            4093,
-        ),
-        (
-            "DCmotor_step_open_exp.csv",
-            "time=t,voltage=u,speed=y:deg/s",
-            302,
-        ),
-        (
-            "DCmotor_stairs_closed_exp.csv",
-            "time=t,voltage=u,speed=y:deg/s",
-            450,
-        ),
-        (
-            "DCmotor_step_closed_exp.csv",
-            "time=t,voltage=u,angle=y:deg",
-            126,
-        ),
-        (
-            "DCmotor_profile_closed_exp.csv",
-            "time=t,voltage=u,angle=y:deg",
-            151,
-        ),
+        ("DCmotor_prbs_open_exp.csv", "time=t,voltage=u,speed=y:deg/s", 4093),
+        ("DCmotor_step_open_exp.csv", "time=t,voltage=u,speed=y:deg/s", 302),
+        ("DCmotor_stairs_closed_exp.csv", "time=t,voltage=u,speed=y:deg/s", 450),
+        ("DCmotor_step_closed_exp.csv", "time=t,voltage=u,angle=y:deg", 126),
+        ("DCmotor_profile_closed_exp.csv", "time=t,voltage=u,angle=y:deg", 151),
     ] {
         let record = one(&directory.join(file), map);
         assert_eq!(record.len(), rows, "{file}");
         assert_eq!(record.warnings, [], "{file}");
         check_usable(&record).unwrap();
     }
-    let prbs = one(
-        &directory.join("DCmotor_prbs_open_exp.csv"),
-        "time=t,voltage=u,speed=y:deg/s",
-    );
+    let prbs = one(&directory.join("DCmotor_prbs_open_exp.csv"), "time=t,voltage=u,speed=y:deg/s");
     let step = quantum(&prbs.speed_rad_s.unwrap()).unwrap().to_degrees();
     // 2800 counts a turn at 50 Hz.
     assert!((step - 360.0 / 2800.0 * 50.0).abs() < 0.01, "{step}");
@@ -104,8 +71,7 @@ fn the_micromouse_is_read_despite_its_bad_fields_and_its_two_clocks() {
         ("testPid8", "ms"),
     ] {
         for side in ["left", "right"] {
-            let map =
-                format!("time=time:{unit},voltage={side}Command:V/255*7.9,speed={side}Speed:rpm");
+            let map = format!("time=time:{unit},voltage={side}Command:V/255*7.9,speed={side}Speed:rpm");
             let record = one(&directory.join(format!("{prefix}.csv")), &map);
             assert_eq!(content_faults(&record), [], "{prefix} {side}");
             let odd = match prefix {
@@ -114,11 +80,7 @@ fn the_micromouse_is_read_despite_its_bad_fields_and_its_two_clocks() {
                 _ => None,
             };
             let warnings = &record.warnings;
-            assert_eq!(
-                warnings.len(),
-                usize::from(odd.is_some()),
-                "{prefix}: {warnings:?}"
-            );
+            assert_eq!(warnings.len(), usize::from(odd.is_some()), "{prefix}: {warnings:?}");
             for (warning, line) in warnings.iter().zip(odd) {
                 assert!(warning.place.contains(line), "{prefix}: {}", warning.place);
             }
@@ -135,10 +97,7 @@ fn the_servo_with_a_pendulum_gives_an_inferred_voltage() {
     let Some(directory) = data("bam-sts3250") else {
         return;
     };
-    let options = ReadOptions {
-        format: Format::BamJson,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { format: Format::BamJson, ..ReadOptions::default() };
     for (file, rows) in [
         ("2024-10-26_12h23m27.json", 286),
         ("2024-10-26_12h23m42.json", 96),
@@ -148,16 +107,10 @@ fn the_servo_with_a_pendulum_gives_an_inferred_voltage() {
         let record = read(&directory.join(file), &options).unwrap().remove(0);
         assert_eq!(record.len(), rows, "{file}");
         assert_eq!(content_faults(&record), [], "{file}");
-        assert!(
-            record.voltage_v.iter().all(|volts| volts.abs() <= 12.9),
-            "{file}"
-        );
+        assert!(record.voltage_v.iter().all(|volts| volts.abs() <= 12.9), "{file}");
         let step = quantum(record.angle_rad.as_ref().unwrap());
         if let Some(step) = step {
-            assert!(
-                (step - std::f64::consts::TAU / 4096.0).abs() < 1e-6,
-                "{file}: {step}"
-            );
+            assert!((step - std::f64::consts::TAU / 4096.0).abs() < 1e-6, "{file}: {step}");
         }
     }
 }

@@ -46,9 +46,7 @@ impl ReadArgs {
     /// # Errors
     /// Bad input in the motor file.
     pub fn motor_file(&self) -> Result<MotorFile> {
-        self.motor
-            .as_deref()
-            .map_or_else(|| Ok(MotorFile::default()), motor_file::read)
+        self.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)
     }
 
     /// The options of the reader, with the motor file read.
@@ -130,9 +128,7 @@ mod tests {
 
     #[test]
     fn a_wrong_map_is_wrong_usage() {
-        let error = Verb::try_parse_from(["fit", "--map", "speed=y:knots"])
-            .err()
-            .unwrap();
+        let error = Verb::try_parse_from(["fit", "--map", "speed=y:knots"]).err().unwrap();
         assert_eq!(error.exit_code(), 2);
         assert!(error.to_string().contains("no unit of speed"));
     }

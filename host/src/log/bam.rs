@@ -53,35 +53,19 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<R
     let file: File = json::parse(path, input)?;
     if !(file.kp.is_finite() && file.kp > 0.0) {
         let why = format!("kp = {} does not close a position loop", file.kp);
-        return Err(
-            BadInput::new(path, why, "log the proportional gain of the servo")
-                .in_column("kp")
-                .into(),
-        );
+        return Err(BadInput::new(path, why, "log the proportional gain of the servo")
+            .in_column("kp")
+            .into());
     }
     let gain = file.kp * options.servo_gain.unwrap_or(SERVO_GAIN);
     let released = file.entries.iter().position(|entry| !entry.torque_enable);
     let headers = ["timestamp", "goal_position", "position", "input_volts"];
     let mut samples = Samples::new(path, headers.map(String::from).to_vec());
-    for (index, entry) in file
-        .entries
-        .iter()
-        .take(released.unwrap_or(usize::MAX))
-        .enumerate()
-    {
-        let fields = [
-            entry.timestamp,
-            entry.goal_position,
-            entry.position,
-            entry.input_volts,
-        ];
+    for (index, entry) in file.entries.iter().take(released.unwrap_or(usize::MAX)).enumerate() {
+        let fields = [entry.timestamp, entry.goal_position, entry.position, entry.input_volts];
         match fields.iter().position(Option::is_none) {
             None => samples.accept(Place::Entry(index), &fields.map(Option::unwrap_or_default))?,
-            Some(lost) => samples.reject(
-                Place::Entry(index),
-                headers[lost],
-                "the number is missing".into(),
-            ),
+            Some(lost) => samples.reject(Place::Entry(index), headers[lost], "the number is missing".into()),
         }
     }
     let (mut columns, mut warnings) = samples.finish(None)?;
@@ -101,10 +85,7 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<R
         ("mass_kg", file.mass.map(|mass| mass.to_string())),
         ("arm_m", file.length.map(|length| length.to_string())),
         ("kp", Some(file.kp.to_string())),
-        (
-            "voltage",
-            Some("inferred from the position loop".to_owned()),
-        ),
+        ("voltage", Some("inferred from the position loop".to_owned())),
     ];
     for (key, value) in facts {
         if let Some(value) = value {
@@ -115,9 +96,8 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<R
     let supply = columns.pop().unwrap_or_default();
     let position = columns.pop().unwrap_or_default();
     let goal = columns.pop().unwrap_or_default();
-    let voltage = (0..supply.len())
-        .map(|i| (gain * (goal[i] - position[i])).clamp(-1.0, 1.0) * supply[i])
-        .collect();
+    let voltage =
+        (0..supply.len()).map(|i| (gain * (goal[i] - position[i])).clamp(-1.0, 1.0) * supply[i]).collect();
     Ok(Record {
         name: super::stem(path),
         path: path.to_owned(),
@@ -140,10 +120,7 @@ mod tests {
 
     fn bam(content: &str) -> Result<Record> {
         let (_directory, path) = file(content.as_bytes());
-        let options = ReadOptions {
-            format: Format::BamJson,
-            ..ReadOptions::default()
-        };
+        let options = ReadOptions { format: Format::BamJson, ..ReadOptions::default() };
         read(&path, &options).map(|mut records| records.remove(0))
     }
 
@@ -158,10 +135,7 @@ mod tests {
                 )
             })
             .collect();
-        format!(
-            "{{\"kp\":32,\"mass\":1.13,\"trajectory\":\"sin\",\"entries\":[{}]}}",
-            entries.join(",")
-        )
+        format!("{{\"kp\":32,\"mass\":1.13,\"trajectory\":\"sin\",\"entries\":[{}]}}", entries.join(","))
     }
 
     #[test]
@@ -184,23 +158,8 @@ mod tests {
 
     #[test]
     fn another_layout_is_refused() {
-        assert_bad(
-            &bam("{\"kp\": 32}").unwrap_err(),
-            "line 1",
-            "missing field `entries`",
-            "--format",
-        );
-        assert_bad(
-            &bam(&log(10)).unwrap_err(),
-            "entry 9",
-            "10 samples are too few",
-            "at least 20",
-        );
-        assert_bad(
-            &bam(&log(40).replace("32", "0")).unwrap_err(),
-            "column kp",
-            "position loop",
-            "gain",
-        );
+        assert_bad(&bam("{\"kp\": 32}").unwrap_err(), "line 1", "missing field `entries`", "--format");
+        assert_bad(&bam(&log(10)).unwrap_err(), "entry 9", "10 samples are too few", "at least 20");
+        assert_bad(&bam(&log(40).replace("32", "0")).unwrap_err(), "column kp", "position loop", "gain");
     }
 }

@@ -31,15 +31,12 @@ impl Splitter {
         self.text.resize(line.len() + 1, 0);
         self.ends.resize(line.len() + 1, 0);
         self.reader.reset();
-        let (result, read, written, count) =
-            self.reader
-                .read_record(line, &mut self.text, &mut self.ends);
+        let (result, read, written, count) = self.reader.read_record(line, &mut self.text, &mut self.ends);
         self.count = count;
         if result == ReadRecordResult::InputEmpty {
             // The end of the input closes the last field; within a quote, it comes too early.
             let (end, _, _, last) =
-                self.reader
-                    .read_record(b"\n", &mut self.text[written..], &mut self.ends[count..]);
+                self.reader.read_record(b"\n", &mut self.text[written..], &mut self.ends[count..]);
             self.count += last;
             return end == ReadRecordResult::Record;
         }
@@ -55,9 +52,7 @@ impl Splitter {
     pub fn get(&self, index: usize) -> Option<&str> {
         let end = *self.ends[..self.count].get(index)?;
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
-        std::str::from_utf8(&self.text[start..end])
-            .ok()
-            .map(str::trim)
+        std::str::from_utf8(&self.text[start..end]).ok().map(str::trim)
     }
 
     /// All fields of the line.

@@ -22,18 +22,14 @@ pub fn parse<T: DeserializeOwned>(path: &Path, input: impl BufRead) -> Result<T>
                 "the JSON ends in the middle".to_owned(),
                 "check that the file was copied in full and is complete",
             ),
-            Category::Syntax => (
-                format!("this is not JSON: {error}"),
-                "check that --format names the layout of this file",
-            ),
+            Category::Syntax => {
+                (format!("this is not JSON: {error}"), "check that --format names the layout of this file")
+            }
             Category::Data => (
                 format!("this JSON has another layout: {error}"),
                 "check that --format names the layout of this file",
             ),
         };
-        BadInput::new(path, why, remedy)
-            .at_line(line)
-            .at_character(character)
-            .into()
+        BadInput::new(path, why, remedy).at_line(line).at_character(character).into()
     })
 }

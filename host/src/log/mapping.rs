@@ -29,9 +29,7 @@ pub struct Mapping {
 impl Mapping {
     /// Where `quantity` comes from, if the mapping says.
     pub fn source(&self, quantity: Quantity) -> Option<&Source> {
-        self.sources
-            .iter()
-            .find(|source| source.quantity == quantity)
+        self.sources.iter().find(|source| source.quantity == quantity)
     }
 
     /// Whether any angle or speed is mapped; then canonical columns of that kind are not taken on top.
@@ -41,11 +39,7 @@ impl Mapping {
 
     /// Whether every column is given by number, so that the file may lack a header.
     pub fn is_by_number(&self) -> bool {
-        !self.sources.is_empty()
-            && self
-                .sources
-                .iter()
-                .all(|source| source.column.parse::<usize>().is_ok())
+        !self.sources.is_empty() && self.sources.iter().all(|source| source.column.parse::<usize>().is_ok())
     }
 }
 
@@ -54,40 +48,30 @@ impl FromStr for Mapping {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut mapping = Mapping::default();
-        for part in text
-            .split(',')
-            .map(str::trim)
-            .filter(|part| !part.is_empty())
-        {
-            let (key, place) = part.split_once('=').ok_or_else(|| {
-                format!("\"{part}\" lacks an equals sign: write for example voltage=u:V")
-            })?;
+        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+            let (key, place) = part
+                .split_once('=')
+                .ok_or_else(|| format!("\"{part}\" lacks an equals sign: write for example voltage=u:V"))?;
             let quantity = quantity_named(key.trim())?;
             let (column, unit) = match place.rsplit_once(':') {
                 Some((column, unit)) => (column, Unit::parse(quantity, unit.trim())?),
                 None => (place, Unit::SI),
             };
             if column.trim().is_empty() {
-                return Err(format!(
-                    "\"{part}\" names no column: write for example {quantity}=3"
-                ));
+                return Err(format!("\"{part}\" names no column: write for example {quantity}=3"));
             }
             if mapping.source(quantity).is_some() {
                 return Err(format!("{quantity} is mapped twice"));
             }
-            mapping.sources.push(Source {
-                quantity,
-                column: column.trim().to_owned(),
-                unit,
-            });
+            mapping.sources.push(Source { quantity, column: column.trim().to_owned(), unit });
         }
         if mapping.source(Quantity::Duty).is_some() && mapping.source(Quantity::Voltage).is_some() {
-            return Err("voltage and duty are both mapped: keep the one that was measured nearer to the motor".into());
+            return Err(
+                "voltage and duty are both mapped: keep the one that was measured nearer to the motor".into(),
+            );
         }
         if mapping.sources.is_empty() {
-            return Err(
-                "the mapping is empty: write for example time=t:ms,voltage=u,speed=y:deg/s".into(),
-            );
+            return Err("the mapping is empty: write for example time=t:ms,voltage=u,speed=y:deg/s".into());
         }
         Ok(mapping)
     }
@@ -106,49 +90,23 @@ fn quantity_named(key: &str) -> Result<Quantity, String> {
 /// A guess at the mapping from the headers of a file, for messages; never applied by itself.
 pub fn suggest(headers: &[String]) -> Option<String> {
     const HINTS: [(Quantity, &[&str], &str); 4] = [
-        (
-            Quantity::Time,
-            &["time", "t", "timestamp", "seconds", "ms", "millis"],
-            "s",
-        ),
-        (
-            Quantity::Voltage,
-            &[
-                "voltage", "u", "v", "volt", "volts", "command", "pwm", "input",
-            ],
-            "V",
-        ),
-        (
-            Quantity::Speed,
-            &["speed", "velocity", "vel", "rpm", "omega", "w", "y"],
-            "rad/s",
-        ),
-        (
-            Quantity::Angle,
-            &[
-                "angle", "position", "pos", "theta", "encoder", "counts", "deg",
-            ],
-            "rad",
-        ),
+        (Quantity::Time, &["time", "t", "timestamp", "seconds", "ms", "millis"], "s"),
+        (Quantity::Voltage, &["voltage", "u", "v", "volt", "volts", "command", "pwm", "input"], "V"),
+        (Quantity::Speed, &["speed", "velocity", "vel", "rpm", "omega", "w", "y"], "rad/s"),
+        (Quantity::Angle, &["angle", "position", "pos", "theta", "encoder", "counts", "deg"], "rad"),
     ];
     let find = |words: &[&str]| {
-        let exact = headers
-            .iter()
-            .find(|header| words.contains(&header.to_lowercase().as_str()));
+        let exact = headers.iter().find(|header| words.contains(&header.to_lowercase().as_str()));
         exact.or_else(|| {
             headers.iter().find(|header| {
                 let lower = header.to_lowercase();
-                words
-                    .iter()
-                    .any(|word| word.len() > 2 && lower.contains(word))
+                words.iter().any(|word| word.len() > 2 && lower.contains(word))
             })
         })
     };
     let parts: Vec<String> = HINTS
         .iter()
-        .filter_map(|(quantity, words, unit)| {
-            find(words).map(|header| format!("{quantity}={header}:{unit}"))
-        })
+        .filter_map(|(quantity, words, unit)| find(words).map(|header| format!("{quantity}={header}:{unit}")))
         .collect();
     (parts.len() >= 2).then(|| parts.join(","))
 }
@@ -191,15 +149,9 @@ mod tests {
     #[test]
     fn headers_of_a_foreign_log_lead_to_a_suggestion() {
         let headers = ["t", "u", "y"].map(String::from);
-        assert_eq!(
-            suggest(&headers).unwrap(),
-            "time=t:s,voltage=u:V,speed=y:rad/s"
-        );
+        assert_eq!(suggest(&headers).unwrap(), "time=t:s,voltage=u:V,speed=y:rad/s");
         let headers = ["time", "leftSpeed", "leftCommand"].map(String::from);
-        assert_eq!(
-            suggest(&headers).unwrap(),
-            "time=time:s,voltage=leftCommand:V,speed=leftSpeed:rad/s"
-        );
+        assert_eq!(suggest(&headers).unwrap(), "time=time:s,voltage=leftCommand:V,speed=leftSpeed:rad/s");
         assert_eq!(suggest(&["foo".to_owned()]), None);
     }
 }

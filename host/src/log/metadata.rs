@@ -35,9 +35,7 @@ impl FromStr for EncoderShaft {
         match text {
             "motor" => Ok(EncoderShaft::Motor),
             "output" => Ok(EncoderShaft::Output),
-            other => Err(format!(
-                "encoder_shaft \"{other}\" is neither \"motor\" nor \"output\""
-            )),
+            other => Err(format!("encoder_shaft \"{other}\" is neither \"motor\" nor \"output\"")),
         }
     }
 }
@@ -74,9 +72,7 @@ impl Metadata {
 
     /// All pairs in the order of their keys.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0
-            .iter()
-            .map(|(key, value)| (key.as_str(), value.as_str()))
+        self.0.iter().map(|(key, value)| (key.as_str(), value.as_str()))
     }
 
     /// Turns of the motor shaft per turn of the output shaft.
@@ -116,11 +112,7 @@ mod tests {
     #[test]
     fn known_keys_are_typed_and_unknown_ones_are_kept() {
         let mut meta = Metadata::default();
-        for (key, value) in [
-            ("gear_ratio", "104"),
-            ("hold", "first"),
-            ("operator", "Ada"),
-        ] {
+        for (key, value) in [("gear_ratio", "104"), ("hold", "first"), ("operator", "Ada")] {
             meta.insert(key, value).unwrap();
         }
         assert_eq!(meta.gear_ratio(), Some(104.0));
@@ -132,16 +124,10 @@ mod tests {
     #[test]
     fn a_known_key_with_an_impossible_value_is_refused() {
         let mut meta = Metadata::default();
-        for (key, value) in [
-            ("gear_ratio", "-3"),
-            ("counts_per_rev", "many"),
-            ("hold", "second"),
-            ("encoder_shaft", "wheel"),
-        ] {
-            assert!(
-                meta.insert(key, value).unwrap_err().contains(value),
-                "{key}"
-            );
+        for (key, value) in
+            [("gear_ratio", "-3"), ("counts_per_rev", "many"), ("hold", "second"), ("encoder_shaft", "wheel")]
+        {
+            assert!(meta.insert(key, value).unwrap_err().contains(value), "{key}");
         }
         assert_eq!(meta, Metadata::default());
     }

@@ -1,7 +1,7 @@
 //! Logs of motors: from files of many kinds to [`Record`]s in SI units, and back.
 //!
-//! The way of the data: [`text`] opens a file and vouches for its encoding, [`preamble`] takes metadata and header,
-//! [`table`] (or the reader of a foreign format) turns rows into numbers, [`samples`] keeps the rows that a fit can
+//! The way of the data: `text` opens a file and vouches for its encoding, `preamble` takes metadata and header,
+//! `table` (or the reader of a foreign format) turns rows into numbers, `samples` keeps the rows that a fit can
 //! use. What a record says about the motor is judged later, by the verbs that need to.
 
 mod args;
@@ -39,10 +39,7 @@ pub use write::write_canonical;
 
 /// The name of a record from its file.
 fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(
-        || path.display().to_string(),
-        |stem| stem.to_string_lossy().into_owned(),
-    )
+    path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

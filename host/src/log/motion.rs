@@ -22,11 +22,7 @@ pub fn slope(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     (0..values.len())
         .map(|i| {
             let (from, to) = (i.saturating_sub(reach), (i + reach).min(last));
-            if to == from {
-                0.0
-            } else {
-                (values[to] - values[from]) / (time_s[to] - time_s[from])
-            }
+            if to == from { 0.0 } else { (values[to] - values[from]) / (time_s[to] - time_s[from]) }
         })
         .collect()
 }
@@ -66,20 +62,13 @@ fn cosine(a: &[f64], b: &[f64], origin_a: f64, origin_b: f64) -> f64 {
         aa += x * x;
         bb += y * y;
     }
-    if aa > 0.0 && bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
-    }
+    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
 /// Largest minus smallest value.
 pub fn span(values: &[f64]) -> f64 {
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
     if low <= high { high - low } else { 0.0 }
 }
 

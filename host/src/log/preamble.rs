@@ -35,11 +35,8 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let mut number = 0;
     loop {
         let mut line = String::new();
-        let count = input
-            .by_ref()
-            .take(1 << 20)
-            .read_line(&mut line)
-            .map_err(|error| cannot_read(path, &error))?;
+        let count =
+            input.by_ref().take(1 << 20).read_line(&mut line).map_err(|error| cannot_read(path, &error))?;
         if count == 0 {
             return Err(BadInput::new(
                 path,
@@ -89,18 +86,9 @@ fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -
         .at_line(line)
         .into());
     }
-    if names
-        .iter()
-        .all(|name| name.replace(',', ".").parse::<f64>().is_ok())
-    {
+    if names.iter().all(|name| name.replace(',', ".").parse::<f64>().is_ok()) {
         if by_number {
-            return Ok(Preamble {
-                meta,
-                headers: None,
-                first_row: Some(text.to_owned()),
-                delimiter,
-                line,
-            });
+            return Ok(Preamble { meta, headers: None, first_row: Some(text.to_owned()), delimiter, line });
         }
         return Err(BadInput::new(
             path,
@@ -122,13 +110,7 @@ fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -
             .into());
         }
     }
-    Ok(Preamble {
-        meta,
-        headers: Some(names),
-        first_row: None,
-        delimiter,
-        line,
-    })
+    Ok(Preamble { meta, headers: Some(names), first_row: None, delimiter, line })
 }
 
 /// The separator that occurs most often outside quotes.
@@ -144,10 +126,7 @@ fn delimiter_of(header: &str) -> u8 {
             .count()
     };
     // A semicolon or tab wins over commas: those may then be decimal commas.
-    [';', '\t']
-        .into_iter()
-        .find(|&candidate| count(candidate) > 0)
-        .map_or(b',', |candidate| candidate as u8)
+    [';', '\t'].into_iter().find(|&candidate| count(candidate) > 0).map_or(b',', |candidate| candidate as u8)
 }
 
 #[cfg(test)]
@@ -160,19 +139,12 @@ mod tests {
 
     #[test]
     fn metadata_comes_before_a_header_in_any_common_separator() {
-        for header in [
-            "time_s,voltage_v",
-            "time_s; voltage_v",
-            "time_s\tvoltage_v",
-            "\"time_s\",\"voltage_v\"",
-        ] {
+        for header in
+            ["time_s,voltage_v", "time_s; voltage_v", "time_s\tvoltage_v", "\"time_s\",\"voltage_v\""]
+        {
             let text = format!("# a remark\n# gear_ratio: 104\n\n{header}\r\n1,2\r\n");
             let preamble = preamble(&text).unwrap();
-            assert_eq!(
-                preamble.headers.unwrap(),
-                ["time_s", "voltage_v"],
-                "{header}"
-            );
+            assert_eq!(preamble.headers.unwrap(), ["time_s", "voltage_v"], "{header}");
             assert_eq!(preamble.meta.gear_ratio(), Some(104.0));
             assert_eq!(preamble.line, 4);
         }
@@ -180,13 +152,8 @@ mod tests {
 
     #[test]
     fn malformed_metadata_is_named_by_line() {
-        let message = preamble("# a: b\n# gear_ratio: lots\nt,u\n")
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("x.csv, line 2: gear_ratio \"lots\""),
-            "{message}"
-        );
+        let message = preamble("# a: b\n# gear_ratio: lots\nt,u\n").unwrap_err().to_string();
+        assert!(message.starts_with("x.csv, line 2: gear_ratio \"lots\""), "{message}");
     }
 
     #[test]
@@ -197,10 +164,7 @@ mod tests {
             ("t,u,t\n", "line 1, column t", "two columns"),
         ] {
             let message = preamble(text).unwrap_err().to_string();
-            assert!(
-                message.contains(place) && message.contains(cause),
-                "{message}"
-            );
+            assert!(message.contains(place) && message.contains(cause), "{message}");
         }
     }
 }

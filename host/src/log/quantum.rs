@@ -15,11 +15,7 @@ const FEWEST_LEVELS: usize = 4;
 /// The smallest gap between neighbouring levels, or a half or third of it, is tried as the step and then refined by
 /// least squares over all gaps.
 pub fn quantum(values: &[f64]) -> Option<f64> {
-    let mut levels: Vec<f64> = values
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite())
-        .collect();
+    let mut levels: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     levels.sort_unstable_by(f64::total_cmp);
     let span = levels.last()? - levels.first()?;
     levels.dedup_by(|next, kept| *next - *kept <= SAME_LEVEL * span);
@@ -29,11 +25,7 @@ pub fn quantum(values: &[f64]) -> Option<f64> {
     }
     let gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
-    let near: Vec<f64> = gaps
-        .iter()
-        .copied()
-        .filter(|gap| *gap < 1.5 * smallest)
-        .collect();
+    let near: Vec<f64> = gaps.iter().copied().filter(|gap| *gap < 1.5 * smallest).collect();
     let typical = near.iter().sum::<f64>() / near.len() as f64;
     (1..=3).find_map(|divisor| fit(&gaps, typical / f64::from(divisor)))
 }
@@ -49,10 +41,7 @@ fn fit(gaps: &[f64], start: f64) -> Option<f64> {
         }
         step = numerator / denominator;
     }
-    let agreeing = gaps
-        .iter()
-        .filter(|&gap| ((gap / step) - (gap / step).round()).abs() < TOLERANCE)
-        .count();
+    let agreeing = gaps.iter().filter(|&gap| ((gap / step) - (gap / step).round()).abs() < TOLERANCE).count();
     (agreeing as f64 >= AGREEING * gaps.len() as f64).then_some(step)
 }
 
@@ -68,15 +57,10 @@ mod tests {
     #[test]
     fn an_encoder_step_is_found_even_if_written_with_few_digits() {
         let step = TAU / 4992.0;
-        let counted: Vec<f64> = (0..5000)
-            .map(|i| (swing(i) / step).floor() * step + 0.77)
-            .collect();
+        let counted: Vec<f64> = (0..5000).map(|i| (swing(i) / step).floor() * step + 0.77).collect();
         let found = quantum(&counted).unwrap();
         assert!((found / step - 1.0).abs() < 1e-6, "{found} {step}");
-        let written: Vec<f64> = counted
-            .iter()
-            .map(|value| (value * 1e4).round() / 1e4)
-            .collect();
+        let written: Vec<f64> = counted.iter().map(|value| (value * 1e4).round() / 1e4).collect();
         let found = quantum(&written).unwrap();
         assert!((found / step - 1.0).abs() < 0.01, "{found} {step}");
     }

@@ -42,23 +42,13 @@ impl ReadOptions {
     /// Lets the motor file override what the log says of the motor.
     pub(super) fn complete(&self, path: &Path, meta: &mut Metadata) -> Result<()> {
         let known = [
-            (
-                "gear_ratio",
-                self.motor.gear_ratio.map(|ratio| ratio.to_string()),
-            ),
-            (
-                "counts_per_rev",
-                self.motor.counts_per_rev.map(|counts| counts.to_string()),
-            ),
-            (
-                "encoder_shaft",
-                self.motor.encoder_shaft.map(|shaft| shaft.to_string()),
-            ),
+            ("gear_ratio", self.motor.gear_ratio.map(|ratio| ratio.to_string())),
+            ("counts_per_rev", self.motor.counts_per_rev.map(|counts| counts.to_string())),
+            ("encoder_shaft", self.motor.encoder_shaft.map(|shaft| shaft.to_string())),
         ];
         for (key, value) in known {
             if let Some(value) = value {
-                meta.insert(key, &value)
-                    .map_err(|why| BadInput::new(path, why, "correct the motor file"))?;
+                meta.insert(key, &value).map_err(|why| BadInput::new(path, why, "correct the motor file"))?;
             }
         }
         Ok(())
@@ -71,9 +61,7 @@ impl ReadOptions {
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     let mut input = text::open(path)?;
-    let start = input
-        .fill_buf()
-        .map_err(|error| cannot_read(path, &error))?;
+    let start = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
     match options.format {
         Format::WpilibSysid => sysid::read(path, input, options),
         Format::BamJson => Ok(vec![bam::read(path, input, options)?]),
@@ -93,22 +81,13 @@ fn json_kind(start: &[u8]) -> (&'static str, &'static str) {
         || has("\"slow-backward\"")
         || has("\"fast-backward\"")
     {
-        (
-            "this is a SysId file, not a table",
-            "add --format wpilib-sysid",
-        )
+        ("this is a SysId file, not a table", "add --format wpilib-sysid")
     } else if has("\"entries\"") && has("\"kp\"") {
         ("this is a BAM log, not a table", "add --format bam-json")
     } else if has("\"schema\"") {
-        (
-            "this is a model or a result, not a log",
-            "give the model first and the logs after it",
-        )
+        ("this is a model or a result, not a log", "give the model first and the logs after it")
     } else {
-        (
-            "this is JSON, not a table",
-            "convert it to CSV, or name its layout with --format",
-        )
+        ("this is JSON, not a table", "convert it to CSV, or name its layout with --format")
     }
 }
 
@@ -126,12 +105,7 @@ mod tests {
             ("  {}", "JSON", "CSV"),
         ] {
             let (_directory, path) = file(content.as_bytes());
-            assert_bad(
-                &read(&path, &ReadOptions::default()).unwrap_err(),
-                "line 1",
-                cause,
-                remedy,
-            );
+            assert_bad(&read(&path, &ReadOptions::default()).unwrap_err(), "line 1", cause, remedy);
         }
     }
 }

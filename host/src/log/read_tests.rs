@@ -19,10 +19,7 @@ fn read_text(content: &[u8], options: &ReadOptions) -> Result<Record> {
 }
 
 fn mapped(map: &str) -> ReadOptions {
-    ReadOptions {
-        map: Some(map.parse().unwrap()),
-        ..ReadOptions::default()
-    }
+    ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() }
 }
 
 /// A canonical log of `rows` samples at 100 Hz; `edit` may replace the line of a row.
@@ -30,8 +27,8 @@ pub(super) fn canonical(rows: usize, edit: impl Fn(usize) -> Option<String>) -> 
     let mut text = "time_s,voltage_v,angle_rad\n".to_owned();
     for row in 0..rows {
         let t = row as f64 * 0.01;
-        let line = edit(row)
-            .unwrap_or_else(|| format!("{t:.3},{:.3},{:.4}", (3.0 * t).sin(), (3.0 * t).cos()));
+        let line =
+            edit(row).unwrap_or_else(|| format!("{t:.3},{:.3},{:.4}", (3.0 * t).sin(), (3.0 * t).cos()));
         text += &line;
         text.push('\n');
     }
@@ -51,9 +48,7 @@ fn byte_order_marks_line_ends_separators_and_spaces_do_not_matter() {
         plain.replace(',', "\t"),
         plain.replace(',', ";").replace('.', ","),
         plain.replace('\n', ",\n"),
-        plain
-            .replace("time_s", "# gear: x\n\n# operator: Ada\ntime_s")
-            .replace("\n0.100", "\n\n0.100"),
+        plain.replace("time_s", "# gear: x\n\n# operator: Ada\ntime_s").replace("\n0.100", "\n\n0.100"),
         plain.trim_end().to_owned(),
     ] {
         let record = read_text(variant.as_bytes(), &ReadOptions::default()).unwrap();
@@ -64,9 +59,7 @@ fn byte_order_marks_line_ends_separators_and_spaces_do_not_matter() {
 
 #[test]
 fn a_foreign_table_is_read_by_name_or_by_number_in_its_units() {
-    let body: String = (0..40)
-        .map(|i| format!("{},{},180\n", i * 10, 1000 + i))
-        .collect();
+    let body: String = (0..40).map(|i| format!("{},{},180\n", i * 10, 1000 + i)).collect();
     let named = format!("t,u,y\n{body}");
     for (text, map) in [
         (named.as_str(), "time=t:ms,voltage=u:mV,speed=y:deg/s"),
@@ -121,24 +114,11 @@ fn a_few_bad_rows_are_left_out_with_a_warning_that_names_them() {
     });
     let record = read_text(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(record.len(), 197);
-    let all: Vec<String> = record
-        .warnings
-        .iter()
-        .map(|w| format!("{}: {}", w.place, w.what))
-        .collect();
+    let all: Vec<String> = record.warnings.iter().map(|w| format!("{}: {}", w.place, w.what)).collect();
     assert_eq!(all.len(), 3, "{all:?}");
-    assert!(
-        all[0].contains("line 32, column time_s") && all[0].contains("\"d\""),
-        "{all:?}"
-    );
-    assert!(
-        all[1].contains("line 33, column voltage_v") && all[1].contains("\"NaN\""),
-        "{all:?}"
-    );
-    assert!(
-        all[2].contains("line 62, column time_s") && all[2].contains("repeat"),
-        "{all:?}"
-    );
+    assert!(all[0].contains("line 32, column time_s") && all[0].contains("\"d\""), "{all:?}");
+    assert!(all[1].contains("line 33, column voltage_v") && all[1].contains("\"NaN\""), "{all:?}");
+    assert!(all[2].contains("line 62, column time_s") && all[2].contains("repeat"), "{all:?}");
 }
 
 #[test]
@@ -148,11 +128,7 @@ fn closing_words_of_a_logger_are_left_out_but_not_words_between_rows() {
     let record = read_text(footer.as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(record.len(), 40);
     assert_eq!(record.warnings.len(), 1);
-    assert!(
-        record.warnings[0].place.contains("line 44"),
-        "{}",
-        record.warnings[0].place
-    );
+    assert!(record.warnings[0].place.contains("line 44"), "{}", record.warnings[0].place);
     assert!(record.warnings[0].what.contains("10 lines at the end"));
     let between = footer + "0.500,1,1\n";
     let error = read_text(between.as_bytes(), &ReadOptions::default()).unwrap_err();
@@ -163,9 +139,7 @@ fn closing_words_of_a_logger_are_left_out_but_not_words_between_rows() {
 
 #[test]
 fn a_pause_in_the_log_is_a_warning_with_its_line() {
-    let text = canonical(100, |row| {
-        (row >= 50).then(|| format!("{},1,1", 1.0 + row as f64 * 0.01))
-    });
+    let text = canonical(100, |row| (row >= 50).then(|| format!("{},1,1", 1.0 + row as f64 * 0.01)));
     let record = read_text(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(record.warnings.len(), 1);
     assert!(record.warnings[0].place.contains("line 52"));
@@ -178,10 +152,7 @@ fn a_written_record_comes_back_unchanged() {
     record.speed_rad_s = Some(record.time_s.iter().map(|t| t / 3.0).collect());
     record.supply_v = Some(vec![0.1 + 0.2; 64]);
     record.meta.insert("gear_ratio", "104").unwrap();
-    record
-        .meta
-        .insert("programme", "{\"steps\": [1, 2]}")
-        .unwrap();
+    record.meta.insert("programme", "{\"steps\": [1, 2]}").unwrap();
     record.hold = Hold::First;
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.csv");
@@ -219,55 +190,15 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
     let many_columns = vec!["x"; 2000].join(",");
     let cases: [(&[u8], &str, &str, &str); 17] = [
         (b"", "run.csv", "the file is empty", "logger"),
-        (
-            b"time_s,voltage_v,angle_rad\n",
-            "line 1",
-            "no sample below",
-            "record",
-        ),
+        (b"time_s,voltage_v,angle_rad\n", "line 1", "no sample below", "record"),
         (b"# gear_ratio: 3\n", "line 1", "no header", "time_s"),
-        (
-            one_row.as_bytes(),
-            "line 2",
-            "1 samples are too few",
-            "at least 20",
-        ),
-        (
-            nan.as_bytes(),
-            "line 17, column voltage_v",
-            "\"NaN\" is not a number a fit can use",
-            "remove",
-        ),
-        (
-            infinite.as_bytes(),
-            "line 17, column voltage_v",
-            "\"inf\"",
-            "remove",
-        ),
-        (
-            empty_field.as_bytes(),
-            "line 17, column voltage_v",
-            "field is empty",
-            "remove",
-        ),
-        (
-            backwards.as_bytes(),
-            "line 17, column time_s",
-            "backwards, from 0.14 s to 0.02 s",
-            "sort",
-        ),
-        (
-            frozen.as_bytes(),
-            "line 17, column time_s",
-            "repeat the time",
-            "more digits",
-        ),
-        (
-            wide.as_bytes(),
-            "line 5",
-            "6 fields under 3 headers",
-            "repair",
-        ),
+        (one_row.as_bytes(), "line 2", "1 samples are too few", "at least 20"),
+        (nan.as_bytes(), "line 17, column voltage_v", "\"NaN\" is not a number a fit can use", "remove"),
+        (infinite.as_bytes(), "line 17, column voltage_v", "\"inf\"", "remove"),
+        (empty_field.as_bytes(), "line 17, column voltage_v", "field is empty", "remove"),
+        (backwards.as_bytes(), "line 17, column time_s", "backwards, from 0.14 s to 0.02 s", "sort"),
+        (frozen.as_bytes(), "line 17, column time_s", "repeat the time", "more digits"),
+        (wide.as_bytes(), "line 5", "6 fields under 3 headers", "repair"),
         (&latin, "line 42", "not UTF-8", "iconv"),
         (b"\x89HDF\r\n", "line 1", "HDF5", "CSV"),
         (b"time_s,voltage_v\n0,\0,1\n", "line 2", "binary", "export"),
@@ -277,24 +208,9 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
             "time_s, command, angle_rad",
             "--map time=time_s:s,voltage=command:V,angle=angle_rad",
         ),
-        (
-            no_angle.as_bytes(),
-            "line 1, column angle_rad",
-            "time_s, voltage_v, y",
-            "--map",
-        ),
-        (
-            double.as_bytes(),
-            "line 1, column time_s",
-            "two columns",
-            "rename",
-        ),
-        (
-            many_columns.as_bytes(),
-            "line 1",
-            "2000 columns",
-            "one quantity per column",
-        ),
+        (no_angle.as_bytes(), "line 1, column angle_rad", "time_s, voltage_v, y", "--map"),
+        (double.as_bytes(), "line 1, column time_s", "two columns", "rename"),
+        (many_columns.as_bytes(), "line 1", "2000 columns", "one quantity per column"),
     ];
     for (content, place, cause, remedy) in cases {
         let error = read_text(content, &ReadOptions::default()).unwrap_err();
@@ -312,26 +228,11 @@ fn absent_files_directories_and_wrong_columns_are_refused_too() {
         "check",
     );
     let (directory, path) = file(canonical(30, |_| None).as_bytes());
-    assert_bad(
-        &read(directory.path(), &options).unwrap_err(),
-        "",
-        "directory",
-        "*.csv",
-    );
+    assert_bad(&read(directory.path(), &options).unwrap_err(), "", "directory", "*.csv");
     let error = read(&path, &mapped("voltage=u,angle=9")).unwrap_err();
-    assert_bad(
-        &error,
-        "line 1, column u",
-        "no column \"u\" for voltage",
-        "voltage_v",
-    );
+    assert_bad(&error, "line 1, column u", "no column \"u\" for voltage", "voltage_v");
     let error = read(&path, &mapped("angle=9")).unwrap_err();
-    assert_bad(
-        &error,
-        "line 1, column 9",
-        "no column \"9\" for angle",
-        "angle_rad",
-    );
+    assert_bad(&error, "line 1, column 9", "no column \"9\" for angle", "angle_rad");
     let error = read(&path, &mapped("angle=2:counts")).unwrap_err();
     assert_bad(&error, "column angle_rad", "counts", "rev/1400");
 }

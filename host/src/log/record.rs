@@ -25,9 +25,7 @@ impl FromStr for Hold {
         match text {
             "zero" => Ok(Hold::Zero),
             "first" => Ok(Hold::First),
-            other => Err(format!(
-                "hold \"{other}\" is neither \"zero\" nor \"first\""
-            )),
+            other => Err(format!("hold \"{other}\" is neither \"zero\" nor \"first\"")),
         }
     }
 }
@@ -101,10 +99,7 @@ mod tests {
 
     #[test]
     fn duration_does_not_depend_on_the_origin_of_time() {
-        let record = Record {
-            time_s: vec![100.0, 100.5, 102.0],
-            ..Record::default()
-        };
+        let record = Record { time_s: vec![100.0, 100.5, 102.0], ..Record::default() };
         assert_eq!(record.duration_s(), 2.0);
         assert_eq!(Record::default().duration_s(), 0.0);
     }

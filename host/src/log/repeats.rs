@@ -39,13 +39,10 @@ pub fn noise_floor(first: &Record, second: &Record) -> Option<f64> {
         .time_s
         .iter()
         .zip(measured)
-        .filter_map(|(time, value)| {
-            Some(interpolate(&second.time_s, again, time + offset)? - value)
-        })
+        .filter_map(|(time, value)| Some(interpolate(&second.time_s, again, time + offset)? - value))
         .collect();
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;
-    let square =
-        differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / differences.len() as f64;
+    let square = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / differences.len() as f64;
     Some((square / 2.0).sqrt())
 }
 
@@ -62,9 +59,7 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
     let (low, high) = first
         .voltage_v
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
     let tolerance = SAME_VOLTAGE * (high - low);
     if tolerance <= 0.0 {
         return None;
@@ -78,11 +73,7 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
                 same += usize::from((second.voltage_v[index] - voltage).abs() <= tolerance);
             }
         }
-        if compared * 10 < first.len() * 9 {
-            0.0
-        } else {
-            same as f64 / compared as f64
-        }
+        if compared * 10 < first.len() * 9 { 0.0 } else { same as f64 / compared as f64 }
     };
     let (best, shift) = (-LARGEST_SHIFT..=LARGEST_SHIFT)
         .map(|shift| (share(shift), shift))
@@ -97,11 +88,7 @@ fn nearest(times: &[f64], time: f64) -> Option<usize> {
     match after {
         0 => (times[0] - time <= half).then_some(0),
         n if n == times.len() => (time - times[n - 1] <= half).then_some(n - 1),
-        n => Some(if times[n] - time < time - times[n - 1] {
-            n
-        } else {
-            n - 1
-        }),
+        n => Some(if times[n] - time < time - times[n - 1] { n } else { n - 1 }),
     }
 }
 
@@ -130,11 +117,7 @@ mod tests {
             angle_rad: Some(
                 (0..1000)
                     .map(|i| {
-                        let sign = if (i * i / 3 + seed).is_multiple_of(2) {
-                            1.0
-                        } else {
-                            -1.0
-                        };
+                        let sign = if (i * i / 3 + seed).is_multiple_of(2) { 1.0 } else { -1.0 };
                         origin_s + ((i + late) as f64 * 0.02).sin() + sign * noise
                     })
                     .collect(),
@@ -145,12 +128,7 @@ mod tests {
 
     #[test]
     fn repeats_are_recognised_whatever_their_clock_and_small_delay() {
-        let records = [
-            run(1, 0, 0.0, 0.0),
-            run(2, 0, 0.0, 0.0),
-            run(1, 0, 500.0, 0.0),
-            run(1, 6, 9.0, 0.0),
-        ];
+        let records = [run(1, 0, 0.0, 0.0), run(2, 0, 0.0, 0.0), run(1, 0, 500.0, 0.0), run(1, 6, 9.0, 0.0)];
         assert_eq!(find_repeats(&records), [(0, 2), (0, 3), (2, 3)]);
     }
 

@@ -118,11 +118,7 @@ impl Samples {
                 self.first_repeat.get_or_insert(place);
                 return Ok(());
             }
-            if self
-                .places
-                .longest_pause
-                .is_none_or(|(longest, _)| step > longest)
-            {
+            if self.places.longest_pause.is_none_or(|(longest, _)| step > longest) {
                 self.places.longest_pause = Some((step, place));
             }
         }
@@ -136,14 +132,7 @@ impl Samples {
     pub fn reject(&mut self, place: Place, column: &str, why: String) {
         self.count_strays();
         self.places.last = Some(place);
-        self.note(
-            BadField {
-                place,
-                column: column.to_owned(),
-                why,
-            },
-            1,
-        );
+        self.note(BadField { place, column: column.to_owned(), why }, 1);
     }
 
     /// Leaves out a line that has not the shape of a row: a fault between rows, a footer after the last.
@@ -151,11 +140,7 @@ impl Samples {
         match &mut self.strays {
             Some((_, count)) => *count += 1,
             None => {
-                let first = BadField {
-                    place,
-                    column: column.to_owned(),
-                    why,
-                };
+                let first = BadField { place, column: column.to_owned(), why };
                 self.strays = Some((first, 1));
             }
         }
@@ -181,11 +166,7 @@ impl Samples {
     /// # Errors
     /// Bad input if too many rows had to be left out or too few are left.
     pub fn finish(mut self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
-        if self
-            .strays
-            .as_ref()
-            .is_some_and(|(_, count)| *count > self.columns[0].len())
-        {
+        if self.strays.as_ref().is_some_and(|(_, count)| *count > self.columns[0].len()) {
             self.count_strays();
         }
         if self.rows == 0 {
@@ -194,18 +175,13 @@ impl Samples {
                 "there is a header but no sample below it",
                 "check that the logger was started, and record at least a few seconds",
             );
-            return Err(header
-                .map_or(fault.clone(), |place| place.mark(fault))
-                .into());
+            return Err(header.map_or(fault.clone(), |place| place.mark(fault)).into());
         }
         if self.bad_count as f64 > BAD_SHARE * self.rows as f64 {
             let first = &self.bad[0];
             let fault = BadInput::new(
                 &self.path,
-                format!(
-                    "{} ({} of {} rows are unreadable)",
-                    first.why, self.bad_count, self.rows
-                ),
+                format!("{} ({} of {} rows are unreadable)", first.why, self.bad_count, self.rows),
                 "remove these rows or repair the logger; up to 2 % of the rows may be unreadable",
             );
             return Err(first.place.mark(fault).in_column(&first.column).into());
@@ -216,10 +192,7 @@ impl Samples {
         {
             let fault = BadInput::new(
                 &self.path,
-                format!(
-                    "{} of {} rows repeat the time of the row before",
-                    self.repeats, self.rows
-                ),
+                format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows),
                 "log the time with more digits, or log each sample once",
             );
             return Err(first.mark(fault).in_column(&self.headers[0]).into());
@@ -232,11 +205,7 @@ impl Samples {
                     "record at least {FEWEST_SAMPLES} samples, better some seconds with changing voltage"
                 ),
             );
-            return Err(self
-                .places
-                .last
-                .map_or(fault.clone(), |place| place.mark(fault))
-                .into());
+            return Err(self.places.last.map_or(fault.clone(), |place| place.mark(fault)).into());
         }
         let warnings = self.warnings();
         Ok((self.columns, warnings))
@@ -256,10 +225,7 @@ impl Samples {
         if self.bad_count > LISTED {
             warnings.push(Warning {
                 place: file.to_string(),
-                what: format!(
-                    "{} more unreadable rows were left out",
-                    self.bad_count - LISTED
-                ),
+                what: format!("{} more unreadable rows were left out", self.bad_count - LISTED),
                 fix: "repair the logger".into(),
             });
         }
@@ -273,10 +239,7 @@ impl Samples {
         if let Some(first) = self.first_repeat {
             warnings.push(Warning {
                 place: format!("{file}, {}, column {}", first.in_words(), self.headers[0]),
-                what: format!(
-                    "{} rows repeat the time before them and were left out",
-                    self.repeats
-                ),
+                what: format!("{} rows repeat the time before them and were left out", self.repeats),
                 fix: "log the time with more digits, or log each sample once".into(),
             });
         }

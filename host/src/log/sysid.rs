@@ -43,26 +43,11 @@ struct Side {
     velocity: usize,
 }
 
-const MECHANISM: &[Side] = &[Side {
-    name: "",
-    voltage: 1,
-    position: 2,
-    velocity: 3,
-}];
+const MECHANISM: &[Side] = &[Side { name: "", voltage: 1, position: 2, velocity: 3 }];
 
 const DRIVE_TRAIN: &[Side] = &[
-    Side {
-        name: " left",
-        voltage: 1,
-        position: 3,
-        velocity: 5,
-    },
-    Side {
-        name: " right",
-        voltage: 2,
-        position: 4,
-        velocity: 6,
-    },
+    Side { name: " left", voltage: 1, position: 3, velocity: 5 },
+    Side { name: " right", voltage: 2, position: 4, velocity: 6 },
 ];
 
 /// Metadata key that marks a record as one of the tests of a SysId file.
@@ -100,11 +85,7 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
         }
     }
     if records.is_empty() {
-        let found = if file.test.is_empty() {
-            "this JSON"
-        } else {
-            &file.test
-        };
+        let found = if file.test.is_empty() { "this JSON" } else { &file.test };
         return Err(BadInput::new(
             path,
             format!("{found} holds none of slow-forward, slow-backward, fast-forward, fast-backward"),
@@ -116,56 +97,33 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
     Ok(records)
 }
 
-fn one(
-    path: &Path,
-    test: &str,
-    rows: &[Row],
-    side: &Side,
-    options: &ReadOptions,
-) -> Result<Record> {
+fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions) -> Result<Record> {
     let map = options.map.as_ref();
-    let unit = |quantity| {
-        map.and_then(|map: &Mapping| map.source(quantity))
-            .map_or(Unit::SI, |source| source.unit)
-    };
+    let unit =
+        |quantity| map.and_then(|map: &Mapping| map.source(quantity)).map_or(Unit::SI, |source| source.unit);
     let turn = std::f64::consts::TAU;
     let columns = [
         ("timestamp", 0, unit(Quantity::Time).factor),
         ("voltage", side.voltage, unit(Quantity::Voltage).factor),
-        (
-            "position",
-            side.position,
-            turn * unit(Quantity::Angle).factor,
-        ),
-        (
-            "velocity",
-            side.velocity,
-            turn * unit(Quantity::Speed).factor,
-        ),
+        ("position", side.position, turn * unit(Quantity::Angle).factor),
+        ("velocity", side.velocity, turn * unit(Quantity::Speed).factor),
     ];
     let label = |name: &str| format!("{test}{} {name}", side.name);
     let mut samples = Samples::new(path, columns.iter().map(|(name, ..)| label(name)).collect());
     for (entry, row) in rows.iter().enumerate() {
         let mut numbers = [0.0; 4];
-        let lost = columns
-            .iter()
-            .zip(&mut numbers)
-            .find_map(
-                |((name, index, factor), number)| match row.get(*index).copied().flatten() {
-                    Some(value) => {
-                        *number = value * factor;
-                        None
-                    }
-                    None => Some(*name),
-                },
-            );
+        let lost = columns.iter().zip(&mut numbers).find_map(|((name, index, factor), number)| {
+            match row.get(*index).copied().flatten() {
+                Some(value) => {
+                    *number = value * factor;
+                    None
+                }
+                None => Some(*name),
+            }
+        });
         match lost {
             None => samples.accept(Place::Entry(entry), &numbers)?,
-            Some(name) => samples.reject(
-                Place::Entry(entry),
-                &label(name),
-                "the number is missing".into(),
-            ),
+            Some(name) => samples.reject(Place::Entry(entry), &label(name), "the number is missing".into()),
         }
     }
     let (columns, warnings) = samples.finish(None)?;
@@ -199,21 +157,12 @@ fn restore_sign(record: &mut Record) {
         return;
     };
     let unsigned = record.voltage_v.iter().all(|&voltage| voltage >= 0.0);
-    let power: f64 = record
-        .voltage_v
-        .iter()
-        .zip(speed)
-        .map(|(voltage, speed)| voltage * speed)
-        .sum();
+    let power: f64 = record.voltage_v.iter().zip(speed).map(|(voltage, speed)| voltage * speed).sum();
     if unsigned && power < 0.0 {
-        record
-            .voltage_v
-            .iter_mut()
-            .for_each(|voltage| *voltage = -*voltage);
+        record.voltage_v.iter_mut().for_each(|voltage| *voltage = -*voltage);
         record.warnings.push(Warning {
             place: format!("{}, {}, voltage", record.path.display(), record.name),
-            what: "the voltage was logged without its sign, and was given that of the motion"
-                .into(),
+            what: "the voltage was logged without its sign, and was given that of the motion".into(),
             fix: "log the signed voltage".into(),
         });
     }
@@ -227,17 +176,12 @@ mod tests {
 
     fn sysid(content: &str) -> Result<Vec<Record>> {
         let (_directory, path) = file(content.as_bytes());
-        let options = ReadOptions {
-            format: Format::WpilibSysid,
-            ..ReadOptions::default()
-        };
+        let options = ReadOptions { format: Format::WpilibSysid, ..ReadOptions::default() };
         read(&path, &options)
     }
 
     fn rows(sign: f64, row: impl Fn(f64, f64) -> String) -> String {
-        let rows: Vec<String> = (0..30)
-            .map(|i| row(f64::from(i) * 0.02, sign * f64::from(i)))
-            .collect();
+        let rows: Vec<String> = (0..30).map(|i| row(f64::from(i) * 0.02, sign * f64::from(i))).collect();
         format!("[{}]", rows.join(","))
     }
 
@@ -261,44 +205,21 @@ mod tests {
 
     #[test]
     fn a_drive_train_gives_two_records_per_test() {
-        let rows = rows(1.0, |t, x| {
-            format!("[{t},{x},{},{x},{},{x},{},0,0]", 2.0 * x, 3.0 * x, 4.0 * x)
-        });
-        let records = sysid(&format!(
-            "{{\"test\":\"Drivetrain\",\"slow-forward\":{rows}}}"
-        ))
-        .unwrap();
+        let rows = rows(1.0, |t, x| format!("[{t},{x},{},{x},{},{x},{},0,0]", 2.0 * x, 3.0 * x, 4.0 * x));
+        let records = sysid(&format!("{{\"test\":\"Drivetrain\",\"slow-forward\":{rows}}}")).unwrap();
         assert_eq!(records.len(), 2);
         assert!(records[1].name.ends_with("slow-forward right"));
         assert_eq!(records[1].voltage_v[5], 10.0);
-        assert!(
-            (records[1].angle_rad.as_ref().unwrap()[5] - 15.0 * std::f64::consts::TAU).abs()
-                < 1e-12
-        );
+        assert!((records[1].angle_rad.as_ref().unwrap()[5] - 15.0 * std::f64::consts::TAU).abs() < 1e-12);
     }
 
     #[test]
     fn broken_files_are_refused_with_place_cause_and_remedy() {
         let backwards = rows(1.0, |t, x| format!("[{},{x},{x},{x}]", -t));
         for (content, place, cause, remedy) in [
-            (
-                "{\n\"slow-forward\": [[1,2,\n",
-                "line 3",
-                "JSON",
-                "complete",
-            ),
-            (
-                "{\"sysid\":true,\"test\":\"Arm\"}",
-                "column slow-forward",
-                "Arm holds none",
-                "raw data",
-            ),
-            (
-                "{\"slow-forward\":[[1,2]]}",
-                "column slow-forward",
-                "2 numbers",
-                "--map",
-            ),
+            ("{\n\"slow-forward\": [[1,2,\n", "line 3", "JSON", "complete"),
+            ("{\"sysid\":true,\"test\":\"Arm\"}", "column slow-forward", "Arm holds none", "raw data"),
+            ("{\"slow-forward\":[[1,2]]}", "column slow-forward", "2 numbers", "--map"),
             (
                 "{\"slow-forward\":[[0,1,1,null],[1,1,1,1]]}",
                 "slow-forward velocity",

@@ -32,17 +32,9 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
 
     let width = head.headers.as_ref().map(Vec::len);
     let names = head.headers.unwrap_or_default();
-    let wanted = Choice {
-        path,
-        line: head.line,
-        names: &names,
-        meta: &meta,
-    }
-    .columns(options.map.as_ref())?;
-    let mut samples = Samples::new(
-        path,
-        wanted.iter().map(|column| column.header.clone()).collect(),
-    );
+    let wanted =
+        Choice { path, line: head.line, names: &names, meta: &meta }.columns(options.map.as_ref())?;
+    let mut samples = Samples::new(path, wanted.iter().map(|column| column.header.clone()).collect());
 
     let mut splitter = Splitter::new(head.delimiter);
     let mut numbers = vec![0.0; wanted.len()];
@@ -53,10 +45,7 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         number -= 1;
     }
     while !line.is_empty()
-        || input
-            .read_until(b'\n', &mut line)
-            .map_err(|error| cannot_read(path, &error))?
-            > 0
+        || input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0
     {
         number += 1;
         let place = Place::Line(number);
@@ -108,17 +97,12 @@ fn numbers_of<'w>(
         let text = row.get(column.index).unwrap_or_default();
         let value = text.parse::<f64>().ok().or_else(|| {
             let decimal_comma = delimiter != b',' && text.contains(',');
-            decimal_comma
-                .then(|| text.replacen(',', ".", 1).parse().ok())
-                .flatten()
+            decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
         });
         *number = match value {
             Some(value) if value.is_finite() => value * column.factor,
             Some(_) => {
-                return Err((
-                    &column.header,
-                    format!("\"{text}\" is not a number a fit can use"),
-                ));
+                return Err((&column.header, format!("\"{text}\" is not a number a fit can use")));
             }
             None if text.is_empty() => return Err((&column.header, "the field is empty".into())),
             None => {
@@ -130,12 +114,7 @@ fn numbers_of<'w>(
     Ok(())
 }
 
-fn fill(
-    record: &mut Record,
-    wanted: &[Wanted],
-    columns: Vec<Vec<f64>>,
-    options: &ReadOptions,
-) -> Result<()> {
+fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options: &ReadOptions) -> Result<()> {
     let mut duty = None;
     for (column, values) in wanted.iter().zip(columns) {
         match column.quantity {
@@ -150,11 +129,7 @@ fn fill(
     }
     if let Some(duty) = duty {
         record.voltage_v = match (&record.supply_v, options.supply_volts) {
-            (Some(supply), _) => duty
-                .iter()
-                .zip(supply)
-                .map(|(duty, supply)| duty * supply)
-                .collect(),
+            (Some(supply), _) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
             (None, Some(volts)) => duty.iter().map(|duty| duty * volts).collect(),
             (None, None) => {
                 return Err(crate::error::Error::usage(
@@ -185,19 +160,10 @@ impl Choice<'_> {
                 && let Some(header) = quantity.canonical()
                 && let Some(index) = self.names.iter().position(|name| name == header)
             {
-                wanted.push(Wanted {
-                    quantity,
-                    index,
-                    header: header.to_owned(),
-                    factor: 1.0,
-                });
+                wanted.push(Wanted { quantity, index, header: header.to_owned(), factor: 1.0 });
             }
         }
-        let has = |quantity| {
-            wanted
-                .iter()
-                .any(|column: &Wanted| column.quantity == quantity)
-        };
+        let has = |quantity| wanted.iter().any(|column: &Wanted| column.quantity == quantity);
         if !has(Quantity::Time) {
             return Err(self.missing("time_s", "no column gives the time"));
         }
@@ -205,10 +171,7 @@ impl Choice<'_> {
             return Err(self.missing("voltage_v", "no column gives the voltage"));
         }
         if !has(Quantity::Angle) && !has(Quantity::Speed) {
-            return Err(self.missing(
-                "angle_rad",
-                "no column gives the angle or the speed (speed_rad_s)",
-            ));
+            return Err(self.missing("angle_rad", "no column gives the angle or the speed (speed_rad_s)"));
         }
         Ok(wanted)
     }
@@ -217,10 +180,7 @@ impl Choice<'_> {
         let by_name = self.names.iter().position(|name| name == column);
         let index = by_name
             .or_else(|| {
-                column
-                    .parse()
-                    .ok()
-                    .filter(|&index| self.names.is_empty() || index < self.names.len())
+                column.parse().ok().filter(|&index| self.names.is_empty() || index < self.names.len())
             })
             .ok_or_else(|| {
                 BadInput::new(
@@ -231,11 +191,7 @@ impl Choice<'_> {
                 .at_line(self.line)
                 .in_column(column)
             })?;
-        let header = self
-            .names
-            .get(index)
-            .cloned()
-            .unwrap_or_else(|| index.to_string());
+        let header = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
         let mut factor = unit.factor;
         if unit.counts {
             factor /= self.meta.counts_per_rev().ok_or_else(|| {
@@ -249,17 +205,12 @@ impl Choice<'_> {
                 .in_column(&header)
             })?;
         }
-        Ok(Wanted {
-            quantity,
-            index,
-            header,
-            factor,
-        })
+        Ok(Wanted { quantity, index, header, factor })
     }
 
     fn missing(&self, header: &str, why: &str) -> crate::error::Error {
-        let example = mapping::suggest(self.names)
-            .unwrap_or_else(|| "time=t:ms,voltage=u:V,speed=y:deg/s".into());
+        let example =
+            mapping::suggest(self.names).unwrap_or_else(|| "time=t:ms,voltage=u:V,speed=y:deg/s".into());
         BadInput::new(
             self.path,
             format!("{why}; the columns are {}", self.listed()),
@@ -272,13 +223,7 @@ impl Choice<'_> {
 
     fn listed(&self) -> String {
         const SHOWN: usize = 20;
-        let mut text = self
-            .names
-            .iter()
-            .take(SHOWN)
-            .cloned()
-            .collect::<Vec<_>>()
-            .join(", ");
+        let mut text = self.names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
         if self.names.len() > SHOWN {
             text += &format!(" and {} more", self.names.len() - SHOWN);
         }

@@ -42,9 +42,9 @@ pub enum NotText {
 impl NotText {
     fn line(&self) -> u64 {
         match self {
-            NotText::Encoding { line, .. }
-            | NotText::Binary { line, .. }
-            | NotText::LongLine { line } => *line,
+            NotText::Encoding { line, .. } | NotText::Binary { line, .. } | NotText::LongLine { line } => {
+                *line
+            }
         }
     }
 
@@ -73,13 +73,7 @@ pub struct TextReader<R> {
 impl<R: Read> TextReader<R> {
     /// Starts at the first line of `inner`.
     pub fn new(inner: R) -> Self {
-        TextReader {
-            inner,
-            line: 1,
-            line_bytes: 0,
-            byte: 0,
-            open: Vec::new(),
-        }
+        TextReader { inner, line: 1, line_bytes: 0, byte: 0, open: Vec::new() }
     }
 
     fn check(&mut self, fresh: &[u8]) -> Result<(), NotText> {
@@ -92,10 +86,7 @@ impl<R: Read> TextReader<R> {
             Err(error) => {
                 let before = &seen[..error.valid_up_to()];
                 self.advance(before)?;
-                return Err(NotText::Encoding {
-                    line: self.line,
-                    byte: self.byte,
-                });
+                return Err(NotText::Encoding { line: self.line, byte: self.byte });
             }
         };
         debug_assert!(carried <= 3);
@@ -107,10 +98,7 @@ impl<R: Read> TextReader<R> {
     fn advance(&mut self, text: &[u8]) -> Result<(), NotText> {
         if let Some(zero) = memchr::memchr(0, text) {
             let newlines = memchr::memchr_iter(b'\n', &text[..zero]).count();
-            return Err(NotText::Binary {
-                line: self.line + newlines as u64,
-                byte: self.byte + zero as u64,
-            });
+            return Err(NotText::Binary { line: self.line + newlines as u64, byte: self.byte + zero as u64 });
         }
         let mut start = 0;
         for end in memchr::memchr_iter(b'\n', text).chain([text.len()]) {
@@ -155,9 +143,7 @@ pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
         .into());
     }
     let mut bytes = BufReader::with_capacity(1 << 16, file);
-    let start = bytes
-        .fill_buf()
-        .map_err(|error| cannot_read(path, &error))?;
+    let start = bytes.fill_buf().map_err(|error| cannot_read(path, &error))?;
     if start.is_empty() {
         return Err(BadInput::new(
             path,
@@ -167,11 +153,7 @@ pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
         .into());
     }
     if let Some((kind, remedy)) = foreign_kind(start) {
-        return Err(
-            BadInput::new(path, format!("this is {kind}, not a text"), remedy)
-                .at_line(1)
-                .into(),
-        );
+        return Err(BadInput::new(path, format!("this is {kind}, not a text"), remedy).at_line(1).into());
     }
     if start.starts_with(b"\xEF\xBB\xBF") {
         bytes.consume(3);
@@ -181,31 +163,17 @@ pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
 
 /// Turns an error met while reading into bad input, with the line if the text itself was to blame.
 pub fn cannot_read(path: &Path, error: &io::Error) -> crate::error::Error {
-    if let Some(fault) = error
-        .get_ref()
-        .and_then(|inner| inner.downcast_ref::<NotText>())
-    {
-        return BadInput::new(path, fault.to_string(), fault.remedy())
-            .at_line(fault.line())
-            .into();
+    if let Some(fault) = error.get_ref().and_then(|inner| inner.downcast_ref::<NotText>()) {
+        return BadInput::new(path, fault.to_string(), fault.remedy()).at_line(fault.line()).into();
     }
     let (why, remedy) = match error.kind() {
-        ErrorKind::NotFound => (
-            "there is no such file".into(),
-            "check the name and the directory",
-        ),
+        ErrorKind::NotFound => ("there is no such file".into(), "check the name and the directory"),
         ErrorKind::PermissionDenied => (
             "the system does not permit reading it".into(),
             "change its permissions (chmod u+r FILE) or copy it",
         ),
-        ErrorKind::IsADirectory => (
-            "this is a directory, not a log".into(),
-            "name the files in it",
-        ),
-        _ => (
-            format!("cannot be read: {error}"),
-            "copy the file to a local disk and try again",
-        ),
+        ErrorKind::IsADirectory => ("this is a directory, not a log".into(), "name the files in it"),
+        _ => (format!("cannot be read: {error}"), "copy the file to a local disk and try again"),
     };
     BadInput::new(path, why, remedy).into()
 }
@@ -218,31 +186,12 @@ fn foreign_kind(start: &[u8]) -> Option<(&'static str, &'static str)> {
             "export it as CSV with DataLogTool or AdvantageScope and add --format wpilib-sysid",
         ),
         (b"\x1F\x8B", "compressed with gzip", "unpack it with gunzip"),
-        (
-            b"PK\x03\x04",
-            "a zip archive or spreadsheet",
-            "save the sheet as CSV (UTF-8)",
-        ),
-        (
-            b"\xFF\xFE",
-            "UTF-16 text",
-            "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)",
-        ),
-        (
-            b"\xFE\xFF",
-            "UTF-16 text",
-            "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)",
-        ),
-        (
-            b"\x89HDF",
-            "an HDF5 or MATLAB file",
-            "write the columns as CSV (writetable in MATLAB)",
-        ),
+        (b"PK\x03\x04", "a zip archive or spreadsheet", "save the sheet as CSV (UTF-8)"),
+        (b"\xFF\xFE", "UTF-16 text", "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)"),
+        (b"\xFE\xFF", "UTF-16 text", "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)"),
+        (b"\x89HDF", "an HDF5 or MATLAB file", "write the columns as CSV (writetable in MATLAB)"),
     ];
-    KINDS
-        .iter()
-        .find(|(magic, ..)| start.starts_with(magic))
-        .map(|&(_, kind, remedy)| (kind, remedy))
+    KINDS.iter().find(|(magic, ..)| start.starts_with(magic)).map(|&(_, kind, remedy)| (kind, remedy))
 }
 
 #[cfg(test)]
@@ -263,33 +212,21 @@ mod tests {
 
     fn fault_of(bytes: &[u8]) -> NotText {
         let mut sink = Vec::new();
-        let error = TextReader::new(Drip(bytes))
-            .read_to_end(&mut sink)
-            .unwrap_err();
-        error
-            .get_ref()
-            .unwrap()
-            .downcast_ref::<NotText>()
-            .unwrap()
-            .clone()
+        let error = TextReader::new(Drip(bytes)).read_to_end(&mut sink).unwrap_err();
+        error.get_ref().unwrap().downcast_ref::<NotText>().unwrap().clone()
     }
 
     #[test]
     fn characters_split_over_reads_pass_unchanged() {
         let text = "time_s,température_°C\n1,2\n";
         let mut sink = String::new();
-        TextReader::new(Drip(text.as_bytes()))
-            .read_to_string(&mut sink)
-            .unwrap();
+        TextReader::new(Drip(text.as_bytes())).read_to_string(&mut sink).unwrap();
         assert_eq!(sink, text);
     }
 
     #[test]
     fn a_latin1_byte_is_named_by_line_and_offset() {
-        assert_eq!(
-            fault_of(b"a\nb\nc\xB0d\n"),
-            NotText::Encoding { line: 3, byte: 5 }
-        );
+        assert_eq!(fault_of(b"a\nb\nc\xB0d\n"), NotText::Encoding { line: 3, byte: 5 });
     }
 
     #[test]

@@ -15,10 +15,8 @@ pub fn rate(time_s: &[f64]) -> f64 {
 /// Median absolute deviation of the intervals from their median, s: how far a typical sample comes early or late.
 pub fn jitter(time_s: &[f64]) -> f64 {
     let interval = median_interval(time_s);
-    let mut deviations: Vec<f64> = time_s
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0] - interval).abs())
-        .collect();
+    let mut deviations: Vec<f64> =
+        time_s.windows(2).map(|pair| (pair[1] - pair[0] - interval).abs()).collect();
     median(&mut deviations)
 }
 

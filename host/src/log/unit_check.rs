@@ -26,12 +26,7 @@ pub fn unit_faults(record: &Record) -> Vec<Fault> {
 }
 
 fn fault(column: &'static str, why: String, fix: impl Into<String>) -> Fault {
-    Fault {
-        name: "wrong_units",
-        column,
-        why,
-        fix: fix.into(),
-    }
+    Fault { name: "wrong_units", column, why, fix: fix.into() }
 }
 
 fn whole(values: &[f64]) -> bool {
@@ -45,18 +40,14 @@ fn time(record: &Record) -> Option<Fault> {
         let unit = if interval >= 500.0 { "us" } else { "ms" };
         return Some(fault(
             "time_s",
-            format!(
-                "a sample every {interval} s is too slow for a motor; the column looks like {unit}"
-            ),
+            format!("a sample every {interval} s is too slow for a motor; the column looks like {unit}"),
             format!("if so, say --map time=time_s:{unit} (with the column's own name)"),
         ));
     }
     (interval < FASTEST_INTERVAL).then(|| {
         fault(
             "time_s",
-            format!(
-                "a sample every {interval:e} s is too fast to be logged; the unit looks too small"
-            ),
+            format!("a sample every {interval:e} s is too fast to be logged; the unit looks too small"),
             "check the unit given with --map time=...; a column in seconds needs none",
         )
     })
@@ -67,18 +58,14 @@ fn voltage(record: &Record) -> Option<Fault> {
     if highest > HIGHEST_VOLTAGE {
         return Some(fault(
             "voltage_v",
-            format!(
-                "the voltage reaches {highest}, which looks like millivolts or a timer's compare value"
-            ),
+            format!("the voltage reaches {highest}, which looks like millivolts or a timer's compare value"),
             "say --map voltage=voltage_v:mV for millivolts, or --map duty=COLUMN:FULL with --supply-volts for duty",
         ));
     }
     (highest > 100.0 && whole(&record.voltage_v)).then(|| {
         fault(
             "voltage_v",
-            format!(
-                "the voltage holds whole numbers up to {highest}, which looks like a PWM command"
-            ),
+            format!("the voltage holds whole numbers up to {highest}, which looks like a PWM command"),
             "say --map duty=COLUMN:255 --supply-volts 12 (full scale and supply of this drive)",
         )
     })
@@ -96,16 +83,15 @@ fn angle(record: &Record) -> Option<Fault> {
     // The counts of one turn fix what one count must be.
     let step = quantum(angle)? * record.meta.counts_per_rev()? / TAU;
     let close = |unit: f64| (step / unit - 1.0).abs() < 0.05;
-    [(360.0 / TAU, "deg"), (1.0 / TAU, "rev")]
-        .into_iter()
-        .find(|&(unit, _)| close(unit))
-        .map(|(_, unit)| {
-            fault(
-                "angle_rad",
-                format!("one encoder count is {step:.4} times what it is in radians; the column looks like {unit}"),
-                format!("say --map angle=angle_rad:{unit}, or correct counts_per_rev"),
-            )
-        })
+    [(360.0 / TAU, "deg"), (1.0 / TAU, "rev")].into_iter().find(|&(unit, _)| close(unit)).map(|(_, unit)| {
+        fault(
+            "angle_rad",
+            format!(
+                "one encoder count is {step:.4} times what it is in radians; the column looks like {unit}"
+            ),
+            format!("say --map angle=angle_rad:{unit}, or correct counts_per_rev"),
+        )
+    })
 }
 
 /// Angle and speed of one record must be one motion.
@@ -128,10 +114,7 @@ fn agreement(record: &Record) -> Option<Fault> {
     }
     Some(fault(
         "speed_rad_s",
-        format!(
-            "the speed is {ratio:.3} times the change of the angle; {}",
-            likely(ratio)
-        ),
+        format!("the speed is {ratio:.3} times the change of the angle; {}", likely(ratio)),
         "give both units, for example --map angle=angle_rad:deg,speed=speed_rad_s:rpm",
     ))
 }
@@ -143,39 +126,26 @@ fn likely(ratio: f64) -> &'static str {
         (1.0 / TAU, "the speed looks like turns per second"),
         (TAU / 360.0, "the angle looks like degrees"),
         (TAU, "the angle looks like turns"),
-        (
-            6.0,
-            "the angle looks like turns and the speed like rpm, or the like",
-        ),
+        (6.0, "the angle looks like turns and the speed like rpm, or the like"),
         (1000.0, "the time looks like milliseconds"),
         (1e6, "the time looks like microseconds"),
     ];
     RATIOS
         .into_iter()
         .find(|(unit, _)| (ratio / unit - 1.0).abs() < 0.1)
-        .map_or(
-            "one of them is in another unit, or on the other side of the gears",
-            |(_, text)| text,
-        )
+        .map_or("one of them is in another unit, or on the other side of the gears", |(_, text)| text)
 }
 
 fn shaft_speed(record: &Record) -> Option<Fault> {
     let ratio = record.meta.gear_ratio().unwrap_or(1.0);
-    let mut magnitudes: Vec<f64> = speed(record)
-        .iter()
-        .map(|speed| speed.abs() * ratio)
-        .collect();
+    let mut magnitudes: Vec<f64> = speed(record).iter().map(|speed| speed.abs() * ratio).collect();
     if magnitudes.is_empty() {
         return None;
     }
     // A glitch of the sensor is no wrong unit, so the fastest hundredth does not count.
     let index = (magnitudes.len() - 1) * 99 / 100;
     let fast = *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1;
-    let column = if record.speed_rad_s.is_some() {
-        "speed_rad_s"
-    } else {
-        "angle_rad"
-    };
+    let column = if record.speed_rad_s.is_some() { "speed_rad_s" } else { "angle_rad" };
     (fast > FASTEST_SHAFT).then(|| {
         fault(
             column,
@@ -192,10 +162,7 @@ mod tests {
     use crate::log::usable::{check_usable, tests::motor};
 
     fn scale(column: Option<&mut Vec<f64>>, factor: f64) {
-        column
-            .unwrap()
-            .iter_mut()
-            .for_each(|value| *value *= factor);
+        column.unwrap().iter_mut().for_each(|value| *value *= factor);
     }
 
     #[test]
@@ -223,50 +190,15 @@ mod tests {
         };
         type Edit<'a> = &'a dyn Fn(&mut Record);
         let cases: [(Edit, &str, &str, &str); 10] = [
-            (
-                &|r| scale(Some(&mut r.time_s), 1000.0),
-                "column time_s",
-                "looks like ms",
-                "time_s:ms",
-            ),
-            (
-                &|r| scale(Some(&mut r.time_s), 1e6),
-                "column time_s",
-                "looks like us",
-                "time_s:us",
-            ),
+            (&|r| scale(Some(&mut r.time_s), 1000.0), "column time_s", "looks like ms", "time_s:ms"),
+            (&|r| scale(Some(&mut r.time_s), 1e6), "column time_s", "looks like us", "time_s:us"),
             (&whole_ms, "column time_s", "looks like ms", "time_s:ms"),
-            (
-                &|r| scale(Some(&mut r.time_s), 1e-5),
-                "column time_s",
-                "too fast",
-                "--map time",
-            ),
-            (
-                &|r| scale(Some(&mut r.voltage_v), 1000.0),
-                "column voltage_v",
-                "millivolts",
-                "voltage_v:mV",
-            ),
-            (
-                &|r| scale(Some(&mut r.voltage_v), 40.0),
-                "column voltage_v",
-                "PWM",
-                "duty=",
-            ),
+            (&|r| scale(Some(&mut r.time_s), 1e-5), "column time_s", "too fast", "--map time"),
+            (&|r| scale(Some(&mut r.voltage_v), 1000.0), "column voltage_v", "millivolts", "voltage_v:mV"),
+            (&|r| scale(Some(&mut r.voltage_v), 40.0), "column voltage_v", "PWM", "duty="),
             (&counts, "column angle_rad", "counts", "rev/1400"),
-            (
-                &degrees,
-                "column angle_rad",
-                "looks like deg",
-                "angle_rad:deg",
-            ),
-            (
-                &rpm,
-                "column speed_rad_s",
-                "looks like rpm",
-                "speed_rad_s:rpm",
-            ),
+            (&degrees, "column angle_rad", "looks like deg", "angle_rad:deg"),
+            (&rpm, "column speed_rad_s", "looks like rpm", "speed_rad_s:rpm"),
             (&geared, "column angle_rad", "turns a minute", "gear_ratio"),
         ];
         for (edit, place, cause, remedy) in cases {

@@ -70,13 +70,9 @@ impl Quantity {
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
             Quantity::Angle => &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)],
-            Quantity::Speed => &[
-                ("rad/s", 1.0),
-                ("deg/s", DEGREE),
-                ("rev/s", TAU),
-                ("counts/s", TAU),
-                ("rpm", RPM),
-            ],
+            Quantity::Speed => {
+                &[("rad/s", 1.0), ("deg/s", DEGREE), ("rev/s", TAU), ("counts/s", TAU), ("rpm", RPM)]
+            }
             Quantity::Current => &[("A", 1.0), ("mA", 1e-3)],
         }
     }
@@ -99,10 +95,7 @@ pub struct Unit {
 
 impl Unit {
     /// The number is in SI already.
-    pub const SI: Unit = Unit {
-        factor: 1.0,
-        counts: false,
-    };
+    pub const SI: Unit = Unit { factor: 1.0, counts: false };
 
     /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, a full scale: `255`.
     ///
@@ -114,10 +107,7 @@ impl Unit {
             && full_scale.is_finite()
             && full_scale != 0.0
         {
-            return Ok(Unit {
-                factor: 1.0 / full_scale,
-                counts: false,
-            });
+            return Ok(Unit { factor: 1.0 / full_scale, counts: false });
         }
         let known = quantity.units();
         let (name, mut factor, rest) = known
@@ -131,36 +121,21 @@ impl Unit {
         while let Some(operator) = scales.chars().next() {
             let tail = &scales[1..];
             let end = tail.find(['*', '/']).unwrap_or(tail.len());
-            let number: f64 = tail[..end]
-                .trim()
-                .parse()
-                .map_err(|_| unknown(quantity, text))?;
-            factor = if operator == '*' {
-                factor * number
-            } else {
-                factor / number
-            };
+            let number: f64 = tail[..end].trim().parse().map_err(|_| unknown(quantity, text))?;
+            factor = if operator == '*' { factor * number } else { factor / number };
             scales = &tail[end..];
         }
         if !factor.is_finite() || factor == 0.0 {
-            return Err(format!(
-                "the scale in \"{text}\" leaves nothing of the {quantity}"
-            ));
+            return Err(format!("the scale in \"{text}\" leaves nothing of the {quantity}"));
         }
-        Ok(Unit {
-            factor,
-            counts: name.starts_with("counts"),
-        })
+        Ok(Unit { factor, counts: name.starts_with("counts") })
     }
 }
 
 fn unknown(quantity: Quantity, text: &str) -> String {
     let names: Vec<&str> = quantity.units().iter().map(|&(name, _)| name).collect();
-    let full_scale = if quantity == Quantity::Duty {
-        ", or the number that means full duty, for example 255"
-    } else {
-        ""
-    };
+    let full_scale =
+        if quantity == Quantity::Duty { ", or the number that means full duty, for example 255" } else { "" };
     format!(
         "\"{text}\" is no unit of {quantity}: use {}{full_scale}; a scale may follow, for example {}*0.5 or {}/-1",
         names.join(", "),
@@ -210,10 +185,7 @@ mod tests {
     #[test]
     fn a_wrong_unit_is_answered_with_the_right_ones() {
         let answer = Unit::parse(Quantity::Speed, "km/h").unwrap_err();
-        assert!(
-            answer.contains("km/h") && answer.contains("rpm"),
-            "{answer}"
-        );
+        assert!(answer.contains("km/h") && answer.contains("rpm"), "{answer}");
         for text in ["V*", "V*zero", "V*0", "V/0", "Vx", "radians"] {
             assert!(Unit::parse(Quantity::Voltage, text).is_err(), "{text}");
         }

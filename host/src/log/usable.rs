@@ -50,9 +50,7 @@ pub fn check_usable(record: &Record) -> Result<()> {
             } else {
                 format!("{}: {}", record.name, fault.why)
             };
-            Err(BadInput::new(&record.path, why, fault.fix)
-                .in_column(fault.column)
-                .into())
+            Err(BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into())
         }
     }
 }
@@ -71,8 +69,7 @@ pub fn content_faults(record: &Record) -> Vec<Fault> {
 fn no_excitation(record: &Record) -> Option<Fault> {
     let voltage = &record.voltage_v;
     // The dynamic tests of SysId hold the voltage from rest on; their ramps supply what they lack.
-    if record.meta.get(sysid::TEST_KEY).is_some() || span(voltage) > 1e-6 * peak(voltage).max(1e-3)
-    {
+    if record.meta.get(sysid::TEST_KEY).is_some() || span(voltage) > 1e-6 * peak(voltage).max(1e-3) {
         return None;
     }
     Some(Fault {
@@ -121,13 +118,8 @@ fn reversed(record: &Record) -> Option<Fault> {
     let motion = speed(record);
     let smoothed = SMOOTHING_S.map(|tau| low_pass(&record.time_s, &record.voltage_v, tau));
     let together = smoothed.iter().map(|voltage| correlation(voltage, &motion));
-    let (lowest, highest) = together.fold((0.0, 0.0), |(low, high): (f64, f64), c| {
-        (low.min(c), high.max(c))
-    });
-    let same_sign = smoothed
-        .iter()
-        .map(|voltage| alignment(voltage, &motion))
-        .fold(1.0, f64::min);
+    let (lowest, highest) = together.fold((0.0, 0.0), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));
+    let same_sign = smoothed.iter().map(|voltage| alignment(voltage, &motion)).fold(1.0, f64::min);
     let flipped = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
     flipped.then(|| {
         let (column, turn) = if record.angle_rad.is_some() {
@@ -155,9 +147,7 @@ pub(in crate::log) mod tests {
     /// A first-order motor under a staircase that reverses, 100 Hz, 20 s.
     pub(in crate::log) fn motor() -> Record {
         let time: Vec<f64> = (0..2000).map(|i| i as f64 * 0.01).collect();
-        let voltage: Vec<f64> = (0..2000)
-            .map(|i| (((i / 100) * 7) % 13) as f64 - 6.0)
-            .collect();
+        let voltage: Vec<f64> = (0..2000).map(|i| (((i / 100) * 7) % 13) as f64 - 6.0).collect();
         let (mut speed, mut angle) = (0.0, 0.0);
         let mut angles = Vec::new();
         for v in &voltage {
@@ -176,19 +166,13 @@ pub(in crate::log) mod tests {
     }
 
     fn as_speed(mut record: Record) -> Record {
-        record.speed_rad_s = record
-            .angle_rad
-            .take()
-            .map(|angle| slope(&record.time_s, &angle));
+        record.speed_rad_s = record.angle_rad.take().map(|angle| slope(&record.time_s, &angle));
         record
     }
 
     #[test]
     fn a_moving_motor_is_usable_by_angle_speed_or_both() {
-        let both = Record {
-            angle_rad: motor().angle_rad,
-            ..as_speed(motor())
-        };
+        let both = Record { angle_rad: motor().angle_rad, ..as_speed(motor()) };
         for record in [motor(), as_speed(motor()), both] {
             assert_eq!(content_faults(&record), []);
             check_usable(&record).unwrap();
@@ -215,31 +199,16 @@ pub(in crate::log) mod tests {
     fn a_motor_that_never_moves_is_refused_even_if_a_count_flickers() {
         let mut record = motor();
         record.angle_rad = Some((0..2000).map(|i| 1.0 + f64::from(i % 2) * 1e-5).collect());
-        assert_bad(
-            &check_usable(&record).unwrap_err(),
-            "column angle_rad",
-            "never moves",
-            "enable line",
-        );
+        assert_bad(&check_usable(&record).unwrap_err(), "column angle_rad", "never moves", "enable line");
         let mut record = as_speed(record);
         record.speed_rad_s = Some(vec![0.0; 2000]);
-        assert_bad(
-            &check_usable(&record).unwrap_err(),
-            "column speed_rad_s",
-            "never moves",
-            "encoder",
-        );
+        assert_bad(&check_usable(&record).unwrap_err(), "column speed_rad_s", "never moves", "encoder");
     }
 
     #[test]
     fn a_flipped_encoder_is_refused_and_the_remedy_turns_it_round() {
         let mut record = motor();
-        record
-            .angle_rad
-            .as_mut()
-            .unwrap()
-            .iter_mut()
-            .for_each(|angle| *angle = -*angle);
+        record.angle_rad.as_mut().unwrap().iter_mut().for_each(|angle| *angle = -*angle);
         assert_bad(
             &check_usable(&record).unwrap_err(),
             "column angle_rad",
@@ -254,25 +223,14 @@ pub(in crate::log) mod tests {
         );
         // A drive in one direction only, seen backwards.
         record.voltage_v.iter_mut().for_each(|v| *v = v.abs() + 3.0);
-        record.angle_rad = Some(
-            record
-                .time_s
-                .iter()
-                .map(|t| -3.0 * t - 0.01 * (5.0 * t).sin())
-                .collect(),
-        );
+        record.angle_rad = Some(record.time_s.iter().map(|t| -3.0 * t - 0.01 * (5.0 * t).sin()).collect());
         assert!(check_usable(&record).is_err());
     }
 
     #[test]
     fn a_speed_that_contradicts_the_angle_is_refused() {
         let mut record = as_speed(motor());
-        record
-            .speed_rad_s
-            .as_mut()
-            .unwrap()
-            .iter_mut()
-            .for_each(|speed| *speed = -*speed);
+        record.speed_rad_s.as_mut().unwrap().iter_mut().for_each(|speed| *speed = -*speed);
         record.angle_rad = motor().angle_rad;
         assert_eq!(content_faults(&record)[0].name, "angle_against_speed");
     }
@@ -281,14 +239,8 @@ pub(in crate::log) mod tests {
     fn a_load_that_drives_the_motor_is_no_flipped_encoder() {
         // A hoist that is let down: voltage and speed opposed on the whole, together in their changes.
         let mut record = motor();
-        let lowered: Vec<f64> = record
-            .angle_rad
-            .as_ref()
-            .unwrap()
-            .iter()
-            .zip(&record.time_s)
-            .map(|(a, t)| a - 2.0 * t)
-            .collect();
+        let lowered: Vec<f64> =
+            record.angle_rad.as_ref().unwrap().iter().zip(&record.time_s).map(|(a, t)| a - 2.0 * t).collect();
         record.voltage_v.iter_mut().for_each(|v| *v += 7.0);
         record.angle_rad = Some(lowered);
         assert_eq!(content_faults(&record), []);
