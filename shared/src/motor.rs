@@ -110,10 +110,7 @@ impl PaperMotor {
     /// The paper's Table 1 as printed, with its gear ratio of 104.
     #[must_use]
     pub const fn printed_table_1() -> Self {
-        Self::from_genes(
-            [15.422, 0.0035, 0.0277, 0.0021, 0.0518, 0.1, 0.1, 0.0035],
-            104.0,
-        )
+        Self::from_genes([15.422, 0.0035, 0.0277, 0.0021, 0.0518, 0.1, 0.1, 0.0035], 104.0)
     }
 
     /// Equations 8 to 12.
@@ -153,11 +150,7 @@ impl Combinations {
     /// From a steady speed per volt, rad/(s V), and two real decay rates, 1/s.
     #[must_use]
     pub fn from_gain_and_rates(gain: f64, slow: f64, fast: f64) -> Self {
-        Self {
-            b_over_a1: gain * slow * fast,
-            a2_over_a1: slow + fast,
-            a3_over_a1: slow * fast,
-        }
+        Self { b_over_a1: gain * slow * fast, a2_over_a1: slow + fast, a3_over_a1: slow * fast }
     }
 
     /// b / a3: steady speed per volt, rad/(s V).
@@ -190,17 +183,14 @@ impl Combinations {
         let a1 = inertia * inductance;
         let resistance = (self.a2_over_a1 * a1 - damping * inductance) / inertia;
         let torque_constant = self.b_over_a1 * a1 / like.gear_ratio;
-        let back_emf_constant =
-            (self.a3_over_a1 * a1 - damping * resistance) / (ratio2 * torque_constant);
+        let back_emf_constant = (self.a3_over_a1 * a1 - damping * resistance) / (ratio2 * torque_constant);
         let all = [resistance, torque_constant, back_emf_constant];
-        all.iter()
-            .all(|x| x.is_finite() && *x > 0.0)
-            .then_some(PaperMotor {
-                torque_constant,
-                back_emf_constant,
-                resistance,
-                ..*like
-            })
+        all.iter().all(|x| x.is_finite() && *x > 0.0).then_some(PaperMotor {
+            torque_constant,
+            back_emf_constant,
+            resistance,
+            ..*like
+        })
     }
 }
 
@@ -232,8 +222,8 @@ impl Nameplate {
         let torque_constant = back_emf_constant;
         // Total damping and inertia as the rotor sees them.
         let damping = 0.02 * self.voltage / rotor_speed * torque_constant / resistance;
-        let inertia = self.mechanical_time_constant
-            * (torque_constant * back_emf_constant / resistance + damping);
+        let inertia =
+            self.mechanical_time_constant * (torque_constant * back_emf_constant / resistance + damping);
         let ratio2 = self.gear_ratio * self.gear_ratio;
         PaperMotor {
             torque_constant,
@@ -254,10 +244,8 @@ mod tests {
     use super::{Combinations, Nameplate, PaperMotor};
 
     /// Small 12 V motor of 1:104.
-    const MOTOR: PaperMotor = PaperMotor::from_genes(
-        [0.0105, 0.0105, 2.1e-3, 3.2, 2e-3, 1.1e-6, 1.5e-6, 2e-3],
-        104.0,
-    );
+    const MOTOR: PaperMotor =
+        PaperMotor::from_genes([0.0105, 0.0105, 2.1e-3, 3.2, 2e-3, 1.1e-6, 1.5e-6, 2e-3], 104.0);
 
     /// Laplace transforms of the paper's first equations at a real s, solved without the closed form.
     fn angle_per_volt(m: &PaperMotor, s: f64) -> f64 {
@@ -276,22 +264,14 @@ mod tests {
             for s in [0.1, 3.0, 50.0, 4000.0] {
                 let closed = g.b / (s * (s * (g.a1 * s + g.a2) + g.a3));
                 let solved = angle_per_volt(&motor, s);
-                assert!(
-                    (closed / solved - 1.0).abs() < 1e-12,
-                    "s = {s}: {closed} {solved}"
-                );
+                assert!((closed / solved - 1.0).abs() < 1e-12, "s = {s}: {closed} {solved}");
             }
         }
     }
 
     #[test]
     fn different_parameters_can_have_the_same_combinations() {
-        let other = PaperMotor {
-            rotor_inertia: 1.3e-6,
-            inductance: 1.7e-3,
-            shaft_damping: 1e-3,
-            ..MOTOR
-        };
+        let other = PaperMotor { rotor_inertia: 1.3e-6, inductance: 1.7e-3, shaft_damping: 1e-3, ..MOTOR };
         let truth = MOTOR.combinations();
         let twin = truth.realised_near(&other).expect("a positive set exists");
         let same = twin.combinations();
@@ -303,16 +283,11 @@ mod tests {
 
     #[test]
     fn time_constants_are_the_inverse_decay_rates() {
-        let (slow, fast) = Combinations::from_gain_and_rates(0.9, 20.0, 1500.0)
-            .time_constants()
-            .expect("real poles");
+        let (slow, fast) =
+            Combinations::from_gain_and_rates(0.9, 20.0, 1500.0).time_constants().expect("real poles");
         assert!((slow - 0.05).abs() < 1e-12);
         assert!((fast - 1.0 / 1500.0).abs() < 1e-12);
-        let ringing = Combinations {
-            b_over_a1: 1.0,
-            a2_over_a1: 1.0,
-            a3_over_a1: 9.0,
-        };
+        let ringing = Combinations { b_over_a1: 1.0, a2_over_a1: 1.0, a3_over_a1: 9.0 };
         assert_eq!(ringing.time_constants(), None);
     }
 

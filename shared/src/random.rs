@@ -30,9 +30,7 @@ impl Stream {
         let place = ((generation as u64) << 32) | index as u64;
         // Two rounds of mixing, so that neighbouring seeds and places start far apart.
         let key = mix(seed.wrapping_add(STEP));
-        Self {
-            counter: mix(key ^ mix(place.wrapping_add(STEP))),
-        }
+        Self { counter: mix(key ^ mix(place.wrapping_add(STEP))) }
     }
 
     /// Uniform on 0 ..= 1 - 2^-53.
@@ -104,12 +102,7 @@ mod tests {
         let first = |seed, generation, index| Stream::new(seed, generation, index).next_u64();
         let here = first(7, 3, 5);
         assert_eq!(here, first(7, 3, 5));
-        for other in [
-            first(8, 3, 5),
-            first(7, 4, 5),
-            first(7, 3, 6),
-            first(7, 5, 3),
-        ] {
+        for other in [first(8, 3, 5), first(7, 4, 5), first(7, 3, 6), first(7, 5, 3)] {
             assert_ne!(here, other);
         }
     }
@@ -156,9 +149,6 @@ mod tests {
         for _ in 0..7_000 {
             seen[stream.below(7)] += 1;
         }
-        assert!(
-            seen.iter().all(|&count| (850..1150).contains(&count)),
-            "{seen:?}"
-        );
+        assert!(seen.iter().all(|&count| (850..1150).contains(&count)), "{seen:?}");
     }
 }

@@ -28,10 +28,7 @@ pub use population::Genetic;
 
 /// Decisions that the paper does not make and every implementation must: (question, taken here).
 pub const OPEN_CHOICES: &[(&str, &str)] = &[
-    (
-        "how parents are chosen",
-        "the better of two drawn at random, twice",
-    ),
+    ("how parents are chosen", "the better of two drawn at random, twice"),
     (
         "how crossover mixes two parents",
         "gene by gene on the line through both, from a quarter beyond one to a quarter beyond the other",
@@ -40,18 +37,12 @@ pub const OPEN_CHOICES: &[(&str, &str)] = &[
         "whether 0.8 and 0.2 are shares or independent chances",
         "each child is made by crossover (0.8) or else by mutation (0.2)",
     ),
-    (
-        "how many genes a mutation replaces",
-        "each with probability 1/4, and at least one",
-    ),
+    ("how many genes a mutation replaces", "each with probability 1/4, and at least one"),
     (
         "centre and width of the Gaussian",
         "centred on the parent's gene; 0.2 of the gene's range, falling linearly to 1e-4 of it",
     ),
-    (
-        "what happens at a limit",
-        "the gene is set to the limit, and this is counted",
-    ),
+    ("what happens at a limit", "the gene is set to the limit, and this is counted"),
 ];
 
 /// How a search runs. The defaults are the paper's.
@@ -73,14 +64,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            generations: 800,
-            seed: 1,
-            island: 0,
-            elite: 0.05,
-            crossover: 0.8,
-            mutation: 0.2,
-        }
+        Self { generations: 800, seed: 1, island: 0, elite: 0.05, crossover: 0.8, mutation: 0.2 }
     }
 }
 
@@ -107,11 +91,7 @@ impl<const G: usize> Space<G> {
     /// Between two limits, which are also the range.
     #[must_use]
     pub fn within(low: [f64; G], high: [f64; G]) -> Self {
-        Self {
-            low,
-            high,
-            spread: core::array::from_fn(|k| high[k] - low[k]),
-        }
+        Self { low, high, spread: core::array::from_fn(|k| high[k] - low[k]) }
     }
 
     /// Moves the genes that lie outside to their limit and returns how many did.

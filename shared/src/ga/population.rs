@@ -17,14 +17,9 @@ pub struct Genetic<const P: usize, const G: usize> {
 
 impl<const P: usize, const G: usize> Genetic<P, G> {
     /// A first generation of all `P`, spread evenly over the space.
-    pub fn uniform(
-        settings: &Settings,
-        space: &Space<G>,
-        objective: &mut impl Objective<G>,
-    ) -> Self {
-        let anywhere = |stream: &mut Stream| {
-            core::array::from_fn(|k| stream.between(space.low[k], space.high[k]))
-        };
+    pub fn uniform(settings: &Settings, space: &Space<G>, objective: &mut impl Objective<G>) -> Self {
+        let anywhere =
+            |stream: &mut Stream| core::array::from_fn(|k| stream.between(space.low[k], space.high[k]));
         Self::start(settings, space, P, anywhere, objective)
     }
 
@@ -59,12 +54,7 @@ impl<const P: usize, const G: usize> Genetic<P, G> {
     }
 
     /// One generation: the best pass, children replace the rest.
-    pub fn advance(
-        &mut self,
-        settings: &Settings,
-        space: &Space<G>,
-        objective: &mut impl Objective<G>,
-    ) {
+    pub fn advance(&mut self, settings: &Settings, space: &Space<G>, objective: &mut impl Objective<G>) {
         let elites = settings.elites(self.size);
         let parents = self.chromosomes;
         for index in elites..self.size {
@@ -179,26 +169,15 @@ mod tests {
         }
     }
 
-    const SPACE: Space<3> = Space {
-        low: [-5.0; 3],
-        high: [5.0; 3],
-        spread: [10.0; 3],
-    };
+    const SPACE: Space<3> = Space { low: [-5.0; 3], high: [5.0; 3], spread: [10.0; 3] };
 
     fn run(seed: u64) -> Genetic<80, 3> {
-        let settings = Settings {
-            generations: 300,
-            seed,
-            ..Settings::default()
-        };
+        let settings = Settings { generations: 300, seed, ..Settings::default() };
         let mut search = Genetic::uniform(&settings, &SPACE, &mut hilly);
         let mut best = search.best_objective();
         while search.generation() < settings.generations {
             search.advance(&settings, &SPACE, &mut hilly);
-            assert!(
-                search.best_objective() <= best,
-                "the elite must not get worse"
-            );
+            assert!(search.best_objective() <= best, "the elite must not get worse");
             best = search.best_objective();
         }
         search
@@ -208,11 +187,7 @@ mod tests {
     fn the_global_minimum_is_found_among_many_local_ones() {
         for seed in 1..=10 {
             let search = run(seed);
-            assert!(
-                search.best_objective() < 0.01,
-                "seed {seed}: {}",
-                search.best_objective()
-            );
+            assert!(search.best_objective() < 0.01, "seed {seed}: {}", search.best_objective());
             assert_eq!(search.evaluations(), 80 + 299 * 76);
         }
     }
@@ -236,10 +211,7 @@ mod tests {
 
     #[test]
     fn an_objective_that_is_not_a_number_is_never_best() {
-        let settings = Settings {
-            generations: 20,
-            ..Settings::default()
-        };
+        let settings = Settings { generations: 20, ..Settings::default() };
         let mut half = |chromosomes: &[[f64; 1]], objectives: &mut [f64]| {
             for (x, objective) in chromosomes.iter().zip(objectives) {
                 *objective = if x[0] < 0.5 { f64::NAN } else { x[0] };
@@ -255,10 +227,7 @@ mod tests {
 
     #[test]
     fn genes_outside_are_clamped_and_counted() {
-        let settings = Settings {
-            generations: 2,
-            ..Settings::default()
-        };
+        let settings = Settings { generations: 2, ..Settings::default() };
         let mut sum = |chromosomes: &[[f64; 2]], objectives: &mut [f64]| {
             for (x, objective) in chromosomes.iter().zip(objectives) {
                 *objective = x[0] + x[1];
@@ -272,10 +241,7 @@ mod tests {
 
     #[test]
     fn islands_draw_different_numbers_and_learn_from_an_immigrant() {
-        let one = Settings {
-            generations: 2,
-            ..Settings::default()
-        };
+        let one = Settings { generations: 2, ..Settings::default() };
         let two = Settings { island: 1, ..one };
         let mut first = Genetic::<16, 3>::uniform(&one, &SPACE, &mut hilly);
         let second = Genetic::<16, 3>::uniform(&two, &SPACE, &mut hilly);

@@ -124,9 +124,7 @@ impl<T: Laned> Filter<T> {
     #[must_use]
     pub fn gather(candidates: &[Filter<f64>]) -> Self {
         let last = candidates.len() - 1;
-        let pick = |field: fn(&Filter<f64>) -> f64| {
-            T::from_lanes(|lane| field(&candidates[lane.min(last)]))
-        };
+        let pick = |field: fn(&Filter<f64>) -> f64| T::from_lanes(|lane| field(&candidates[lane.min(last)]));
         Self {
             gain: pick(|f| f.gain),
             from_voltage: pick(|f| f.from_voltage),
@@ -144,22 +142,14 @@ fn real_pole(p: f64, step: f64, hold: Hold) -> PoleStep<f64> {
     let grown = libm::expm1(x);
     let whole = if x == 0.0 { step } else { grown / p };
     if hold == Hold::Zero {
-        return PoleStep {
-            grown,
-            old: whole,
-            new: 0.0,
-        };
+        return PoleStep { grown, old: whole, new: 0.0 };
     }
     let new = if x.abs() < SMALL {
         step * TAYLOR.iter().rev().fold(0.0, |sum, c| sum * x + c)
     } else {
         (whole - step) / x
     };
-    PoleStep {
-        grown,
-        old: whole - new,
-        new,
-    }
+    PoleStep { grown, old: whole - new, new }
 }
 
 /// The same for one of a pair of conjugate poles.
@@ -172,11 +162,7 @@ fn complex_pole(p: Complex<f64>, step: f64, hold: Hold) -> PoleStep<Complex<f64>
     let grown = Complex::new(grown * cos - 2.0 * half * half, (grown + 1.0) * sin);
     let whole = grown / p;
     if hold == Hold::Zero {
-        return PoleStep {
-            grown,
-            old: whole,
-            new: Complex::new(0.0, 0.0),
-        };
+        return PoleStep { grown, old: whole, new: Complex::new(0.0, 0.0) };
     }
     let new = if x.norm_sqr() < SMALL * SMALL {
         let zero = Complex::new(0.0, 0.0);
@@ -184,11 +170,7 @@ fn complex_pole(p: Complex<f64>, step: f64, hold: Hold) -> PoleStep<Complex<f64>
     } else {
         (whole - step) / x
     };
-    PoleStep {
-        grown,
-        old: whole - new,
-        new,
-    }
+    PoleStep { grown, old: whole - new, new }
 }
 
 /// Below this |p T|, phi2 is summed as a series: the closed form would lose digits.
@@ -213,22 +195,10 @@ mod tests {
     use crate::motor::Combinations;
 
     /// theta''' + alpha theta'' + beta theta' = b V by 200 fourth-order Runge-Kutta steps per sample.
-    fn integrated(
-        m: &Combinations,
-        volts: &[f64],
-        step: f64,
-        hold: Hold,
-        kind: Kind,
-    ) -> std::vec::Vec<f64> {
-        let rate = |x: [f64; 3], v: f64| {
-            [
-                x[1],
-                x[2],
-                m.b_over_a1 * v - m.a3_over_a1 * x[1] - m.a2_over_a1 * x[2],
-            ]
-        };
-        let moved =
-            |x: [f64; 3], k: [f64; 3], h: f64| [x[0] + h * k[0], x[1] + h * k[1], x[2] + h * k[2]];
+    fn integrated(m: &Combinations, volts: &[f64], step: f64, hold: Hold, kind: Kind) -> std::vec::Vec<f64> {
+        let rate =
+            |x: [f64; 3], v: f64| [x[1], x[2], m.b_over_a1 * v - m.a3_over_a1 * x[1] - m.a2_over_a1 * x[2]];
+        let moved = |x: [f64; 3], k: [f64; 3], h: f64| [x[0] + h * k[0], x[1] + h * k[1], x[2] + h * k[2]];
         let mut x = [0.0; 3];
         let mut out = std::vec![0.0];
         let parts = 200;
@@ -256,9 +226,8 @@ mod tests {
     }
 
     fn worst(m: &Combinations, step: f64) -> f64 {
-        let volts: [f64; 60] = core::array::from_fn(|k| {
-            5.0 * libm::sin(0.3 * k as f64) + if k > 30 { -4.0 } else { 0.0 }
-        });
+        let volts: [f64; 60] =
+            core::array::from_fn(|k| 5.0 * libm::sin(0.3 * k as f64) + if k > 30 { -4.0 } else { 0.0 });
         let mut worst = 0.0_f64;
         for hold in [Hold::Zero, Hold::First] {
             for kind in [Kind::Angle, Kind::Speed] {
@@ -291,11 +260,7 @@ mod tests {
             (0.9, 0.03, 1e-4, 1e-3, 1e-6),    // slow: |p T| = 1e-5
             (0.9, 1e-3, 1e-2, 1e-3, 1e-6),    // slow ringing
         ] {
-            let m = Combinations {
-                b_over_a1: gain * beta,
-                a2_over_a1: alpha,
-                a3_over_a1: beta,
-            };
+            let m = Combinations { b_over_a1: gain * beta, a2_over_a1: alpha, a3_over_a1: beta };
             let worst = worst(&m, step);
             assert!(worst < bar, "alpha {alpha}, beta {beta}: {worst:e}");
         }

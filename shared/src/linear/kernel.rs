@@ -20,10 +20,7 @@ pub struct State<T> {
 impl<T: Scalar> Default for State<T> {
     #[inline(always)]
     fn default() -> Self {
-        Self {
-            sum: T::zero(),
-            change: T::zero(),
-        }
+        Self { sum: T::zero(), change: T::zero() }
     }
 }
 
@@ -48,11 +45,7 @@ impl<T: Scalar> Filter<T> {
 /// # Panics
 /// Where `sums` has fewer numbers than `T` has lanes.
 #[inline(always)]
-pub fn absolute_error<T: Laned>(
-    filter: &Filter<T>,
-    samples: &[Sample<T::Element>],
-    sums: &mut [f64],
-) {
+pub fn absolute_error<T: Laned>(filter: &Filter<T>, samples: &[Sample<T::Element>], sums: &mut [f64]) {
     let mut state = State::default();
     for block in samples.chunks(FLUSH) {
         let mut sum = T::zero();
@@ -124,10 +117,7 @@ mod tests {
         let (mut single, mut double) = ([0.0], [0.0]);
         absolute_error(&Filter::<f32>::gather(&[filter]), &record(), &mut single);
         absolute_error(&filter, &record(), &mut double);
-        assert!(
-            (single[0] / double[0] - 1.0).abs() < 2e-5,
-            "{single:?} {double:?}"
-        );
+        assert!((single[0] / double[0] - 1.0).abs() < 2e-5, "{single:?} {double:?}");
     }
 
     #[test]

@@ -21,14 +21,7 @@ impl Prepare {
     /// `step` is the time between samples in s.
     #[must_use]
     pub const fn new(step: f64, hold: Hold, kind: Kind) -> Self {
-        Self {
-            step,
-            hold,
-            kind,
-            before: None,
-            integral: 0.0,
-            origin: 0.0,
-        }
+        Self { step, hold, kind, before: None, integral: 0.0, origin: 0.0 }
     }
 
     /// The next sample. `voltage` in V; `measured` in rad or rad/s.

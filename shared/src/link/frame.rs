@@ -1,0 +1,159 @@
+//! Frames on a serial line: where a message begins and ends, and whether it arrived whole.
+
+use crc::{CRC_32_ISCSI, Crc, NoTable};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// The longest message with its CRC, bytes.
+pub const MAX_MESSAGE: usize = 192;
+/// The longest frame on the line, bytes: COBS adds one byte in 254, and the zero that ends it.
+pub const MAX_ENCODED: usize = MAX_MESSAGE + 2;
+
+/// Bit by bit: a table would save time that the line does not have, and cost flash.
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
+
+/// Why a frame was thrown away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Damage {
+    /// Longer than any message, so a terminator was lost.
+    TooLong,
+    /// The byte stuffing does not fit together.
+    Stuffing,
+    /// The CRC does not fit.
+    Checksum,
+    /// Arrived whole, yet is no message of this version.
+    Meaning,
+}
+
+/// Writes `message` as a frame into `out` and returns it.
+///
+/// # Errors
+/// [`Damage::TooLong`] when the message does not fit in [`MAX_MESSAGE`] bytes.
+pub fn encode<'a, M: Serialize>(message: &M, out: &'a mut [u8; MAX_ENCODED]) -> Result<&'a [u8], Damage> {
+    let mut plain = [0; MAX_MESSAGE];
+    let used = postcard::to_slice(message, &mut plain[..MAX_MESSAGE - 4]).map_err(|_| Damage::TooLong)?.len();
+    let sum = CRC.checksum(&plain[..used]).to_le_bytes();
+    plain[used..used + 4].copy_from_slice(&sum);
+    let length = cobs::encode(&plain[..used + 4], out);
+    out[length] = 0;
+    Ok(&out[..=length])
+}
+
+/// Reads the message of one frame, given without its terminator. The bytes are overwritten.
+///
+/// # Errors
+/// What is wrong with the frame; a wrong message never passes the CRC except by one chance in 2^32.
+pub fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, Damage> {
+    let length = cobs::decode_in_place(frame).map_err(|_| Damage::Stuffing)?;
+    let plain = frame.get(..length).ok_or(Damage::Stuffing)?;
+    let (body, sum) =
+        plain.split_last_chunk::<4>().map(|(body, sum)| (body, *sum)).ok_or(Damage::Checksum)?;
+    if CRC.checksum(body) != u32::from_le_bytes(sum) {
+        return Err(Damage::Checksum);
+    }
+    match postcard::take_from_bytes(body) {
+        // A newer end may have appended fields to a message: what follows the known ones is skipped.
+        Ok((message, _newer)) => Ok(message),
+        Err(_) => Err(Damage::Meaning),
+    }
+}
+
+/// Collects bytes as they come and yields a message at each terminator. Needs no start: it falls into step at the
+/// first zero byte.
+#[derive(Debug, Clone)]
+pub struct Decoder {
+    bytes: [u8; MAX_ENCODED],
+    length: usize,
+    overrun: bool,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// A decoder that has seen nothing.
+    pub const fn new() -> Self {
+        Self { bytes: [0; MAX_ENCODED], length: 0, overrun: false }
+    }
+
+    /// Takes the next byte. `Some` when it ended a frame: its message, or what was wrong with it.
+    pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, Damage>> {
+        if byte != 0 {
+            match self.bytes.get_mut(self.length) {
+                Some(place) => {
+                    *place = byte;
+                    self.length += 1;
+                }
+                None => self.overrun = true,
+            }
+            return None;
+        }
+        let (length, overrun) = (self.length, self.overrun);
+        (self.length, self.overrun) = (0, false);
+        match length {
+            // An empty frame is a terminator sent to wake the line.
+            0 => None,
+            _ if overrun => Some(Err(Damage::TooLong)),
+            _ => Some(decode(&mut self.bytes[..length])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{FromBoard, LogBlock, Packet, Sample};
+    use std::vec::Vec;
+
+    fn log_packet() -> Packet<FromBoard> {
+        let sample = Sample { duty: -2100, count: -70_000, supply_mv: 12_000, current_ma: -900, late_us: -3 };
+        let mut block = LogBlock { run: 9, first: 59_992, samples: heapless::Vec::new() };
+        while block.samples.push(sample).is_ok() {}
+        Packet { id: 0, message: FromBoard::Log(block) }
+    }
+
+    #[test]
+    fn a_message_comes_back_as_it_went_in() {
+        let mut out = [0; MAX_ENCODED];
+        let packet = log_packet();
+        let frame = encode(&packet, &mut out).unwrap();
+        assert_eq!(frame.iter().filter(|byte| **byte == 0).count(), 1);
+        let mut decoder = Decoder::new();
+        let got: Vec<_> = frame.iter().filter_map(|byte| decoder.push(*byte)).collect();
+        assert_eq!(got, [Ok(packet)]);
+    }
+
+    #[test]
+    fn every_damaged_byte_and_every_lost_byte_is_noticed() {
+        let mut out = [0; MAX_ENCODED];
+        let frame = encode(&log_packet(), &mut out).unwrap().to_vec();
+        for place in 0..frame.len() - 1 {
+            for change in [0x01, 0x80, 0xff] {
+                let mut bad = frame.clone();
+                bad[place] ^= change;
+                let mut decoder = Decoder::new();
+                let got = bad.iter().filter_map(|byte| decoder.push::<Packet<FromBoard>>(*byte));
+                assert!(got.into_iter().all(|result| result.is_err()), "byte {place} ^ {change}");
+            }
+            let mut short = frame.clone();
+            short.remove(place);
+            let mut decoder = Decoder::new();
+            assert!(short.iter().filter_map(|b| decoder.push::<Packet<FromBoard>>(*b)).all(|r| r.is_err()));
+        }
+    }
+
+    #[test]
+    fn an_endless_frame_costs_only_itself() {
+        let mut decoder = Decoder::new();
+        for _ in 0..100_000 {
+            assert_eq!(decoder.push::<Packet<FromBoard>>(7), None);
+        }
+        assert_eq!(decoder.push::<Packet<FromBoard>>(0), Some(Err(Damage::TooLong)));
+        let mut out = [0; MAX_ENCODED];
+        let frame = encode(&log_packet(), &mut out).unwrap();
+        assert_eq!(frame.iter().find_map(|byte| decoder.push(*byte)), Some(Ok(log_packet())));
+    }
+}

@@ -1,0 +1,38 @@
+//! What host and board say to each other: messages, frames, versions.
+//!
+//! A message is a [postcard](https://postcard.jamesmunns.com) encoding with a CRC-32 behind it, stuffed by COBS, ended
+//! by a zero byte ([`frame`]). Every message travels in a [`Packet`] that carries the number of the request it answers.
+//!
+//! # Versions
+//! The enums are append-only: a variant or a field, once released, keeps its place and meaning, and newer ones follow.
+//! [`ToBoard::Hello`] and [`FromBoard::Hello`] are frozen for good, so two ends of any age can find out what both
+//! speak ([`agree`]). The bytes of each version stand in `tests/link_v*.rs`: when one of those tests fails, the change
+//! broke a deployed board; make it an appended variant and add a version instead.
+
+pub mod frame;
+mod messages;
+mod sample;
+mod status;
+
+pub use frame::{Damage, Decoder, MAX_ENCODED, MAX_MESSAGE, decode, encode};
+pub use messages::{Capabilities, FromBoard, Hello, Packet, Refusal, ToBoard};
+pub use sample::{LOG_SAMPLES, LogBlock, Sample, Scaling};
+pub use status::{Cause, DriveMode, Reset, RunState, Setup, SetupFault, Status};
+
+/// The oldest version of the protocol that this source still speaks.
+pub const OLDEST: u16 = 1;
+/// The version that this source speaks best.
+pub const NEWEST: u16 = 1;
+
+/// The version that two ends use: the newest that both speak, `None` when their ranges do not meet.
+///
+/// ```
+/// use motorlens_shared::link::agree;
+/// assert_eq!(agree((1, 3), (2, 5)), Some(3));
+/// assert_eq!(agree((1, 1), (2, 5)), None);
+/// ```
+pub const fn agree(one: (u16, u16), other: (u16, u16)) -> Option<u16> {
+    let newest = if one.1 < other.1 { one.1 } else { other.1 };
+    let oldest = if one.0 > other.0 { one.0 } else { other.0 };
+    if newest >= oldest { Some(newest) } else { None }
+}

@@ -1,0 +1,234 @@
+//! How a run is set up, and what state the board is in.
+
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// How the bridge is driven. The log says which, because the motor sees another voltage in the off part of the PWM.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveMode {
+    /// Direction pins and PWM; the motor is shorted in the off part (TB6612, DRV8833 in slow decay).
+    SignMagnitudeBrake,
+    /// Direction pins and PWM; the motor floats in the off part (L298 with PWM on its enable input).
+    SignMagnitudeCoast,
+    /// The PWM reverses the bridge; half duty is no voltage.
+    LockedAntiPhase,
+}
+
+impl DriveMode {
+    /// The name in logs and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SignMagnitudeBrake => "sign_magnitude_brake",
+            Self::SignMagnitudeCoast => "sign_magnitude_coast",
+            Self::LockedAntiPhase => "locked_anti_phase",
+        }
+    }
+}
+
+/// Everything about a run but its programme. A limit of 0 is off where it says so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Setup {
+    /// Samples a second, Hz: 100 to 2000.
+    pub rate_hz: u16,
+    /// How the bridge is driven.
+    pub drive: DriveMode,
+    /// Supply voltage where the board does not measure it, mV.
+    pub supply_mv: u16,
+    /// The largest duty, thousandths of full voltage: 1 to 1000. The commands are clipped there.
+    pub duty_limit: u16,
+    /// The longest run, ms; more than 0.
+    pub run_limit_ms: u32,
+    /// Voltage from which standing still is a stall, mV.
+    pub stall_mv: u16,
+    /// How long the motor may stand still under it, ms; 0 is off.
+    pub stall_ms: u16,
+    /// The largest current, mA; 0 is off, and so it must be where no current is measured.
+    pub current_limit_ma: u16,
+    /// How long the host may stay silent, ms; more than 0, and no longer than half the board's log lasts.
+    pub link_timeout_ms: u16,
+    /// The quick fit keeps one sample of so many: 1 or more; voltages between are averaged.
+    pub keep_every: u16,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            rate_hz: 1000,
+            drive: DriveMode::SignMagnitudeBrake,
+            supply_mv: 12_000,
+            duty_limit: 1000,
+            run_limit_ms: 120_000,
+            stall_mv: 4000,
+            stall_ms: 500,
+            current_limit_ma: 0,
+            link_timeout_ms: 500,
+            keep_every: 5,
+        }
+    }
+}
+
+/// Why a setup is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SetupFault {
+    /// The rate is outside 100 to 2000 Hz.
+    Rate,
+    /// The stated supply is zero.
+    Supply,
+    /// The duty limit is outside 1 to 1000.
+    DutyLimit,
+    /// The run limit is zero or more than an hour.
+    RunLimit,
+    /// The link timeout is zero, or longer than half of what the board's log holds at this rate.
+    LinkTimeout,
+    /// A current limit on a board that measures no current.
+    NoCurrentSense,
+    /// `keep_every` is zero.
+    KeepEvery,
+}
+
+impl Setup {
+    /// Checks the setup against a board whose log holds `log_samples` and that measures current or not.
+    ///
+    /// # Errors
+    /// The first field at fault.
+    pub fn check(&self, log_samples: u32, measures_current: bool) -> Result<(), SetupFault> {
+        let timeout_samples = u32::from(self.link_timeout_ms) * u32::from(self.rate_hz) / 1000;
+        if !(100..=2000).contains(&self.rate_hz) {
+            Err(SetupFault::Rate)
+        } else if self.supply_mv == 0 {
+            Err(SetupFault::Supply)
+        } else if !(1..=1000).contains(&self.duty_limit) {
+            Err(SetupFault::DutyLimit)
+        } else if !(1..=3_600_000).contains(&self.run_limit_ms) {
+            Err(SetupFault::RunLimit)
+        } else if self.link_timeout_ms == 0 || timeout_samples > log_samples / 2 {
+            Err(SetupFault::LinkTimeout)
+        } else if self.current_limit_ma > 0 && !measures_current {
+            Err(SetupFault::NoCurrentSense)
+        } else if self.keep_every == 0 {
+            Err(SetupFault::KeepEvery)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl fmt::Display for SetupFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rate => "the sampling rate must be 100 to 2000 Hz",
+            Self::Supply => "state the supply voltage",
+            Self::DutyLimit => "the duty limit must be 0.001 to 1",
+            Self::RunLimit => "the run limit must be more than 0 and at most an hour",
+            Self::LinkTimeout => {
+                "the link timeout must be more than 0 and at most half of what the board's log holds"
+            }
+            Self::NoCurrentSense => "this board measures no current, so it cannot limit it",
+            Self::KeepEvery => "the quick fit must keep one sample of 1 or more",
+        })
+    }
+}
+
+/// Why a run ended. Every cause but the first two is a fault that took the bridge off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The programme was played to its end.
+    Finished,
+    /// The host asked for it.
+    Asked,
+    /// Longer than [`Setup::run_limit_ms`].
+    RunLimit,
+    /// Voltage, but no motion.
+    Stall,
+    /// More current than [`Setup::current_limit_ma`].
+    OverCurrent,
+    /// Nothing from the host for [`Setup::link_timeout_ms`].
+    LinkLoss,
+    /// The emergency input opened.
+    Emergency,
+    /// The program hung and the watchdog started the board anew.
+    Watchdog,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Finished => "the programme ended",
+            Self::Asked => "stopped on request",
+            Self::RunLimit => "run-time limit reached",
+            Self::Stall => "stall: voltage but no motion",
+            Self::OverCurrent => "over-current",
+            Self::LinkLoss => "link lost while running",
+            Self::Emergency => "emergency input open",
+            Self::Watchdog => "watchdog: the firmware hung and was restarted",
+        })
+    }
+}
+
+/// What the board is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RunState {
+    /// Nothing has run since it started.
+    Idle,
+    /// The motor is driven.
+    Running,
+    /// The last run ended; the bridge is off and the log is kept.
+    Stopped(Cause),
+}
+
+/// Why the board last started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reset {
+    /// Power or the reset pin.
+    PowerOn,
+    /// The watchdog.
+    Watchdog,
+    /// Its own software.
+    Software,
+}
+
+/// The board's state and what its log holds. Sent ten times a second and on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Status {
+    /// What it is doing.
+    pub state: RunState,
+    /// The run that `state` and the log belong to.
+    pub run: u32,
+    /// Number of the oldest sample still held.
+    pub oldest: u32,
+    /// Number that the next sample will get: the run has so many so far.
+    pub next: u32,
+    /// Samples of this run that the board had no time to take.
+    pub missed: u32,
+    /// Samples kept for the quick fit.
+    pub kept: u16,
+    /// Damaged frames received since the board started.
+    pub damaged: u32,
+    /// Why the board last started.
+    pub reset: Reset,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_field_out_of_range_is_named() {
+        let good = Setup::default();
+        assert_eq!(good.check(1024, false), Ok(()));
+        let bad = [
+            (Setup { rate_hz: 99, ..good }, SetupFault::Rate),
+            (Setup { supply_mv: 0, ..good }, SetupFault::Supply),
+            (Setup { duty_limit: 1001, ..good }, SetupFault::DutyLimit),
+            (Setup { run_limit_ms: 0, ..good }, SetupFault::RunLimit),
+            (Setup { rate_hz: 2000, ..good }, SetupFault::LinkTimeout),
+            (Setup { current_limit_ma: 1, ..good }, SetupFault::NoCurrentSense),
+            (Setup { keep_every: 0, ..good }, SetupFault::KeepEvery),
+        ];
+        for (setup, fault) in bad {
+            assert_eq!(setup.check(1024, false), Err(fault));
+        }
+    }
+}
