@@ -53,7 +53,7 @@ impl Metadata {
     /// Says why, where the key is one the program understands and the value does not fit it.
     pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
         match key {
-            "gear_ratio" | "counts_per_rev" => match value.parse::<f64>() {
+            "gear_ratio" | "counts_per_rev" | "no_load_rad_s_per_v" => match value.parse::<f64>() {
                 Ok(number) if number.is_finite() && number > 0.0 => {}
                 _ => return Err(format!("{key} \"{value}\" is not a positive number")),
             },
@@ -83,6 +83,11 @@ impl Metadata {
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing.
     pub fn counts_per_rev(&self) -> Option<f64> {
         self.typed("counts_per_rev")
+    }
+
+    /// Speed of the output shaft per volt without load by the name plate, rad/s per V.
+    pub fn no_load_gain(&self) -> Option<f64> {
+        self.typed("no_load_rad_s_per_v")
     }
 
     /// Where the encoder sits, if the log says.

@@ -18,6 +18,7 @@ mod record;
 pub mod repeats;
 mod samples;
 pub mod sysid;
+mod sysid_list;
 mod table;
 mod text;
 pub mod timing;

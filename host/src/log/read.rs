@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, bam, sysid, table, text};
+use super::{Hold, Metadata, Record, bam, sysid, sysid_list, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -15,7 +15,7 @@ pub enum Format {
     /// A table with a header; the canonical log, or any other with `--map`.
     #[default]
     Csv,
-    /// The JSON of WPILib's SysId: up to four tests, each a record of its own.
+    /// WPILib's SysId: its JSON, or its data log exported as a CSV list; each test is a record of its own.
     WpilibSysid,
     /// The JSON of Rhoban's BAM: a position servo, its voltage inferred from its loop.
     BamJson,
@@ -41,7 +41,10 @@ pub struct ReadOptions {
 impl ReadOptions {
     /// Lets the motor file override what the log says of the motor.
     pub(super) fn complete(&self, path: &Path, meta: &mut Metadata) -> Result<()> {
+        let plate = &self.motor.nameplate;
+        let gain = plate.no_load_speed_rad_s.zip(plate.voltage_v).map(|(speed, volts)| speed / volts);
         let known = [
+            ("no_load_rad_s_per_v", gain.map(|gain| gain.to_string())),
             ("gear_ratio", self.motor.gear_ratio.map(|ratio| ratio.to_string())),
             ("counts_per_rev", self.motor.counts_per_rev.map(|counts| counts.to_string())),
             ("encoder_shaft", self.motor.encoder_shaft.map(|shaft| shaft.to_string())),
@@ -63,7 +66,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     let mut input = text::open(path)?;
     let start = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
     match options.format {
-        Format::WpilibSysid => sysid::read(path, input, options),
+        Format::WpilibSysid if start.trim_ascii_start().starts_with(b"{") => {
+            sysid::read(path, input, options)
+        }
+        Format::WpilibSysid => sysid_list::read(path, input, options),
         Format::BamJson => Ok(vec![bam::read(path, input, options)?]),
         Format::Csv if start.trim_ascii_start().starts_with(b"{") => {
             let (why, remedy) = json_kind(start);

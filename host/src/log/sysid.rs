@@ -4,16 +4,17 @@
 //! has `[time, voltage, position, velocity]`, a drive train
 //! `[time, left V, right V, left position, right position, left velocity, right velocity, angle, rate]`; times are in
 //! seconds, positions in rotations of the output and velocities in rotations per second, whatever `units` says
-//! (WPILib, "Data Collection" of the SysId documentation). Each test and side becomes one record.
+//! (WPILib, "Data Collection" of the SysId documentation). A robot program that logged otherwise is read with
+//! `--map angle=position:rad,speed=velocity:rad/s`. Each test and side becomes one record.
 
+use std::f64::consts::TAU;
 use std::io::BufRead;
 use std::path::Path;
 
 use serde::Deserialize;
 
-use super::mapping::Mapping;
 use super::samples::{Place, Samples};
-use super::units::{Quantity, Unit};
+use super::units::Quantity;
 use super::{Metadata, ReadOptions, Record, Warning, json};
 use crate::error::{BadInput, Result};
 
@@ -98,15 +99,16 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
 }
 
 fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions) -> Result<Record> {
-    let map = options.map.as_ref();
-    let unit =
-        |quantity| map.and_then(|map: &Mapping| map.source(quantity)).map_or(Unit::SI, |source| source.unit);
-    let turn = std::f64::consts::TAU;
+    // A mapping gives the unit where the robot program did not log rotations.
+    let factor = |quantity, usual| {
+        let source = options.map.as_ref().and_then(|map| map.source(quantity));
+        source.map_or(usual, |source| source.unit.factor)
+    };
     let columns = [
-        ("timestamp", 0, unit(Quantity::Time).factor),
-        ("voltage", side.voltage, unit(Quantity::Voltage).factor),
-        ("position", side.position, turn * unit(Quantity::Angle).factor),
-        ("velocity", side.velocity, turn * unit(Quantity::Speed).factor),
+        ("timestamp", 0, factor(Quantity::Time, 1.0)),
+        ("voltage", side.voltage, factor(Quantity::Voltage, 1.0)),
+        ("position", side.position, factor(Quantity::Angle, TAU)),
+        ("velocity", side.velocity, factor(Quantity::Speed, TAU)),
     ];
     let label = |name: &str| format!("{test}{} {name}", side.name);
     let mut samples = Samples::new(path, columns.iter().map(|(name, ..)| label(name)).collect());
@@ -152,7 +154,7 @@ fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions
 
 /// Some robot programs logged the voltage without its sign; SysId itself copies the sign of the velocity onto every
 /// row. Here the whole test is turned round, so that rows at rest or braking keep what they had.
-fn restore_sign(record: &mut Record) {
+pub(super) fn restore_sign(record: &mut Record) {
     let Some(speed) = &record.speed_rad_s else {
         return;
     };

@@ -16,12 +16,16 @@ const HIGHEST_VOLTAGE: f64 = 1000.0;
 const SLOWEST_INTERVAL: f64 = 5.0;
 /// Faster samples than this are not logged, s.
 const FASTEST_INTERVAL: f64 = 1e-6;
+/// Output speed per volt: below it at slow sampling the clock is suspect, rad/s per V.
+const SLUGGISH: f64 = 0.05;
+/// Output speed per volt beyond any brushed motor (10,000 turns a minute per volt), rad/s per V.
+const FRANTIC: f64 = 1000.0;
 /// About 140,000 turns a minute, beyond any brushed motor, rad/s.
 const FASTEST_SHAFT: f64 = 15_000.0;
 
 /// Units that are wrong beyond doubt.
 pub fn unit_faults(record: &Record) -> Vec<Fault> {
-    let checks = [time, voltage, angle, agreement, shaft_speed];
+    let checks = [time, voltage, angle, agreement, shaft_speed, gain];
     checks.iter().filter_map(|check| check(record)).collect()
 }
 
@@ -137,22 +141,66 @@ fn likely(ratio: f64) -> &'static str {
 }
 
 fn shaft_speed(record: &Record) -> Option<Fault> {
-    let ratio = record.meta.gear_ratio().unwrap_or(1.0);
-    let mut magnitudes: Vec<f64> = speed(record).iter().map(|speed| speed.abs() * ratio).collect();
-    if magnitudes.is_empty() {
-        return None;
-    }
-    // A glitch of the sensor is no wrong unit, so the fastest hundredth does not count.
-    let index = (magnitudes.len() - 1) * 99 / 100;
-    let fast = *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1;
-    let column = if record.speed_rad_s.is_some() { "speed_rad_s" } else { "angle_rad" };
+    let fast = top_speed(record) * record.meta.gear_ratio().unwrap_or(1.0);
     (fast > FASTEST_SHAFT).then(|| {
         fault(
-            column,
+            motion_column(record),
             format!("the motor shaft would turn at {:.0} turns a minute; the column looks like degrees or rpm", fast * 60.0 / TAU),
             "give the unit, for example --map angle=angle_rad:deg or --map speed=speed_rad_s:rpm, and check gear_ratio",
         )
     })
+}
+
+/// Speed per volt against what motors do, and against the name plate where it is known.
+fn gain(record: &Record) -> Option<Fault> {
+    let volts = peak(&record.voltage_v);
+    let gain = top_speed(record) / volts;
+    if !gain.is_finite() || gain == 0.0 {
+        return None;
+    }
+    let interval = median_interval(&record.time_s);
+    if interval >= 0.2 && gain < SLUGGISH && record.angle_rad.is_some() {
+        return Some(fault(
+            "time_s",
+            format!(
+                "a sample every {interval:.3} s and only {gain:.5} rad/s per volt: the column looks like ms"
+            ),
+            "if so, say --map time=time_s:ms (with the column's own name)",
+        ));
+    }
+    if gain > FRANTIC {
+        return Some(fault(
+            motion_column(record),
+            format!(
+                "{gain:.0} rad/s per volt is more than any motor turns; the column looks like degrees or counts"
+            ),
+            "give the unit, for example --map angle=angle_rad:deg, and check that the voltage is in volts and no duty",
+        ));
+    }
+    let plate = record.meta.no_load_gain()?;
+    // A load or a fast programme slows a motor; nothing makes it four times as fast as its name plate.
+    (gain > 4.0 * plate || gain < plate / 40.0).then(|| {
+        fault(
+            motion_column(record),
+            format!("the motor turns {gain:.4} rad/s per volt, but its name plate says {plate:.4}"),
+            "check the units (--map angle=angle_rad:deg, --map speed=speed_rad_s:rpm, --map voltage=voltage_v:mV) and the [nameplate]",
+        )
+    })
+}
+
+fn motion_column(record: &Record) -> &'static str {
+    if record.speed_rad_s.is_some() { "speed_rad_s" } else { "angle_rad" }
+}
+
+/// The fastest motion of the output shaft, rad/s. A glitch of the sensor is no wrong unit, so the fastest hundredth of
+/// the samples does not count.
+fn top_speed(record: &Record) -> f64 {
+    let mut magnitudes: Vec<f64> = speed(record).iter().map(|speed| speed.abs()).collect();
+    if magnitudes.is_empty() {
+        return 0.0;
+    }
+    let index = (magnitudes.len() - 1) * 99 / 100;
+    *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -188,8 +236,17 @@ mod tests {
             r.meta.insert("gear_ratio", "104").unwrap();
             scale(r.angle_rad.as_mut(), 360.0 / TAU);
         };
+        let jittering_ms = |r: &mut Record| {
+            for (i, time) in r.time_s.iter_mut().enumerate() {
+                *time = i as f64 + 0.01 * (i % 7) as f64;
+            }
+        };
+        let plate_in_rpm = |r: &mut Record| {
+            r.meta.insert("no_load_rad_s_per_v", "0.6").unwrap();
+            scale(r.angle_rad.as_mut(), 60.0 / TAU);
+        };
         type Edit<'a> = &'a dyn Fn(&mut Record);
-        let cases: [(Edit, &str, &str, &str); 10] = [
+        let cases: [(Edit, &str, &str, &str); 13] = [
             (&|r| scale(Some(&mut r.time_s), 1000.0), "column time_s", "looks like ms", "time_s:ms"),
             (&|r| scale(Some(&mut r.time_s), 1e6), "column time_s", "looks like us", "time_s:us"),
             (&whole_ms, "column time_s", "looks like ms", "time_s:ms"),
@@ -200,6 +257,14 @@ mod tests {
             (&degrees, "column angle_rad", "looks like deg", "angle_rad:deg"),
             (&rpm, "column speed_rad_s", "looks like rpm", "speed_rad_s:rpm"),
             (&geared, "column angle_rad", "turns a minute", "gear_ratio"),
+            (
+                &|r| scale(Some(&mut r.voltage_v), 5e-4),
+                "column angle_rad",
+                "more than any motor",
+                "angle_rad:deg",
+            ),
+            (&jittering_ms, "column time_s", "looks like ms", "time_s:ms"),
+            (&plate_in_rpm, "column angle_rad", "name plate says 0.6", "[nameplate]"),
         ];
         for (edit, place, cause, remedy) in cases {
             let mut record = base.clone();

@@ -1,0 +1,280 @@
+//! `--format wpilib-sysid` on a table: a WPILOG of SysId (2024 and later) exported as a list.
+//!
+//! DataLogTool and AdvantageScope write one value per line: `Timestamp,Name,Value` (or `Key` for `Name`), times in
+//! seconds. A routine logs its state under a name with `sysid-test-state` (`quasistatic-forward`, `dynamic-reverse`,
+//! ..., `none`) and each motor under `voltage-MOTOR`, `position-MOTOR`, `velocity-MOTOR`, in rotations of the output
+//! unless `--map angle=position:rad,speed=velocity:rad/s` says otherwise. Each test of each motor becomes one record.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::io::BufRead;
+use std::path::Path;
+
+use super::fields::Splitter;
+use super::samples::{Place, Samples};
+use super::sysid::{TEST_KEY, restore_sign};
+use super::text::cannot_read;
+use super::units::Quantity;
+use super::{Metadata, ReadOptions, Record, preamble};
+use crate::error::{BadInput, Result};
+
+/// One value with its time and line.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    time_s: f64,
+    value: f64,
+    line: u64,
+}
+
+/// A test between two changes of the state: its name, begin and end.
+struct Test {
+    name: String,
+    begin_s: f64,
+    end_s: f64,
+}
+
+#[derive(Default)]
+struct List {
+    tests: Vec<Test>,
+    /// Values by the name of the entry.
+    entries: BTreeMap<String, Vec<Value>>,
+}
+
+/// Reads the records of an exported list.
+///
+/// # Errors
+/// Bad input where the header is another, no state or no motor was logged, or a test fails the rules for samples.
+pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
+    let head = preamble::read(path, &mut input, false)?;
+    let names: Vec<String> =
+        head.headers.unwrap_or_default().iter().map(|name| name.to_lowercase()).collect();
+    if names.len() < 3
+        || names[0] != "timestamp"
+        || !["name", "key"].contains(&names[1].as_str())
+        || names[2] != "value"
+    {
+        return Err(BadInput::new(
+            path,
+            format!("the columns are {}, not Timestamp, Name, Value", names.join(", ")),
+            "export the data log as a CSV list; a table with one column per signal is read with --map alone",
+        )
+        .at_line(head.line)
+        .into());
+    }
+    let list = collect(path, input, head.delimiter, head.line)?;
+    if list.tests.is_empty() {
+        return Err(BadInput::new(
+            path,
+            "no entry sysid-test-state tells when a test ran",
+            "include the state of the routine in the export",
+        )
+        .in_column("Name")
+        .into());
+    }
+    let mut records = Vec::new();
+    for motor in list.entries.keys().filter_map(|name| motor_of(name, "voltage")) {
+        for test in &list.tests {
+            records.extend(one(path, &list, &motor, test, options)?);
+        }
+    }
+    if records.is_empty() {
+        return Err(BadInput::new(
+            path,
+            "no test has a voltage-MOTOR together with a position-MOTOR or velocity-MOTOR",
+            "include the motor's entries in the export",
+        )
+        .in_column("Name")
+        .into());
+    }
+    Ok(records)
+}
+
+fn collect(path: &Path, mut input: impl BufRead, delimiter: u8, header: u64) -> Result<List> {
+    let mut splitter = Splitter::new(delimiter);
+    let mut list = List::default();
+    let mut number = header;
+    let mut line = Vec::new();
+    let mut running: Option<(String, f64)> = None;
+    let mut latest = f64::NEG_INFINITY;
+    while input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0 {
+        number += 1;
+        let closed = splitter.split(&line);
+        if let (true, Some(time), Some(name), Some(value)) =
+            (closed, splitter.get(0), splitter.get(1), splitter.get(2))
+        {
+            let Some(time_s) = time.parse().ok().filter(|time: &f64| time.is_finite()) else {
+                let why = format!("\"{time}\" is not a time");
+                let fault = BadInput::new(path, why, "export the log again").at_line(number);
+                return Err(fault.in_column("Timestamp").into());
+            };
+            latest = latest.max(time_s);
+            if is_state(name) {
+                if running.as_ref().is_none_or(|(test, _)| test != value) {
+                    list.end(running.take(), time_s);
+                    running = (value != "none").then(|| (value.to_owned(), time_s));
+                }
+            } else if ["voltage", "position", "velocity"].iter().any(|kind| motor_of(name, kind).is_some()) {
+                let value = value.parse().unwrap_or(f64::NAN);
+                list.entries.entry(name.to_owned()).or_default().push(Value { time_s, value, line: number });
+            }
+        }
+        line.clear();
+    }
+    list.end(running, latest);
+    Ok(list)
+}
+
+impl List {
+    fn end(&mut self, test: Option<(String, f64)>, end_s: f64) {
+        if let Some((name, begin_s)) = test {
+            self.tests.push(Test { name, begin_s, end_s });
+        }
+    }
+}
+
+fn is_state(name: &str) -> bool {
+    name.contains("sysid-test-state") || name.ends_with("SysIdTestState")
+}
+
+/// `voltage-left-drive` and `NT:/x/voltage-left-drive` are of the motor `left-drive`.
+fn motor_of(name: &str, kind: &str) -> Option<String> {
+    let last = name.rsplit(['/', ':']).next()?;
+    last.strip_prefix(kind)?.strip_prefix('-').map(str::to_owned)
+}
+
+fn one(path: &Path, list: &List, motor: &str, test: &Test, options: &ReadOptions) -> Result<Option<Record>> {
+    let entry = |kind: &str| {
+        let found = list.entries.iter().find(|(name, _)| motor_of(name, kind).as_deref() == Some(motor));
+        found.map(|(_, values)| values.as_slice())
+    };
+    let factor = |quantity, usual| {
+        let source = options.map.as_ref().and_then(|map| map.source(quantity));
+        source.map_or(usual, |source| source.unit.factor)
+    };
+    let (Some(voltage), position, velocity) = (entry("voltage"), entry("position"), entry("velocity")) else {
+        return Ok(None);
+    };
+    let Some(clock) = position.or(velocity) else { return Ok(None) };
+    let mut kinds = vec![("voltage", voltage, factor(Quantity::Voltage, 1.0))];
+    kinds.extend(position.map(|values| ("position", values, factor(Quantity::Angle, TAU))));
+    kinds.extend(velocity.map(|values| ("velocity", values, factor(Quantity::Speed, TAU))));
+
+    let headers = ["timestamp"].into_iter().chain(kinds.iter().map(|(kind, ..)| *kind));
+    let mut samples = Samples::new(path, headers.map(|kind| format!("{kind}-{motor}")).collect());
+    let within = |value: &&Value| value.time_s >= test.begin_s && value.time_s <= test.end_s;
+    // One turn of the robot's loop logs its entries microseconds apart; the nearest of each belong together.
+    for beat in clock.iter().filter(within) {
+        let row: Vec<f64> =
+            kinds.iter().map(|(_, values, factor)| nearest(values, beat.time_s) * factor).collect();
+        match row.iter().position(|value| !value.is_finite()) {
+            None => samples.accept(Place::Line(beat.line), &[&[beat.time_s], row.as_slice()].concat())?,
+            Some(lost) => {
+                let column = format!("{}-{motor}", kinds[lost].0);
+                samples.reject(
+                    Place::Line(beat.line),
+                    &column,
+                    "the value is not a number a fit can use".into(),
+                );
+            }
+        }
+    }
+    let (columns, warnings) = samples.finish(None)?;
+    let mut meta = Metadata::default();
+    for (key, value) in [(TEST_KEY, test.name.as_str()), ("programme", &test.name), ("motor", motor)] {
+        meta.insert(key, value).expect("these keys take any text");
+    }
+    options.complete(path, &mut meta)?;
+    let mut columns = columns.into_iter();
+    let mut record = Record {
+        name: format!("{} {} {motor}", super::stem(path), test.name),
+        path: path.to_owned(),
+        time_s: columns.next().unwrap_or_default(),
+        voltage_v: columns.next().unwrap_or_default(),
+        angle_rad: position.and_then(|_| columns.next()),
+        speed_rad_s: velocity.and_then(|_| columns.next()),
+        hold: options.hold.unwrap_or_default(),
+        meta,
+        warnings,
+        ..Record::default()
+    };
+    restore_sign(&mut record);
+    Ok(Some(record))
+}
+
+/// The value logged nearest to `time_s`; values are in the order of their times.
+fn nearest(values: &[Value], time_s: f64) -> f64 {
+    let after = values.partition_point(|value| value.time_s < time_s);
+    let candidates = [after.checked_sub(1), Some(after)];
+    candidates
+        .into_iter()
+        .flatten()
+        .filter_map(|index| values.get(index))
+        .min_by(|a, b| (a.time_s - time_s).abs().total_cmp(&(b.time_s - time_s).abs()))
+        .map_or(f64::NAN, |value| value.value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_tests::{assert_bad, file};
+    use super::super::{Format, ReadOptions, Record, read};
+    use crate::error::Result;
+
+    fn exported(content: &str) -> Result<Vec<Record>> {
+        let (_directory, path) = file(content.as_bytes());
+        let options = ReadOptions { format: Format::WpilibSysid, ..ReadOptions::default() };
+        read(&path, &options)
+    }
+
+    /// Two tests of 30 turns of the loop each, with the state logged in every turn and idling in between.
+    fn log() -> String {
+        let mut text = "Timestamp,Name,Value\n0,\"systemTime\",5\n".to_owned();
+        for turn in 0..100 {
+            let t = f64::from(turn) * 0.02;
+            let (state, sign) = match turn {
+                10..40 => ("quasistatic-forward", 1.0),
+                60..90 => ("dynamic-reverse", -1.0),
+                _ => ("none", 0.0),
+            };
+            text += &format!("{t},\"sysid-test-state-arm\",\"{state}\"\n");
+            for (late, kind, value) in
+                [(1e-5, "voltage", 2.0), (2e-5, "position", t), (3e-5, "velocity", 1.0)]
+            {
+                text += &format!("{},\"/arm/{kind}-left\",{}\n", t + late, sign * value);
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn each_test_of_the_log_becomes_a_record_in_radians() {
+        for text in [log(), log().replace("Timestamp,Name", "Timestamp,Key")] {
+            let records = exported(&text).unwrap();
+            assert_eq!(records.len(), 2);
+            assert_eq!(records[0].len(), 30);
+            assert!(records[0].name.ends_with("quasistatic-forward left"));
+            assert_eq!(records[1].voltage_v[0], -2.0);
+            let turn = std::f64::consts::TAU;
+            assert!((records[1].angle_rad.as_ref().unwrap()[0] + 1.2 * turn).abs() < 1e-9);
+            assert!((records[1].speed_rad_s.as_ref().unwrap()[0] + turn).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_is_missing_in_an_export_is_named() {
+        let stateless: String =
+            log().lines().filter(|line| !line.contains("state")).map(|line| format!("{line}\n")).collect();
+        for (text, place, cause, remedy) in [
+            ("time_s,voltage_v,angle_rad\n1,2,3\n", "line 1", "not Timestamp, Name, Value", "--map"),
+            (stateless.as_str(), "column Name", "sysid-test-state", "include"),
+            (&log().replace("voltage-", "volts-"), "column Name", "no test has", "include"),
+            (
+                &log().replace("0.02,", "noon,"),
+                "line 7, column Timestamp",
+                "\"noon\" is not a time",
+                "export",
+            ),
+        ] {
+            assert_bad(&exported(text).unwrap_err(), place, cause, remedy);
+        }
+    }
+}
