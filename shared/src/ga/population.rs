@@ -8,6 +8,9 @@ use crate::random::Stream;
 pub struct Genetic<const P: usize, const G: usize> {
     chromosomes: [[f64; G]; P],
     objectives: [f64; P],
+    /// Room for the generation before; kept here because a copy of all `P` would be too large for a board's stack.
+    parents: [[f64; G]; P],
+    parents_objectives: [f64; P],
     size: usize,
     generation: u32,
     evaluations: u32,
@@ -37,6 +40,8 @@ impl<const P: usize, const G: usize> Genetic<P, G> {
         let mut search = Self {
             chromosomes: [[0.0; G]; P],
             objectives: [f64::INFINITY; P],
+            parents: [[0.0; G]; P],
+            parents_objectives: [f64::INFINITY; P],
             size,
             generation: 1,
             evaluations: 0,
@@ -56,11 +61,11 @@ impl<const P: usize, const G: usize> Genetic<P, G> {
     /// One generation: the best pass, children replace the rest.
     pub fn advance(&mut self, settings: &Settings, space: &Space<G>, objective: &mut impl Objective<G>) {
         let elites = settings.elites(self.size);
-        let parents = self.chromosomes;
+        self.parents[..self.size].copy_from_slice(&self.chromosomes[..self.size]);
         for index in elites..self.size {
             let mut genes = breed::child(
                 &mut stream(settings, self.generation, index),
-                &parents[..self.size],
+                &self.parents[..self.size],
                 settings,
                 space,
                 self.generation,
@@ -90,17 +95,16 @@ impl<const P: usize, const G: usize> Genetic<P, G> {
     }
 
     fn sort(&mut self) {
+        let size = self.size;
         let mut order: [u16; P] = core::array::from_fn(|k| k as u16);
-        let objectives = self.objectives;
+        let value = |k: u16| self.objectives[usize::from(k)];
         // Equal objectives keep their order, so that the result does not depend on the sorting method.
-        order[..self.size].sort_unstable_by(|&a, &b| {
-            let value = |k: u16| objectives[usize::from(k)];
-            value(a).total_cmp(&value(b)).then(a.cmp(&b))
-        });
-        let chromosomes = self.chromosomes;
-        for (place, &from) in order[..self.size].iter().enumerate() {
-            self.chromosomes[place] = chromosomes[usize::from(from)];
-            self.objectives[place] = objectives[usize::from(from)];
+        order[..size].sort_unstable_by(|&a, &b| value(a).total_cmp(&value(b)).then(a.cmp(&b)));
+        self.parents[..size].copy_from_slice(&self.chromosomes[..size]);
+        self.parents_objectives[..size].copy_from_slice(&self.objectives[..size]);
+        for (place, &from) in order[..size].iter().enumerate() {
+            self.chromosomes[place] = self.parents[usize::from(from)];
+            self.objectives[place] = self.parents_objectives[usize::from(from)];
         }
     }
 
