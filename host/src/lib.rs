@@ -4,3 +4,4 @@ pub mod error;
 pub mod log;
 pub mod motor_file;
 pub mod search;
+pub mod simulate;
