@@ -12,7 +12,7 @@ mod scenario;
 mod sealed;
 
 pub use args::{MotorChoice, RevealArgs, SimulateArgs};
-pub use excitation::{Excitation, Play, Role};
+pub use excitation::{Excitation, Play, Role, plays};
 pub use hidden::hidden;
 pub use reveal::{Answer, reveal};
 pub use scenario::Scenario;
