@@ -19,8 +19,7 @@ pub fn quantum(values: &[f64]) -> Option<f64> {
     levels.sort_unstable_by(f64::total_cmp);
     let span = levels.last()? - levels.first()?;
     levels.dedup_by(|next, kept| *next - *kept <= SAME_LEVEL * span);
-    // A quantised column comes back to its levels; a continuous one hardly ever does.
-    if levels.len() < FEWEST_LEVELS || levels.len() * 10 > values.len() * 9 {
+    if levels.len() < FEWEST_LEVELS {
         return None;
     }
     let gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
