@@ -159,8 +159,6 @@ pub enum Refusal {
     NothingToFit,
     /// This board has no effect of that number.
     NoSuchEffect,
-    /// Running numbers must change from run to run.
-    SameRun,
     /// The board knows no way into its boot loader.
     NoBootloader,
 }
@@ -178,7 +176,6 @@ impl fmt::Display for Refusal {
             }
             Self::NothingToFit => "too few samples are kept on the board; capture a run first",
             Self::NoSuchEffect => "the board has no effect of that number",
-            Self::SameRun => "this run has been made already; choose another number",
             Self::NoBootloader => "this board cannot enter its boot loader by itself",
         })
     }

@@ -1,0 +1,196 @@
+//! The sampling interrupt: read, supervise, play, log.
+
+use crate::encoder::Extended;
+use crate::hardware::{Analog, Hardware};
+use crate::log::Log;
+use crate::supervisor::{Look, Supervisor};
+use motorlens_shared::excitation::Player;
+use motorlens_shared::link::{Cause, Reset, RunState, Sample, Scaling, Setup, Status};
+
+/// The control of one motor.
+pub struct Control<H: 'static> {
+    hardware: H,
+    log: &'static mut Log,
+    setup: Setup,
+    state: RunState,
+    reset: Reset,
+    player: Option<Player>,
+    encoder: Extended,
+    supervisor: Supervisor,
+    origin_us: Option<u32>,
+    heard_us: u32,
+    duty: i16,
+    ticks: u32,
+}
+
+impl<H: Hardware> Control<H> {
+    /// Takes the hardware, with the bridge off, and what an earlier start may have left in the log.
+    pub fn new(mut hardware: H, log: &'static mut Log, reset: Reset) -> Self {
+        hardware.release();
+        let setup = Setup::default();
+        hardware.set_rate(setup.rate_hz);
+        let cut_short = log.recover(reset == Reset::Watchdog);
+        let state = if cut_short { RunState::Stopped(Cause::Watchdog) } else { RunState::Idle };
+        Self {
+            hardware,
+            log,
+            setup,
+            state,
+            reset,
+            player: None,
+            encoder: Extended::default(),
+            supervisor: Supervisor::default(),
+            origin_us: None,
+            heard_us: 0,
+            duty: 0,
+            ticks: 0,
+        }
+    }
+
+    /// One sampling instant. To be called [`Setup::rate_hz`] times a second, run or no run.
+    pub fn tick(&mut self) {
+        // First, so that the instant of the count is the instant of the interrupt.
+        let count = self.encoder.look(self.hardware.count());
+        let now = self.hardware.now_us();
+        self.ticks = self.ticks.wrapping_add(1);
+        if self.state != RunState::Running {
+            return;
+        }
+        let (origin, count) = match self.origin_us {
+            Some(origin) => (origin, count),
+            None => {
+                self.encoder.zero();
+                (*self.origin_us.insert(now), 0)
+            }
+        };
+        let elapsed_us = now.wrapping_sub(origin);
+        let late_us = self.skip_missed(elapsed_us);
+
+        let analog = self.hardware.analog();
+        let supply_mv = analog.supply_mv().unwrap_or(self.setup.supply_mv);
+        let current_ma = analog.current_ma();
+        let top = self.hardware.pwm_top();
+        let look = Look {
+            elapsed_us,
+            silence_us: now.wrapping_sub(self.heard_us),
+            count,
+            voltage_mv: i32::from(self.duty) * i32::from(supply_mv) / i32::from(top),
+            current_ma,
+            emergency: self.hardware.emergency(),
+        };
+        if let Some(cause) = self.supervisor.check(&self.setup, &look) {
+            return self.stop(cause);
+        }
+        let Some(volts) = self.player.as_mut().and_then(Player::next) else {
+            return self.stop(Cause::Finished);
+        };
+        let limit = i32::from(top) * i32::from(self.setup.duty_limit) / 1000;
+        let duty = volts * 1000.0 / f32::from(supply_mv.max(1)) * f32::from(top);
+        // `as` saturates, so any voltage ends within the limit.
+        let duty = ((if duty < 0.0 { duty - 0.5 } else { duty + 0.5 }) as i32).clamp(-limit, limit);
+        self.duty = self.hardware.apply(self.setup.drive, duty as i16);
+        let current_ma = current_ma.unwrap_or(0);
+        self.log.push(Sample { duty: self.duty, count, supply_mv, current_ma, late_us });
+    }
+
+    /// Marks the sampling instants that went by unused, and says how late this one is, us.
+    fn skip_missed(&mut self, elapsed_us: u32) -> i16 {
+        let rate = u64::from(self.setup.rate_hz);
+        let due = |index: u32| u64::from(index) * 1_000_000 / rate;
+        while due(self.log.next() + 1) <= u64::from(elapsed_us) {
+            self.log.push(Sample::MISSED);
+            // The programme goes on with the clock, not with the samples.
+            if let Some(player) = &mut self.player {
+                player.next();
+            }
+        }
+        let late = i64::from(elapsed_us) - due(self.log.next()) as i64;
+        late.clamp(i64::from(i16::MIN) + 1, i64::from(i16::MAX)) as i16
+    }
+
+    /// Begins a run of `player` with the present setup.
+    pub fn start(&mut self, run: u32, player: Player) {
+        self.log.begin(run, self.scaling());
+        self.player = Some(player);
+        self.supervisor = Supervisor::default();
+        self.heard_us = self.hardware.now_us();
+        (self.origin_us, self.duty) = (None, 0);
+        self.state = RunState::Running;
+    }
+
+    /// Takes the bridge off. A run that is under way ends with this cause; the log stays.
+    pub fn stop(&mut self, cause: Cause) {
+        self.hardware.release();
+        self.duty = 0;
+        if self.state == RunState::Running {
+            self.state = RunState::Stopped(cause);
+            self.player = None;
+            self.log.end();
+        }
+    }
+
+    /// Takes another setup. Only while nothing runs; the caller has checked it.
+    pub fn configure(&mut self, setup: Setup) {
+        self.setup = setup;
+        self.hardware.set_rate(setup.rate_hz);
+    }
+
+    /// The host was heard.
+    pub fn heard(&mut self) {
+        self.heard_us = self.hardware.now_us();
+    }
+
+    /// What the control is doing, and what the log holds.
+    pub fn status(&self) -> Status {
+        Status {
+            state: self.state,
+            run: self.log.run(),
+            oldest: self.log.oldest(),
+            next: self.log.next(),
+            missed: self.log.missed(),
+            kept: 0,
+            damaged: 0,
+            reset: self.reset,
+        }
+    }
+
+    /// What the raw numbers of a run begun now would mean.
+    pub fn scaling(&self) -> Scaling {
+        Scaling { pwm_top: self.hardware.pwm_top(), rate_hz: self.setup.rate_hz }
+    }
+
+    /// The present setup.
+    pub fn setup(&self) -> Setup {
+        self.setup
+    }
+
+    /// The log.
+    pub fn log(&self) -> &Log {
+        self.log
+    }
+
+    /// Sampling instants since the start: when this stands still, the interrupt is dead.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// Whether the emergency input is open.
+    pub fn emergency(&mut self) -> bool {
+        self.hardware.emergency()
+    }
+
+    /// Whether supply and current are measured.
+    pub fn measures(&self) -> (bool, bool) {
+        (H::Analog::SUPPLY, H::Analog::CURRENT)
+    }
+
+    /// The hardware, for what only the board knows of it.
+    pub fn hardware_mut(&mut self) -> &mut H {
+        &mut self.hardware
+    }
+
+    /// The clock, us.
+    pub fn now_us(&mut self) -> u32 {
+        self.hardware.now_us()
+    }
+}

@@ -1,0 +1,62 @@
+//! What the control loop needs of a board.
+
+use motorlens_shared::link::DriveMode;
+
+/// A position counter. embedded-hal has no trait for one.
+pub trait Encoder {
+    /// The counter as it stands, wrapping.
+    fn count(&mut self) -> u16;
+}
+
+/// Analogue measurements, where they are fitted.
+pub trait Analog {
+    /// Whether [`Self::supply_mv`] measures.
+    const SUPPLY: bool;
+    /// Whether [`Self::current_ma`] measures.
+    const CURRENT: bool;
+    /// The supply voltage, mV.
+    fn supply_mv(&mut self) -> Option<u16>;
+    /// The motor's current, mA.
+    fn current_ma(&mut self) -> Option<i16>;
+}
+
+/// A board without analogue measurements.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoAnalog;
+
+impl Analog for NoAnalog {
+    const SUPPLY: bool = false;
+    const CURRENT: bool = false;
+    fn supply_mv(&mut self) -> Option<u16> {
+        None
+    }
+    fn current_ma(&mut self) -> Option<i16> {
+        None
+    }
+}
+
+/// Time and pace: a microsecond clock that wraps, and the timer that calls the control.
+pub trait Pace {
+    /// Microseconds since the start, wrapping.
+    fn now_us(&mut self) -> u32;
+    /// Calls the control so many times a second from now on.
+    fn set_rate(&mut self, rate_hz: u16);
+}
+
+/// Everything the control loop touches.
+pub trait Hardware: Pace {
+    /// What is measured beside the position.
+    type Analog: Analog;
+    /// The encoder's counter, wrapping.
+    fn count(&mut self) -> u16;
+    /// Puts the bridge to `duty` (of [`Self::pwm_top`], sign included) and returns the duty that it really has.
+    fn apply(&mut self, mode: DriveMode, duty: i16) -> i16;
+    /// Takes the bridge off, whatever state it is in.
+    fn release(&mut self);
+    /// PWM ticks of full voltage, at most 32767.
+    fn pwm_top(&self) -> u16;
+    /// The analogue measurements.
+    fn analog(&mut self) -> &mut Self::Analog;
+    /// Whether the emergency input is open.
+    fn emergency(&mut self) -> bool;
+}

@@ -1,0 +1,49 @@
+//! Frames on their way out.
+
+use embedded_io::{Write, WriteReady};
+use heapless::Deque;
+use motorlens_shared::link::{FromBoard, MAX_ENCODED, Packet, encode};
+
+/// Bytes that may wait for the line.
+const LENGTH: usize = 768;
+
+/// Encoded frames, waiting for the line to take them.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    bytes: Deque<u8, LENGTH>,
+}
+
+impl Outbox {
+    /// An empty box.
+    pub const fn new() -> Self {
+        Self { bytes: Deque::new() }
+    }
+
+    /// Whether any frame fits.
+    pub fn has_room(&self) -> bool {
+        LENGTH - self.bytes.len() >= MAX_ENCODED
+    }
+
+    /// Queues a message; false when it does not fit, and then none of it is queued.
+    pub fn post(&mut self, id: u16, message: FromBoard) -> bool {
+        let mut frame = [0; MAX_ENCODED];
+        let Ok(frame) = encode(&Packet { id, message }, &mut frame) else { return false };
+        if LENGTH - self.bytes.len() < frame.len() {
+            return false;
+        }
+        frame.iter().all(|byte| self.bytes.push_back(*byte).is_ok())
+    }
+
+    /// Gives the line what it takes without waiting.
+    pub fn pump<L: Write + WriteReady>(&mut self, line: &mut L) {
+        while !self.bytes.is_empty() && line.write_ready().unwrap_or(false) {
+            let taken = line.write(self.bytes.as_slices().0).unwrap_or(0);
+            if taken == 0 {
+                return;
+            }
+            for _ in 0..taken {
+                self.bytes.pop_front();
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The main loop: answers the host, sends the log, keeps samples, fits.
+
+mod answer;
+mod stream;
+
+use crate::Shared;
+use crate::hardware::Hardware;
+use crate::outbox::Outbox;
+use embedded_io::{Read, ReadReady, Write, WriteReady};
+use heapless::{String, Vec};
+use motorlens_shared::excitation::{MAX_NAME, MAX_SEGMENTS, Segment};
+use motorlens_shared::link::{Decoder, FromBoard, Packet, RunState, Scaling, ToBoard};
+use motorlens_shared::quickfit::{Keeper, QuickFit};
+use stream::Stream;
+
+/// How often the status is sent unasked, us.
+const STATUS_US: u32 = 100_000;
+
+/// What the main loop needs of a board beside the control's hardware.
+pub trait Platform {
+    /// The core's clock, Hz.
+    const CORE_HZ: u32;
+    /// The PWM's frequency, Hz.
+    const PWM_HZ: u32;
+    /// The firmware's version.
+    const VERSION: [u8; 3];
+    /// The chip's own number.
+    fn unique(&self) -> [u8; 12];
+    /// Tells the watchdog that the main loop lives. Called often, also during a fit.
+    fn alive(&mut self);
+    /// Whether [`Self::enter_bootloader`] can do it.
+    fn has_bootloader(&self) -> bool;
+    /// Leaves for the boot loader. The bridge is off by then and the answer is sent.
+    fn enter_bootloader(&mut self);
+}
+
+/// A serial line that never makes the caller wait.
+pub trait Line: Read + ReadReady + Write + WriteReady {}
+impl<L: Read + ReadReady + Write + WriteReady> Line for L {}
+
+/// The state of the main loop. Large: it belongs in a static.
+pub struct Station {
+    decoder: Decoder,
+    outbox: Outbox,
+    stream: Stream,
+    keeper: Keeper,
+    segments: Vec<Segment, MAX_SEGMENTS>,
+    name: String<MAX_NAME>,
+    agreed: bool,
+    damaged: u32,
+    said: Option<(RunState, u32)>,
+    fit: Option<QuickFit>,
+    bootloader: bool,
+}
+
+impl Default for Station {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Station {
+    /// A station that has heard nothing.
+    pub const fn new() -> Self {
+        Self {
+            decoder: Decoder::new(),
+            outbox: Outbox::new(),
+            stream: Stream::new(),
+            keeper: Keeper::new(Scaling { pwm_top: 1, rate_hz: 1000 }, 1),
+            segments: Vec::new(),
+            name: String::new(),
+            agreed: false,
+            damaged: 0,
+            said: None,
+            fit: None,
+            bootloader: false,
+        }
+    }
+
+    /// One turn of the main loop; to be called at least every millisecond or so.
+    pub fn poll<H: Hardware>(
+        &mut self,
+        line: &mut impl Line,
+        control: &Shared<H>,
+        platform: &mut impl Platform,
+    ) {
+        platform.alive();
+        while line.read_ready().unwrap_or(false) {
+            let mut byte = [0];
+            if line.read(&mut byte).unwrap_or(0) == 0 {
+                break;
+            }
+            match self.decoder.push::<Packet<ToBoard>>(byte[0]) {
+                Some(Ok(packet)) => {
+                    with(control, |control| control.heard());
+                    self.answer(packet, line, control, platform);
+                }
+                Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),
+                None => {}
+            }
+        }
+        self.stream.keep(&mut self.keeper, control);
+        if self.agreed {
+            self.stream.send(&mut self.outbox, control);
+            self.report(control);
+        }
+        self.outbox.pump(line);
+        if self.bootloader {
+            self.outbox.pump(line);
+            platform.enter_bootloader();
+            self.bootloader = false;
+        }
+    }
+
+    /// Says how things stand, ten times a second and whenever the state changes.
+    fn report<H: Hardware>(&mut self, control: &Shared<H>) {
+        let (mut status, now) = with(control, |control| (control.status(), control.now_us()));
+        let due =
+            self.said.is_none_or(|(state, at)| state != status.state || now.wrapping_sub(at) >= STATUS_US);
+        if due && self.outbox.has_room() {
+            (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+            self.outbox.post(0, FromBoard::Status(status));
+            self.said = Some((status.state, now));
+        }
+    }
+}
+
+/// Borrows the control with the sampling interrupt held off. Keep it short.
+fn with<H: Hardware, R>(control: &Shared<H>, act: impl FnOnce(&mut crate::control::Control<H>) -> R) -> R {
+    critical_section::with(|section| act(&mut control.borrow_ref_mut(section)))
+}

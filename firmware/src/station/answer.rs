@@ -1,0 +1,169 @@
+//! Carries out the host's requests.
+
+use super::{Line, Platform, Station, with};
+use crate::Shared;
+use crate::hardware::Hardware;
+use crate::log::LOG_LENGTH;
+use motorlens_shared::effects::Kind;
+use motorlens_shared::excitation::{MAX_SEGMENTS, Player, Programme, Segment};
+use motorlens_shared::link::{
+    Capabilities, Cause, FromBoard, Hello, NEWEST, OLDEST, Packet, Refusal, RunState, Setup, ToBoard, agree,
+};
+use motorlens_shared::quickfit::{self, FEWEST, KEPT, Request};
+
+/// Progress of a fit is told every so many generations.
+const PROGRESS_EVERY: u16 = 5;
+
+impl Station {
+    pub(super) fn answer<H: Hardware, P: Platform>(
+        &mut self,
+        packet: Packet<ToBoard>,
+        line: &mut impl Line,
+        control: &Shared<H>,
+        platform: &mut P,
+    ) {
+        let id = packet.id;
+        let done = |result: Result<(), Refusal>| match result {
+            Ok(()) => FromBoard::Done,
+            Err(refusal) => FromBoard::Refused(refusal),
+        };
+        let reply = match packet.message {
+            ToBoard::Hello { oldest, newest } => {
+                self.agreed = agree((oldest, newest), (OLDEST, NEWEST)).is_some();
+                let unique = platform.unique();
+                FromBoard::Hello(Hello { oldest: OLDEST, newest: NEWEST, firmware: P::VERSION, unique })
+            }
+            _ if !self.agreed => FromBoard::Refused(Refusal::Version),
+            ToBoard::Capabilities => FromBoard::Capabilities(capabilities::<H, P>(control)),
+            ToBoard::EffectName { index } => match Kind::ALL.get(usize::from(index)) {
+                Some(effect) => FromBoard::EffectName(effect.name().try_into().unwrap_or_default()),
+                None => FromBoard::Refused(Refusal::NoSuchEffect),
+            },
+            ToBoard::Configure(setup) => done(configure(setup, control)),
+            ToBoard::SetSegment { index, name, segment } => {
+                self.name = name;
+                done(self.set_segment(index, segment))
+            }
+            ToBoard::Start { run, segments } => done(self.start(run, segments, control)),
+            ToBoard::Stop => {
+                with(control, |control| control.stop(Cause::Asked));
+                FromBoard::Done
+            }
+            ToBoard::ReadLog { first, count } => {
+                // Blocks under the request's number are the answer. When too many requests wait, the host asks again.
+                self.stream.ask(id, first, count);
+                return;
+            }
+            ToBoard::QuickFit(request) => return self.quick_fit(id, &request, line, control, platform),
+            ToBoard::ReadResult => FromBoard::Fit(self.fit),
+            ToBoard::Bootloader => {
+                self.bootloader = platform.has_bootloader();
+                with(control, |control| control.stop(Cause::Asked));
+                done(if self.bootloader { Ok(()) } else { Err(Refusal::NoBootloader) })
+            }
+            ToBoard::KeepAlive => return,
+            ToBoard::Status => {
+                let mut status = with(control, |control| control.status());
+                (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+                FromBoard::Status(status)
+            }
+        };
+        // A full outbox loses the answer as a bad line would: the host asks again.
+        self.outbox.post(id, reply);
+    }
+
+    fn set_segment(&mut self, index: u8, segment: Segment) -> Result<(), Refusal> {
+        let index = usize::from(index);
+        if index == 0 {
+            self.segments.clear();
+        }
+        if let Some(place) = self.segments.get_mut(index) {
+            *place = segment;
+        } else if index != self.segments.len() || self.segments.push(segment).is_err() {
+            return Err(Refusal::SegmentOrder);
+        }
+        Ok(())
+    }
+
+    fn start<H: Hardware>(&mut self, run: u32, segments: u8, control: &Shared<H>) -> Result<(), Refusal> {
+        let (status, setup, scaling, emergency) = with(control, |control| {
+            (control.status(), control.setup(), control.scaling(), control.emergency())
+        });
+        if status.run == run && status.state != RunState::Idle {
+            return Ok(());
+        }
+        if status.state == RunState::Running {
+            return Err(Refusal::Running);
+        }
+        if emergency {
+            return Err(Refusal::Emergency);
+        }
+        if self.segments.len() != usize::from(segments) {
+            return Err(Refusal::SegmentOrder);
+        }
+        let programme = Programme { name: self.name.clone(), segments: self.segments.clone() };
+        let player = Player::new(&programme, setup.rate_hz.into()).map_err(Refusal::Programme)?;
+        self.keeper.restart(scaling, setup.keep_every);
+        self.stream.begin(run);
+        self.fit = None;
+        with(control, |control| control.start(run, player));
+        Ok(())
+    }
+
+    fn quick_fit<H: Hardware>(
+        &mut self,
+        id: u16,
+        request: &Request,
+        line: &mut impl Line,
+        control: &Shared<H>,
+        platform: &mut impl Platform,
+    ) {
+        let Self { keeper, outbox, fit, .. } = self;
+        let running = with(control, |control| control.status().state == RunState::Running);
+        if running || keeper.samples().len() < FEWEST {
+            let refusal = if running { Refusal::Running } else { Refusal::NothingToFit };
+            outbox.post(id, FromBoard::Refused(refusal));
+            return;
+        }
+        outbox.post(id, FromBoard::Done);
+        let now = || with(control, |control| control.now_us());
+        let begin = now();
+        let found = quickfit::fit(keeper.samples(), keeper.step_s(), request, |progress| {
+            platform.alive();
+            if progress.generation % PROGRESS_EVERY == 0 && outbox.has_room() {
+                outbox.post(id, FromBoard::Progress(progress));
+            }
+            outbox.pump(line);
+        });
+        *fit = found.map(|fit| quickfit::QuickFit { micros: now().wrapping_sub(begin), ..fit });
+        outbox.post(id, FromBoard::Fit(*fit));
+    }
+}
+
+fn configure<H: Hardware>(setup: Setup, control: &Shared<H>) -> Result<(), Refusal> {
+    with(control, |control| {
+        let (_, current) = control.measures();
+        setup.check(LOG_LENGTH as u32, current).map_err(Refusal::Setup)?;
+        if control.status().state == RunState::Running {
+            return Err(Refusal::Running);
+        }
+        control.configure(setup);
+        Ok(())
+    })
+}
+
+fn capabilities<H: Hardware, P: Platform>(control: &Shared<H>) -> Capabilities {
+    let ((measures_supply, measures_current), scaling) =
+        with(control, |control| (control.measures(), control.scaling()));
+    Capabilities {
+        effects: Kind::ALL.len() as u8,
+        segments: MAX_SEGMENTS as u8,
+        log_samples: LOG_LENGTH as u16,
+        fit_samples: KEPT as u16,
+        core_hz: P::CORE_HZ,
+        pwm_hz: P::PWM_HZ,
+        measures_supply,
+        measures_current,
+        scaling,
+    }
+}

@@ -1,0 +1,244 @@
+//! Runs, faults and the log, on the firmware's logic with the virtual motor.
+
+mod bench;
+
+use bench::{Bench, TOP};
+use motorlens_firmware::log::Log;
+use motorlens_shared::excitation::{Programme, Shape};
+use motorlens_shared::link::{
+    Cause, FromBoard, Refusal, Reset, RunState, Sample, Scaling, Setup, SetupFault, Status, ToBoard,
+};
+use motorlens_shared::quickfit::{Keeper, Request, fit};
+use motorlens_virtual_motor::{Bridge, Effect, Motor};
+
+const HELLO: ToBoard = ToBoard::Hello { oldest: 1, newest: 1 };
+
+fn sine(seconds: f32) -> Programme {
+    let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.25, high_hz: 8.0, tones: 8, seed: 1 };
+    Programme::single("sine", shape, seconds)
+}
+
+/// A bench that has been greeted and set up.
+fn ready(setup: Setup, effects: &[Effect]) -> Bench {
+    let mut bench = Bench::new(effects);
+    assert!(matches!(bench.ask(HELLO), FromBoard::Hello(_)));
+    assert_eq!(bench.ask(ToBoard::Configure(setup)), FromBoard::Done);
+    bench
+}
+
+fn start(bench: &mut Bench, programme: &Programme, run: u32) {
+    for (index, segment) in programme.segments.iter().enumerate() {
+        let (name, segment) = (programme.name.clone(), segment.clone());
+        assert_eq!(bench.ask(ToBoard::SetSegment { index: index as u8, name, segment }), FromBoard::Done);
+    }
+    assert_eq!(bench.ask(ToBoard::Start { run, segments: programme.segments.len() as u8 }), FromBoard::Done);
+}
+
+/// Lets time pass while the host keeps saying that it is there.
+fn pass_attended(bench: &mut Bench, seconds: f64) {
+    for _ in 0..(seconds / 0.1).round() as u32 {
+        bench.send(ToBoard::KeepAlive);
+        bench.pass(0.1);
+    }
+}
+
+fn status(bench: &mut Bench) -> Status {
+    match bench.ask(ToBoard::Status) {
+        FromBoard::Status(status) => status,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// All samples heard, by number; a hole is an error.
+fn samples(bench: &Bench) -> Vec<Sample> {
+    let mut all = Vec::new();
+    for packet in &bench.heard {
+        if let FromBoard::Log(block) = &packet.message {
+            assert_eq!(block.first as usize, all.len(), "streamed in order");
+            all.extend(block.samples.iter().copied());
+        }
+    }
+    all
+}
+
+fn assert_off(bench: &Bench) {
+    assert_eq!(bench.control(|control| control.hardware_mut().bridge), Bridge::Floating);
+}
+
+#[test]
+fn a_whole_run_is_logged_as_played_and_as_the_motor_moved() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(3.0), 5);
+    pass_attended(&mut bench, 3.5);
+    let status = status(&mut bench);
+    assert_eq!(
+        (status.state, status.run, status.next, status.missed),
+        (RunState::Stopped(Cause::Finished), 5, 3000, 0)
+    );
+    assert_off(&bench);
+    let log = samples(&bench);
+    assert_eq!(log.len(), 3000);
+    let scaling = Scaling { pwm_top: TOP, rate_hz: 1000 };
+    let mut motor = motorlens_virtual_motor::VirtualMotor::new(&Motor::paper(), &[], 1);
+    motor.advance(1e-3, Bridge::Floating);
+    for (index, sample) in log.iter().enumerate() {
+        assert_eq!(i64::from(sample.count), motor.counts(), "sample {index}");
+        motor.advance(1e-3, Bridge::Volts(f64::from(sample.duty) / f64::from(TOP) * motor.motor().nominal_v));
+        assert!(scaling.volts(sample).abs() < 9.01);
+    }
+}
+
+#[test]
+fn every_fault_stops_the_motor_names_its_cause_and_keeps_the_log() {
+    type Fault = fn(&mut Bench);
+    // Slow, so that the motor draws little until something holds it.
+    let rise = Programme::single("rise", Shape::Triangle { amplitude_v: 8.0, period_s: 4.0 }, 20.0);
+    let faults: [(Setup, Fault, Cause); 5] = [
+        (Setup::default(), |bench| bench.control(|c| c.hardware_mut().jammed = true), Cause::Stall),
+        (Setup::default(), |bench| bench.control(|c| c.hardware_mut().emergency = true), Cause::Emergency),
+        (Setup { run_limit_ms: 700, ..Setup::default() }, |_| (), Cause::RunLimit),
+        (
+            Setup { current_limit_ma: 800, stall_ms: 0, ..Setup::default() },
+            |bench| bench.control(|c| c.hardware_mut().motor.disturb(0.05)),
+            Cause::OverCurrent,
+        ),
+        (Setup::default(), |bench| assert_eq!(bench.ask(ToBoard::Stop), FromBoard::Done), Cause::Asked),
+    ];
+    for (setup, fault, cause) in faults {
+        let mut bench = ready(setup, &[]);
+        start(&mut bench, &rise, 1);
+        pass_attended(&mut bench, 0.5);
+        fault(&mut bench);
+        pass_attended(&mut bench, 1.5);
+        let status = status(&mut bench);
+        assert_eq!(status.state, RunState::Stopped(cause));
+        assert_off(&bench);
+        assert!(status.next >= 500, "{cause:?}: {}", status.next);
+        assert_eq!(samples(&bench).len() as u32, status.next, "{cause:?}");
+    }
+}
+
+#[test]
+fn silence_stops_the_motor_and_the_rest_of_the_log_comes_when_the_host_is_back() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(10.0), 1);
+    pass_attended(&mut bench, 1.0);
+    bench.heard.clear();
+    bench.pass(2.0);
+    assert_off(&bench);
+    let status = status(&mut bench);
+    assert_eq!(status.state, RunState::Stopped(Cause::LinkLoss));
+    assert!((1390..1420).contains(&status.next), "{}", status.next);
+    bench.heard.clear();
+    bench.send(ToBoard::ReadLog { first: status.oldest, count: 256 });
+    bench.send(ToBoard::ReadLog { first: status.next - 3, count: 5 });
+    bench.pass(0.5);
+    let blocks = bench.heard.iter().filter_map(|packet| match &packet.message {
+        FromBoard::Log(block) => Some((block.first, block.samples.len() as u32)),
+        FromBoard::NotHeld { first, count } => Some((u32::MAX - first, *count)),
+        _ => None,
+    });
+    let blocks: Vec<_> = blocks.collect();
+    assert_eq!(blocks.iter().take(64).map(|block| block.1).sum::<u32>(), 256);
+    assert_eq!(blocks[64..], [(status.next - 3, 3), (u32::MAX - status.next, 2)]);
+}
+
+#[test]
+fn a_start_asked_for_twice_is_made_once() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(1.0), 3);
+    pass_attended(&mut bench, 0.3);
+    assert_eq!(bench.ask(ToBoard::Start { run: 3, segments: 1 }), FromBoard::Done);
+    assert_eq!(bench.ask(ToBoard::Start { run: 4, segments: 1 }), FromBoard::Refused(Refusal::Running));
+    pass_attended(&mut bench, 1.0);
+    assert_eq!(bench.ask(ToBoard::Start { run: 3, segments: 1 }), FromBoard::Done);
+    assert_eq!(status(&mut bench).next, 1000);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_the_reason() {
+    let mut bench = Bench::new(&[]);
+    assert_eq!(bench.ask(ToBoard::Stop), FromBoard::Refused(Refusal::Version));
+    bench.ask(HELLO);
+    let fault = |setup| FromBoard::Refused(Refusal::Setup(setup));
+    let fast = Setup { rate_hz: 3000, ..Setup::default() };
+    assert_eq!(bench.ask(ToBoard::Configure(fast)), fault(SetupFault::Rate));
+    assert_eq!(bench.ask(ToBoard::Start { run: 1, segments: 1 }), FromBoard::Refused(Refusal::SegmentOrder));
+    assert_eq!(bench.ask(ToBoard::QuickFit(Request::default())), FromBoard::Refused(Refusal::NothingToFit));
+    assert_eq!(bench.ask(ToBoard::EffectName { index: 200 }), FromBoard::Refused(Refusal::NoSuchEffect));
+    bench.control(|control| control.hardware_mut().emergency = true);
+    let segment = sine(1.0).segments[0].clone();
+    bench.ask(ToBoard::SetSegment { index: 0, name: "sine".try_into().unwrap(), segment });
+    assert_eq!(bench.ask(ToBoard::Start { run: 1, segments: 1 }), FromBoard::Refused(Refusal::Emergency));
+}
+
+#[test]
+fn capabilities_name_every_effect_of_the_registry() {
+    let mut bench = ready(Setup::default(), &[]);
+    let FromBoard::Capabilities(capabilities) = bench.ask(ToBoard::Capabilities) else { panic!() };
+    let names: Vec<_> = (0..capabilities.effects)
+        .map(|index| match bench.ask(ToBoard::EffectName { index }) {
+            FromBoard::EffectName(name) => name.to_string(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert!(
+        names.contains(&"coulomb".to_string()) && names.len() == motorlens_shared::effects::Kind::ALL.len()
+    );
+}
+
+#[test]
+fn a_late_interrupt_leaves_a_marked_gap_and_the_programme_keeps_time() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(1.0), 1);
+    pass_attended(&mut bench, 0.2);
+    bench.control(|control| control.hardware_mut().now_us += 3_400);
+    pass_attended(&mut bench, 1.0);
+    let status = status(&mut bench);
+    assert_eq!((status.next, status.missed), (1000, 3));
+    let log = samples(&bench);
+    assert_eq!(log.iter().filter(|sample| sample.missed()).count(), 3);
+    assert_eq!(log[300].late_us, 400);
+}
+
+#[test]
+fn the_boards_fit_is_the_hosts_fit_of_the_same_log() {
+    let mut bench =
+        ready(Setup { keep_every: 2, ..Setup::default() }, &[Effect::parse("coulomb=0.5").unwrap()]);
+    start(&mut bench, &sine(4.0), 1);
+    pass_attended(&mut bench, 4.2);
+    let request = Request { coulomb: true, rad_per_count: 0.01, ..Request::default() };
+    let mut keeper = Keeper::new(Scaling { pwm_top: TOP, rate_hz: 1000 }, 2);
+    samples(&bench).iter().for_each(|sample| keeper.push(sample));
+    let host = fit(keeper.samples(), keeper.step_s(), &request, |_| ()).unwrap();
+    let FromBoard::Fit(Some(board)) = bench.ask(ToBoard::QuickFit(request)) else { panic!("no fit") };
+    assert_eq!(board.samples, 2000);
+    assert_eq!(motorlens_shared::quickfit::QuickFit { micros: 0, ..board }, host);
+    assert!(board.coulomb.unwrap().value > 0.2);
+    assert_eq!(bench.ask(ToBoard::ReadResult), FromBoard::Fit(Some(board)));
+}
+
+#[test]
+fn a_watchdog_reset_is_reported_and_the_log_is_still_there() {
+    let log: &'static mut Log = Box::leak(Box::new(Log::new()));
+    log.begin(9, Scaling { pwm_top: TOP, rate_hz: 1000 });
+    (0..40)
+        .for_each(|count| log.push(Sample { duty: 1, count, supply_mv: 12_000, current_ma: 0, late_us: 0 }));
+    let mut bench = Bench::started(&[], log, Reset::Watchdog);
+    bench.ask(HELLO);
+    let status = status(&mut bench);
+    assert_eq!((status.state, status.reset), (RunState::Stopped(Cause::Watchdog), Reset::Watchdog));
+    assert_eq!((status.run, status.next), (9, 40));
+    let FromBoard::Log(block) = bench.ask(ToBoard::ReadLog { first: 36, count: 4 }) else { panic!() };
+    assert_eq!(block.samples.len(), 4);
+}
+
+#[test]
+fn the_boot_loader_is_entered_only_after_the_answer_and_with_the_bridge_off() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(5.0), 1);
+    pass_attended(&mut bench, 0.2);
+    assert_eq!(bench.ask(ToBoard::Bootloader), FromBoard::Done);
+    assert!(bench.rest.left_for_bootloader);
+    assert_off(&bench);
+}
