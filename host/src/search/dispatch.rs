@@ -7,6 +7,9 @@ use motorlens_shared::linear::Laned;
 /// Candidates that go through a kernel side by side, at every level.
 pub const LANES: usize = 16;
 
+/// The same in double precision.
+pub const DOUBLES: usize = 4;
+
 /// Sets of vector instructions that the kernels are compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -26,7 +29,7 @@ pub enum Level {
 pub trait Work {
     /// What it returns.
     type Output;
-    /// Runs on blocks of [`LANES`] numbers.
+    /// Runs on blocks of [`LANES`] numbers in single precision, or [`DOUBLES`] in double.
     fn run<T: Laned<Element: bytemuck::Pod>>(self) -> Self::Output;
 }
 
@@ -86,6 +89,24 @@ impl Level {
         }
         work.run::<Lanes<BaselineElement, LANES>>()
     }
+}
+
+impl Level {
+    /// The same in double precision, for searches of a few candidates at a time.
+    pub fn run_double<W: Work>(self, work: W) -> W::Output {
+        #[cfg(target_arch = "x86_64")]
+        if self != Self::Baseline && Self::available().contains(&self) {
+            // SAFETY: the processor has the features, as just asked.
+            return unsafe { double_with_avx2(work) };
+        }
+        work.run::<Lanes<f64, DOUBLES>>()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn double_with_avx2<W: Work>(work: W) -> W::Output {
+    work.run::<Lanes<f64, DOUBLES>>()
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -202,6 +202,21 @@ impl Start {
         }
     }
 
+    /// The middle of the region.
+    #[must_use]
+    pub fn centre(&self) -> PaperMotor {
+        match self {
+            Self::Literal { centre } | Self::Logarithmic { centre, .. } => *centre,
+        }
+    }
+
+    /// One chromosome of the first generation, limited to what is admitted.
+    pub(super) fn admitted(&self, stream: &mut Stream) -> [f64; PARAMETERS] {
+        let mut genes = self.draw(stream);
+        self.space().clamp(&mut genes);
+        genes
+    }
+
     fn space(&self) -> Space<PARAMETERS> {
         match self {
             Self::Literal { centre } => Space {

@@ -4,11 +4,16 @@ pub mod dispatch;
 pub mod fused;
 pub mod record;
 
+mod conventional;
 mod crew;
+mod fast;
 mod genetic;
 mod islands;
+mod projection;
 #[cfg(test)]
 mod trial;
 
+pub use conventional::{ConventionalResult, conventional, conventional_on};
+pub use fast::{FastResult, STARTS, fast, fast_on};
 pub use genetic::{GaOptions, GaResult, MOST, Start, genetic, genetic_on};
 pub use record::{Candidates, LinearRecord, RecordError, Records};

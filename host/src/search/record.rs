@@ -1,6 +1,6 @@
 //! Records made ready once for a whole search, and the objective of candidates on them.
 
-use super::dispatch::{LANES, Level, Work};
+use super::dispatch::{DOUBLES, LANES, Level, Work};
 use motorlens_shared::linear::{Filter, Hold, Kind, Laned, Prepare, Sample, State, absolute_error};
 use motorlens_shared::motor::Combinations;
 use thiserror::Error;
@@ -178,6 +178,32 @@ impl Records {
         self.records.iter().map(iae).sum()
     }
 
+    /// IAE of a few candidates, summed over the records, in double precision and side by side.
+    #[must_use]
+    pub fn exact_iae_of(&self, motors: &[Combinations; DOUBLES]) -> [f64; DOUBLES] {
+        let mut total = [0.0; DOUBLES];
+        for r in &self.records {
+            let sampling = &self.samplings[r.sampling];
+            let filters = motors.each_ref().map(|m| sampling.filter(m));
+            let sums = self.level.run_double(DoubleSums { filters: &filters, samples: &r.double });
+            for (total, sum) in total.iter_mut().zip(sums) {
+                *total += sum * sampling.step;
+            }
+        }
+        total
+    }
+
+    /// Each record's samples with the filters of `motors` for it.
+    pub(super) fn with_filters<const N: usize>(
+        &self,
+        motors: &[Combinations; N],
+    ) -> impl Iterator<Item = (&[Sample<f64>], [Filter<f64>; N])> {
+        self.records.iter().map(move |r| {
+            let sampling = &self.samplings[r.sampling];
+            (r.double.as_slice(), motors.each_ref().map(|m| sampling.filter(m)))
+        })
+    }
+
     /// Gives every error (prediction minus measurement) to `visit`: record, sample, error.
     pub fn errors(&self, motor: &Combinations, mut visit: impl FnMut(usize, usize, f64)) {
         for (number, r) in self.records.iter().enumerate() {
@@ -232,6 +258,24 @@ impl Work for Sums<'_> {
     fn run<T: Laned<Element: bytemuck::Pod>>(self) -> [f64; LANES] {
         let mut sums = [0.0; LANES];
         absolute_error(&Filter::<T>::gather(self.filters), bytemuck::cast_slice(self.samples), &mut sums);
+        sums
+    }
+}
+
+/// The same in double precision.
+struct DoubleSums<'a> {
+    filters: &'a [Filter<f64>],
+    samples: &'a [Sample<f64>],
+}
+
+impl Work for DoubleSums<'_> {
+    type Output = [f64; DOUBLES];
+
+    #[inline(always)]
+    fn run<T: Laned<Element: bytemuck::Pod>>(self) -> [f64; DOUBLES] {
+        let mut sums = [0.0; DOUBLES];
+        let filter = Filter::<T>::gather(self.filters);
+        absolute_error(&filter, bytemuck::cast_slice(self.samples), &mut sums);
         sums
     }
 }
