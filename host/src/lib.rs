@@ -1,6 +1,9 @@
 //! motorlens
 pub mod atomic_file;
+pub mod diagnose;
 pub mod error;
+pub mod exam;
+pub mod fit;
 pub mod log;
 pub mod motor_file;
 pub mod search;

@@ -1,0 +1,117 @@
+//! A model on trial: its fit and its errors on records that it was fitted to and that it was not.
+
+use motorlens_shared::effects::Kind;
+
+use crate::fit::cost::Objective;
+use crate::fit::layout::{Layout, Values};
+use crate::fit::search::{Found, Problem};
+
+/// Two errors, each the root mean square in noise units of one reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Of the error's increments over 50 ms, robust.
+    pub increments: f64,
+    /// Of the error itself.
+    pub position: f64,
+}
+
+impl Errors {
+    /// One number for ranking: a ratio of errors is a difference of merits.
+    ///
+    /// The increments count more, because the error itself drifts. Below the noise nothing is gained.
+    pub fn merit(&self) -> f64 {
+        self.increments.max(0.7).ln() + 0.5 * self.position.max(0.7).ln()
+    }
+}
+
+/// A model with its fit.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Search axes.
+    pub layout: Layout,
+    /// Where the search ended.
+    pub found: Found,
+    /// On the records fitted.
+    pub train: Errors,
+    /// On the records kept out.
+    pub unseen: Errors,
+}
+
+impl Candidate {
+    /// Effects in order.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.layout.kinds
+    }
+    /// Plain parameters.
+    pub fn values(&self) -> Values {
+        self.layout.unpack(&self.found.x)
+    }
+    /// Ranking number over both sets of records; smaller is better.
+    pub fn merit(&self) -> f64 {
+        0.5 * (self.train.merit() + self.unseen.merit())
+    }
+    /// Number of parameters.
+    pub fn size(&self) -> usize {
+        self.layout.len()
+    }
+}
+
+/// Records fitted and records kept out, as the diagnosis uses them.
+#[derive(Debug)]
+pub struct Evidence {
+    /// Fitted.
+    pub train: Problem,
+    /// Kept out.
+    pub unseen: Problem,
+}
+
+impl Evidence {
+    /// Candidate passes so far.
+    pub fn simulations(&self) -> u64 {
+        self.train.simulations.get() + self.unseen.simulations.get()
+    }
+
+    /// The errors of `x` on both.
+    pub fn judge(&self, layout: Layout, found: Found) -> Candidate {
+        let train = self.train.errors(&layout, &found.x);
+        let unseen = self.unseen.errors(&layout, &found.x);
+        Candidate { layout, found, train, unseen }
+    }
+
+    /// Searches `values` in increments, then lets the error itself correct the drift of the parameters.
+    pub fn fit(&self, values: &Values, iterations: usize) -> Candidate {
+        let layout = self.train.layout(&values.kinds());
+        let x = layout.pack(values);
+        let rough = self.train.search(&layout, Objective::Increments, &x, iterations, 1e-4);
+        self.polish(layout, rough)
+    }
+
+    /// The better of a fit in increments and its correction by the error itself.
+    ///
+    /// Where a disturbance makes the error drift, the correction would follow the drift: then it is refused.
+    pub fn polish(&self, layout: Layout, rough: Found) -> Candidate {
+        let fine = self.train.search(&layout, Objective::Position, &rough.x, 3, 1e-3);
+        let a = self.judge(layout.clone(), rough);
+        let b = self.judge(layout, fine);
+        if b.merit() < a.merit() { b } else { a }
+    }
+}
+
+impl Problem {
+    /// The search axes of a set of effects on this rig, with what the motor file fixes held.
+    pub fn layout(&self, kinds: &[Kind]) -> Layout {
+        Layout::new(kinds, &self.rig, &self.prior)
+    }
+
+    /// Errors of search numbers `x` on these records.
+    pub fn errors(&self, layout: &Layout, x: &[f64]) -> Errors {
+        let rms = |objective| {
+            let (sum, count) = self.sum_of_squares(layout, objective, x);
+            (sum / count.max(1) as f64).sqrt()
+        };
+        Errors {
+            increments: rms(Objective::Increments) / std::f64::consts::SQRT_2,
+            position: rms(Objective::Position),
+        }
+    }
+}

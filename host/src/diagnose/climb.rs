@@ -1,0 +1,116 @@
+//! The climb: effects are added one by one while unseen records say that it is worth it.
+
+use motorlens_shared::effects::Kind;
+use motorlens_shared::simulator::MAX_EFFECTS;
+
+use super::candidate::{Candidate, Evidence};
+use super::stage::{self, Effort};
+
+/// An effect must lower the increments' error to this share, on the records fitted and on those kept out.
+const WORTH: f64 = 0.97;
+/// Models within this much merit (6 % in error) of the best count as equal: the one with fewer parameters wins.
+const EQUAL: f64 = 0.06;
+/// Nothing is left to find below this many noise units.
+const AT_THE_FLOOR: f64 = 1.02;
+
+/// What the climb found.
+#[derive(Debug)]
+pub struct Climb {
+    /// Rungs from the base model to the last accepted one.
+    pub rungs: Vec<Candidate>,
+    /// The first stage's candidates, best first.
+    pub first: Vec<Candidate>,
+    /// The last stage's candidates that were not worth adding.
+    pub refused: Vec<Candidate>,
+}
+
+impl Climb {
+    /// The accepted model.
+    pub fn model(&self) -> &Candidate {
+        &self.rungs[self.rungs.len() - 1]
+    }
+}
+
+/// Whether `more` is worth its parameters over `less`: better on both sets of records.
+pub fn worth(more: &Candidate, less: &Candidate) -> bool {
+    let better = |m: f64, l: f64| m < l * WORTH;
+    better(more.train.increments, less.train.increments)
+        && better(more.unseen.increments, less.unseen.increments)
+        && more.merit() < less.merit() + WORTH.ln()
+}
+
+/// The simplest of those that are as good as the best.
+pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
+    let best = candidates.iter().map(Candidate::merit).fold(f64::MAX, f64::min);
+    candidates
+        .iter()
+        .filter(|c| c.merit() <= best + EQUAL)
+        .min_by(|a, b| a.size().cmp(&b.size()).then(a.merit().total_cmp(&b.merit())))
+}
+
+/// Climbs from `base` with at most `most` effects of `library`.
+pub fn run(
+    evidence: &Evidence,
+    base: Candidate,
+    library: &[Kind],
+    most: usize,
+    tick: &mut dyn FnMut(usize, Kind),
+    rung: &mut dyn FnMut(&Candidate),
+) -> Climb {
+    let mut climb = Climb { rungs: vec![base], first: Vec::new(), refused: Vec::new() };
+    rung(climb.model());
+    // A rival of the accepted model goes on beside it, because a wrong first effect may absorb a right second.
+    let mut rival: Option<Candidate> = None;
+    while climb.rungs.len() <= most.min(MAX_EFFECTS) {
+        let depth = climb.rungs.len() - 1;
+        let model = climb.model().clone();
+        if model.train.increments < AT_THE_FLOOR && model.unseen.increments < AT_THE_FLOOR {
+            break;
+        }
+        let mut found = stage::run(evidence, &model, library, Effort::FULL, &mut |k| tick(depth, k));
+        if depth == 0 {
+            climb.first.clone_from(&found);
+        }
+        if let Some(rival) = rival.take() {
+            found.extend(stage::run(evidence, &rival, library, Effort::FULL, &mut |k| tick(depth, k)));
+        }
+        found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
+        let Some(next) = simplest(&found).cloned() else { break };
+        if !worth(&next, &model) {
+            climb.refused = found;
+            break;
+        }
+        rival = found.iter().find(|c| c.size() <= next.size() + 1 && !same(c, &next)).cloned();
+        let next = prune(evidence, next);
+        rung(&next);
+        climb.rungs.push(next);
+    }
+    climb
+}
+
+fn same(a: &Candidate, b: &Candidate) -> bool {
+    let sorted = |c: &Candidate| {
+        let mut kinds = c.kinds().to_vec();
+        kinds.sort();
+        kinds
+    };
+    sorted(a) == sorted(b)
+}
+
+/// Leaves out every effect that the others made superfluous.
+fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
+    let mut model = model;
+    while model.kinds().len() > 1 {
+        let fewer: Vec<Candidate> = model
+            .kinds()
+            .iter()
+            .map(|k| evidence.fit(&model.values().without(*k), 10))
+            .filter(|c| c.merit() <= model.merit() + EQUAL * 0.5)
+            .collect();
+        match simplest(&fewer) {
+            Some(c) => model = c.clone(),
+            None => break,
+        }
+    }
+    model
+}

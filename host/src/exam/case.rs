@@ -1,0 +1,133 @@
+//! Hidden cases: a random motor with known effects, driven through the default protocol.
+
+use motorlens_shared::excitation::{Player, Programme};
+use motorlens_virtual_motor as plant;
+use plant::{Effect, EncoderShaft as Shaft, Kind, Motor, Run, VirtualMotor};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+use crate::log::{EncoderShaft, Record};
+use crate::motor_file::{MotorFile, Nameplate};
+
+/// How far a case is from the ideal laboratory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// Share of cases with a torque disturbance of 1-5 % of stall.
+    pub disturbed: f64,
+    /// Share of cases with noise on the logged voltage, one that begins in motion, jitter; each on its own.
+    pub spoilt: f64,
+}
+
+/// A case: what is hidden, and the logs.
+#[derive(Debug)]
+pub struct Case {
+    /// Names of the hidden effects.
+    pub truth: Vec<&'static str>,
+    /// Their sizes, in words.
+    pub sizes: String,
+    /// The motor's logs to fit.
+    pub records: Vec<Record>,
+    /// A log to keep out.
+    pub held_out: Vec<Record>,
+    /// What the user knows.
+    pub motor: MotorFile,
+    /// Noise that a perfect model leaves, rad: counting and disturbance, measured by a second run.
+    pub floor_rad: f64,
+    /// Conditions, in words.
+    pub conditions: String,
+}
+
+/// Sampling rates of the cases, Hz.
+const RATES: [u32; 4] = [100, 200, 500, 1000];
+
+impl Case {
+    /// Case `seed` with `kinds` hidden.
+    pub fn new(seed: u64, kinds: &[Kind], conditions: Conditions) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let motor = if rng.random::<f64>() < 0.2 { Motor::paper() } else { Motor::hidden(seed) };
+        let effects: Vec<Effect> = kinds.iter().map(|k| Effect::random(*k, &mut rng, &motor)).collect();
+        let rate = RATES[rng.random_range(0..RATES.len())];
+        let mut run = Run::at(f64::from(rate));
+        let mut words = vec![format!("{rate} Hz, gear {:.0}", motor.gear_ratio)];
+        if rng.random::<f64>() < conditions.disturbed {
+            run.disturbance = rng.random_range(0.01..0.05);
+            words.push(format!("disturbance {:.1} %", 100.0 * run.disturbance));
+        }
+        if rng.random::<f64>() < conditions.spoilt {
+            run.voltage_noise_v = motor.nominal_v * rng.random_range(0.002..0.01);
+            words.push(format!("voltage noise {:.0} mV", 1e3 * run.voltage_noise_v));
+        }
+        if rng.random::<f64>() < conditions.spoilt {
+            run.start_v = motor.nominal_v * rng.random_range(-0.6..0.6);
+            words.push("begins in motion".into());
+        }
+        if rng.random::<f64>() < conditions.spoilt {
+            run.jitter = rng.random_range(0.05..0.4);
+            words.push(format!("jitter {:.0} %", 100.0 * run.jitter));
+        }
+        let protocol = Programme::default_protocol(motor.nominal_v as f32);
+        let mut make = |programme: &Programme, again: u64| {
+            let mut plant = VirtualMotor::new(&motor, &effects, seed.wrapping_mul(31).wrapping_add(again));
+            record(&mut plant, programme, rate, &run)
+        };
+        let records = protocol.training.iter().enumerate().map(|(k, p)| make(p, k as u64)).collect();
+        let held_out = vec![make(&protocol.held_out, 100)];
+        let repeat = make(&protocol.held_out, 101);
+        let floor_rad = floor(&held_out[0], &repeat).max(motor.count_rad() / 12.0_f64.sqrt());
+        Self {
+            truth: kinds.iter().map(|k| k.row().name).collect(),
+            sizes: effects.iter().map(|e| e.to_string()).collect::<Vec<_>>().join(" "),
+            records,
+            held_out,
+            motor: known(&motor, &mut rng),
+            floor_rad,
+            conditions: words.join(", "),
+        }
+    }
+}
+
+/// Plays `programme` and keeps what a log would hold.
+fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run) -> Record {
+    let volts: Vec<f64> = Player::new(programme, rate)
+        .map(|player| player.map(f64::from).collect())
+        .unwrap_or_default();
+    let made = plant.record(&volts, run);
+    Record {
+        name: programme.name.as_str().into(),
+        time_s: made.time_s,
+        voltage_v: made.voltage_v,
+        angle_rad: Some(made.angle_rad),
+        ..Record::default()
+    }
+}
+
+fn floor(a: &Record, b: &Record) -> f64 {
+    let (Some(a), Some(b)) = (&a.angle_rad, &b.angle_rad) else { return 0.0 };
+    let d: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let mean = d.iter().sum::<f64>() / d.len() as f64;
+    (d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / d.len() as f64 / 2.0).sqrt()
+}
+
+/// A nameplate: true within 15 %.
+fn known(motor: &Motor, rng: &mut ChaCha8Rng) -> MotorFile {
+    let mut about = |x: f64| Some(x * rng.random_range(0.85..1.15));
+    let nameplate = Nameplate {
+        voltage_v: Some(motor.nominal_v),
+        no_load_speed_rad_s: about(motor.no_load_speed()),
+        stall_current_a: about(motor.stall_current()),
+        resistance_ohm: about(motor.resistance_ohm),
+        inductance_h: about(motor.inductance_h),
+        ..Nameplate::default()
+    };
+    let shaft = match motor.encoder_shaft {
+        Shaft::Motor => EncoderShaft::Motor,
+        Shaft::Output => EncoderShaft::Output,
+    };
+    MotorFile {
+        gear_ratio: Some(motor.gear_ratio),
+        counts_per_rev: Some(motor.counts_per_output_turn()),
+        encoder_shaft: Some(shaft),
+        nameplate,
+        ..MotorFile::default()
+    }
+}

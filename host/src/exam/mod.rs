@@ -1,0 +1,3 @@
+//! The examination of the diagnosis on hidden cases.
+
+pub mod case;

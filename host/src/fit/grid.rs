@@ -1,0 +1,237 @@
+//! A record laid on the time grid of the model.
+//!
+//! The model steps through cells of equal length, about a millisecond. A cell's voltage is the mean of the held
+//! voltage over it, which keeps every volt-second whatever the time stamps do; samples fall between cells and are
+//! interpolated there. So jitter and gaps cost nothing but this one pass.
+
+use crate::log::{Hold, Record, timing};
+
+/// What the record's main column is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Angle of the output shaft, rad.
+    Angle,
+    /// Speed at the sampling instant, rad/s.
+    Speed,
+    /// Mean speed since the last sample, as counted from encoder edges, rad/s.
+    MeanSpeed,
+}
+
+impl Quantity {
+    /// The unit of everything that is compared.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Angle => "rad",
+            Self::Speed | Self::MeanSpeed => "rad/s",
+        }
+    }
+}
+
+/// Where a sample lies: in cell `cell`, at `part` (0 ..= 1) of its length; `part` 1 is the cell's end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Cell number.
+    pub cell: usize,
+    /// Place within the cell.
+    pub part: f64,
+}
+
+/// A record as the fit sees it.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    /// Name of the record.
+    pub name: String,
+    /// Length of a cell, s.
+    pub step_s: f64,
+    /// Mean voltage of every cell, V.
+    pub voltages: Vec<f64>,
+    /// Times of the samples kept, s.
+    pub time_s: Vec<f64>,
+    /// Their place on the grid; the first sample is the start itself (cell 0, part 0).
+    pub places: Vec<Place>,
+    /// What was measured there.
+    pub measured: Vec<f64>,
+    /// What that is.
+    pub quantity: Quantity,
+    /// Angle at the start, rad.
+    pub start_angle: f64,
+    /// Speed at the start, rad/s; of an angle's record, what [`super::start`] made of it.
+    pub start_speed: f64,
+    /// Smallest step of the measured column (0: none was found).
+    pub quantum: f64,
+    /// Median time between samples, s.
+    pub interval_s: f64,
+    /// The first samples only lead in: they are simulated but not judged.
+    pub skip: usize,
+}
+
+/// Longest cell, s. The exact map allows more, but friction and effects are held over a cell.
+const LONGEST_CELL: f64 = 1.001e-3;
+/// Samples closer together than this are thinned: the motor does not move between them.
+const SHORTEST_CELL: f64 = 0.45e-3;
+
+impl Grid {
+    /// Lays `record` on the grid; `quantum` is the smallest step of its main column.
+    pub fn new(record: &Record, quantum: f64) -> Self {
+        let interval = timing::median_interval(&record.time_s);
+        let step = cell_length(interval);
+        let thin = ((step / interval).round() as usize).max(1);
+        let origin = record.time_s[0];
+        let cells = (record.duration_s() / step).ceil() as usize + 1;
+        let (quantity, column) = main_column(record, quantum, interval);
+        let mut grid = Self {
+            name: record.name.clone(),
+            step_s: step,
+            voltages: mean_voltages(record, step, cells),
+            time_s: Vec::new(),
+            places: Vec::new(),
+            measured: Vec::new(),
+            quantity,
+            start_angle: record.angle_rad.as_ref().map_or(0.0, |a| a[0]),
+            start_speed: 0.0,
+            quantum,
+            interval_s: interval * thin as f64,
+            skip: 0,
+        };
+        for k in (0..record.len()).step_by(thin) {
+            let position = (record.time_s[k] - origin) / step;
+            grid.places.push(place(position));
+            grid.time_s.push(record.time_s[k]);
+            grid.measured.push(column[k]);
+        }
+        if grid.quantity != Quantity::Angle {
+            grid.start_speed = median3(grid.measured[0], grid.measured[1], grid.measured[2]);
+        }
+        grid
+    }
+
+    /// The beginning of the record, for fitting: `share` of its samples.
+    #[must_use]
+    pub fn beginning(&self, share: f64) -> Self {
+        let n = (self.len() as f64 * share) as usize;
+        let mut part = self.clone();
+        part.time_s.truncate(n);
+        part.places.truncate(n);
+        part.measured.truncate(n);
+        part
+    }
+
+    /// The rest of the record, for judging: the run still starts at its beginning.
+    #[must_use]
+    pub fn rest(&self, share: f64) -> Self {
+        Self { skip: (self.len() as f64 * share) as usize, ..self.clone() }
+    }
+
+    /// Number of samples compared.
+    pub fn len(&self) -> usize {
+        self.measured.len()
+    }
+
+    /// Whether there is nothing to compare.
+    pub fn is_empty(&self) -> bool {
+        self.measured.is_empty()
+    }
+}
+
+/// About a millisecond, dividing the sampling interval where that is longer.
+fn cell_length(interval: f64) -> f64 {
+    if interval >= SHORTEST_CELL {
+        interval / (interval / LONGEST_CELL).ceil()
+    } else {
+        interval * (SHORTEST_CELL / interval).ceil()
+    }
+}
+
+/// Stamps within 2 % of a cell of its edge count as on the edge: that is writing precision, not jitter.
+fn place(position: f64) -> Place {
+    let nearest = position.round();
+    let position = if (position - nearest).abs() < 0.02 { nearest } else { position };
+    let end = position.ceil().max(1.0);
+    Place { cell: end as usize - 1, part: position - (end - 1.0) }
+}
+
+/// Angle where there is one; else speed, as a mean since the last sample if it counts in whole encoder edges.
+fn main_column(record: &Record, quantum: f64, interval: f64) -> (Quantity, &[f64]) {
+    if let Some(angle) = &record.angle_rad {
+        return (Quantity::Angle, angle);
+    }
+    let speed = record.speed_rad_s.as_deref().unwrap_or(&[]);
+    let counts = std::f64::consts::TAU / (quantum * interval);
+    // A speed that moves in steps of one count per interval was counted over that interval.
+    let counted = quantum > 0.0 && counts > 8.0 && interval > 3e-3;
+    (if counted { Quantity::MeanSpeed } else { Quantity::Speed }, speed)
+}
+
+/// Mean of the held (or straight) voltage over each cell.
+fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
+    let (t, v) = (&record.time_s, &record.voltage_v);
+    let origin = t[0];
+    let mut voltages = vec![0.0; cells];
+    let mut add = |from: f64, to: f64, at_from: f64, at_to: f64| {
+        // Spreads one piece over the cells it covers.
+        let (mut a, b) = ((from - origin) / step, (to - origin) / step);
+        while a < b - 1e-9 {
+            let cell = ((a + 1e-9) as usize).min(cells - 1);
+            let edge = (cell as f64 + 1.0).min(b);
+            let edge = if edge > a { edge } else { b };
+            let middle = 0.5 * (a + edge);
+            let share = (middle * step + origin - from) / (to - from);
+            voltages[cell] += (edge - a) * (at_from + share * (at_to - at_from));
+            a = edge;
+        }
+    };
+    for k in 0..t.len() - 1 {
+        let to = if record.hold == Hold::First { v[k + 1] } else { v[k] };
+        add(t[k], t[k + 1], v[k], to);
+    }
+    let (last, end) = (t[t.len() - 1], origin + cells as f64 * step);
+    let held = v[v.len() - 1];
+    if end > last {
+        add(last, end, held, held);
+    }
+    voltages
+}
+
+fn median3(a: f64, b: f64, c: f64) -> f64 {
+    a.max(b).min(a.min(b).max(c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
+        let angle = times.iter().map(|t| 0.01 * (t * 300.0).floor()).collect();
+        Record { time_s: times, voltage_v: volts, angle_rad: Some(angle), ..Record::default() }
+    }
+
+    #[test]
+    fn every_volt_second_is_kept_under_jitter() {
+        let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.02 + 0.004 * f64::sin(f64::from(k * k))).collect();
+        let volts: Vec<f64> = (0..500).map(|k| f64::from(k % 7) - 3.0).collect();
+        let truth: f64 = (0..499).map(|k| volts[k] * (times[k + 1] - times[k])).sum();
+        let record = record(times, volts);
+        let grid = Grid::new(&record, 0.01);
+        let until = record.duration_s() / grid.step_s;
+        let whole: f64 = grid.voltages[..until as usize].iter().sum::<f64>() * grid.step_s;
+        let rest = grid.voltages[until as usize] * until.fract() * grid.step_s;
+        assert!((whole + rest - truth).abs() < 0.02, "{} {truth}", whole + rest);
+    }
+
+    #[test]
+    fn even_samples_fall_on_cell_ends() {
+        let times: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.005).collect();
+        let grid = Grid::new(&record(times, vec![1.0; 100]), 0.01);
+        assert_eq!(grid.step_s, 0.001);
+        assert_eq!(grid.places[0], Place { cell: 0, part: 0.0 });
+        assert_eq!(grid.places[3], Place { cell: 14, part: 1.0 });
+    }
+
+    #[test]
+    fn fast_logs_are_thinned_to_the_grid() {
+        let times: Vec<f64> = (0..10_000).map(|k| f64::from(k) * 1e-4).collect();
+        let grid = Grid::new(&record(times, vec![1.0; 10_000]), 0.01);
+        assert!(grid.len() <= 2001 && grid.step_s > 4e-4);
+    }
+}

@@ -1,0 +1,239 @@
+//! Which parameters a model has, and how the search sees them.
+//!
+//! The search works on numbers of order one: logarithms of gain and time constants, the viscous share as it is,
+//! and each effect's parameters in their typical size.
+
+use motorlens_shared::base::Base;
+use motorlens_shared::effects::{Kind, Rig, Scale};
+use serde::{Deserialize, Serialize};
+
+/// Number of base parameters.
+pub const BASE_PARAMETERS: usize = 4;
+
+/// Base parameters in plain numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BaseValues {
+    /// No-load speed of the output shaft per volt, rad/s per V.
+    pub gain: f64,
+    /// Mechanical time constant, s.
+    pub tau_m: f64,
+    /// Electrical time constant, s.
+    pub tau_e: f64,
+    /// Viscous share of the mechanical damping, 0 ..= 1.
+    pub viscous_share: f64,
+}
+
+impl BaseValues {
+    /// For the model.
+    pub fn base(&self) -> Base<f64> {
+        Base { gain: self.gain, tau_m: self.tau_m, tau_e: self.tau_e, viscous_share: self.viscous_share }
+    }
+}
+
+/// Base and effects with their values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Values {
+    /// The motor.
+    pub base: BaseValues,
+    /// Effects in the order they were added, each with its parameters in the registry's order.
+    pub effects: Vec<(Kind, Vec<f64>)>,
+}
+
+impl Values {
+    /// Names of the effects.
+    pub fn kinds(&self) -> Vec<Kind> {
+        self.effects.iter().map(|e| e.0).collect()
+    }
+    /// The model with one more effect.
+    #[must_use]
+    pub fn with(&self, kind: Kind, parameters: Vec<f64>) -> Self {
+        let mut more = self.clone();
+        more.effects.push((kind, parameters));
+        more
+    }
+    /// The model without an effect.
+    #[must_use]
+    pub fn without(&self, kind: Kind) -> Self {
+        let mut fewer = self.clone();
+        fewer.effects.retain(|e| e.0 != kind);
+        fewer
+    }
+}
+
+/// One number of the search.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// Parameter name: `gain`, or `coulomb.level`.
+    pub name: String,
+    /// Unit of the plain value.
+    pub unit: &'static str,
+    /// Plain value of one search unit; 0 marks a logarithm.
+    pub unit_value: f64,
+    /// Bounds in search units.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
+    /// Difference used for derivatives.
+    pub delta: f64,
+    /// Known and not fitted.
+    pub fixed: bool,
+    /// Prior centre and standard deviation in search units.
+    pub prior: Option<(f64, f64)>,
+}
+
+/// The search's view of a set of effects.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// Effects in order.
+    pub kinds: Vec<Kind>,
+    /// All numbers: base, then each effect's.
+    pub axes: Vec<Axis>,
+}
+
+/// What is believed about the base before seeing data.
+#[derive(Debug, Clone, Copy)]
+pub struct Prior {
+    /// Electrical time constant, s, and the standard deviation of its logarithm.
+    pub tau_e: (f64, f64),
+    /// Viscous share and its standard deviation.
+    pub viscous_share: (f64, f64),
+}
+
+impl Layout {
+    /// The axes of `kinds` on `rig`.
+    pub fn new(kinds: &[Kind], rig: &Rig, prior: &Prior) -> Self {
+        let log = |name: &str, unit, low: f64, high: f64| Axis {
+            name: name.into(),
+            unit,
+            unit_value: 0.0,
+            low: low.ln(),
+            high: high.ln(),
+            delta: 1e-3,
+            fixed: false,
+            prior: None,
+        };
+        let centre = prior.tau_e.0.ln();
+        let mut tau_e = log("tau_e", "s", 1.0, 1.0);
+        let reach = 3.0 * prior.tau_e.1;
+        (tau_e.low, tau_e.high) = (centre - reach, centre + reach);
+        tau_e.prior = Some((centre, prior.tau_e.1));
+        let share = Axis {
+            name: "viscous_share".into(),
+            unit: "1",
+            unit_value: 1.0,
+            low: 0.0,
+            high: 0.6,
+            delta: 2e-3,
+            fixed: false,
+            prior: Some(prior.viscous_share),
+        };
+        let scale = rig.reference_speed / rig.nominal_v;
+        let mut axes = vec![
+            log("gain", "rad/s/V", scale * 1e-3, scale * 1e3),
+            log("tau_m", "s", 5e-4, 50.0),
+            tau_e,
+            share,
+        ];
+        for kind in kinds {
+            for p in kind.spec().parameters {
+                // A share or an order keeps its own size; the rest is counted in typical sizes.
+                let unit_value = p.typical * p.scale.unit(rig);
+                let plain_delta = if p.scale == Scale::One && p.typical < 0.01 { 0.25 } else { 4e-3 };
+                axes.push(Axis {
+                    name: format!("{kind}.{}", p.name),
+                    unit: p.unit,
+                    unit_value,
+                    low: p.low / p.typical,
+                    high: p.high / p.typical,
+                    delta: plain_delta,
+                    fixed: false,
+                    prior: None,
+                });
+            }
+        }
+        Self { kinds: kinds.to_vec(), axes }
+    }
+
+    /// Number of axes.
+    pub fn len(&self) -> usize {
+        self.axes.len()
+    }
+
+    /// Never: a base is always there.
+    pub fn is_empty(&self) -> bool {
+        self.axes.is_empty()
+    }
+
+    /// Search numbers of plain values.
+    pub fn pack(&self, values: &Values) -> Vec<f64> {
+        let b = &values.base;
+        let plain = [b.gain, b.tau_m, b.tau_e, b.viscous_share];
+        let effects = values.effects.iter().flat_map(|e| e.1.iter().copied());
+        let all = plain.into_iter().chain(effects);
+        all.zip(&self.axes)
+            .map(|(x, a)| if a.unit_value == 0.0 { x.ln() } else { x / a.unit_value })
+            .zip(&self.axes)
+            .map(|(x, a)| x.clamp(a.low, a.high))
+            .collect()
+    }
+
+    /// Plain value of search number `x` on axis `k`.
+    pub fn plain(&self, k: usize, x: f64) -> f64 {
+        let a = &self.axes[k];
+        if a.unit_value == 0.0 { x.exp() } else { x * a.unit_value }
+    }
+
+    /// Plain values of search numbers.
+    pub fn unpack(&self, x: &[f64]) -> Values {
+        let at = |k: usize| self.plain(k, x[k]);
+        let base = BaseValues { gain: at(0), tau_m: at(1), tau_e: at(2), viscous_share: at(3) };
+        let mut next = BASE_PARAMETERS;
+        let effects = self
+            .kinds
+            .iter()
+            .map(|kind| {
+                let n = kind.spec().parameters.len();
+                let parameters = (next..next + n).map(at).collect();
+                next += n;
+                (*kind, parameters)
+            })
+            .collect();
+        Values { base, effects }
+    }
+
+    /// Step for the derivative along axis `k` at `x`, turned inward at the upper bound.
+    pub fn step(&self, k: usize, x: f64) -> f64 {
+        let a = &self.axes[k];
+        let d = if k < BASE_PARAMETERS { a.delta } else { a.delta.max(a.delta * 2.0 * x.abs()) };
+        if x + d > a.high { -d } else { d }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_and_unpacking_are_inverse() {
+        let rig = Rig {
+            step_s: 1e-3,
+            gear_ratio: 50.0,
+            encoder_on_motor: true,
+            nominal_v: 12.0,
+            supply_v: 12.0,
+            reference_speed: 10.0,
+            count_rad: 1e-3,
+        };
+        let prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
+        let values = Values {
+            base: BaseValues { gain: 0.9, tau_m: 0.05, tau_e: 6e-4, viscous_share: 0.1 },
+            effects: vec![(Kind::Stribeck, vec![0.3, 0.2, 0.15]), (Kind::Delay, vec![0.004])],
+        };
+        let layout = Layout::new(&values.kinds(), &rig, &prior);
+        let back = layout.unpack(&layout.pack(&values));
+        for (a, b) in layout.pack(&values).iter().zip(layout.pack(&back)) {
+            assert!((a - b).abs() < 1e-12);
+        }
+        assert_eq!(layout.axes[4].name, "stribeck.level");
+    }
+}

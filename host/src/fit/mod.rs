@@ -1,0 +1,13 @@
+//! From records to parameters.
+//!
+//! The way of the data: [`grid`] lays records on the model's time grid; [`layout`] names the numbers that are
+//! searched; [`simulate`] runs eight candidates through a record; [`cost`] turns predictions into residuals;
+//! [`search`] makes them small.
+
+pub mod cost;
+pub mod grid;
+pub mod layout;
+pub mod search;
+pub mod setup;
+pub mod simulate;
+pub mod start;

@@ -1,0 +1,165 @@
+//! From records and what is known of the motor to a [`Problem`] and a first base model.
+
+use motorlens_shared::effects::Rig;
+
+use super::cost::Objective;
+use super::grid::{Grid, Quantity};
+use super::layout::{BaseValues, Layout, Prior, Values};
+use super::search::Problem;
+use super::simulate::{Block, LANES, predict_block};
+use crate::log::{EncoderShaft, Record, quantum as step_of};
+use crate::motor_file::MotorFile;
+
+/// Electrical time constant of small motors where nothing is known, s, and how sure that is.
+const USUAL_TAU_E: (f64, f64) = (7e-4, 0.8);
+/// Standard deviation of the logarithm of a time constant from a nameplate.
+const NAMEPLATE_WIDTH: f64 = 0.4;
+/// Viscous share of the damping of small geared motors, and its spread.
+const USUAL_VISCOUS_SHARE: (f64, f64) = (0.08, 0.05);
+
+/// The known part of a rig: what a motor file and the logs say.
+pub fn rig(records: &[Record], motor: &MotorFile) -> Rig {
+    let meta = |f: fn(&Record) -> Option<f64>| records.iter().find_map(f);
+    let gear_ratio = motor.gear_ratio.or_else(|| meta(|r| r.meta.gear_ratio())).unwrap_or(1.0);
+    let shaft = motor.encoder_shaft.or_else(|| records.iter().find_map(|r| r.meta.encoder_shaft()));
+    let counts = motor.counts_per_rev.or_else(|| meta(|r| r.meta.counts_per_rev()));
+    let peak =
+        records.iter().flat_map(|r| &r.voltage_v).fold(0.0_f64, |peak, v| peak.max(v.abs())).max(1e-3);
+    let nominal_v = motor.nameplate.voltage_v.unwrap_or(peak);
+    let mean_supply = records.iter().filter_map(|r| r.supply_v.as_ref()).flatten();
+    let (sum, n) = mean_supply.fold((0.0, 0_u32), |(s, n), v| (s + v, n + 1));
+    let supply_v = if n > 0 { sum / f64::from(n) } else { nominal_v.max(peak) };
+    let measured_count = records.iter().find_map(|r| step_of(r.angle_rad.as_ref()?));
+    let count_rad = counts.map(|c| std::f64::consts::TAU / c).or(measured_count).unwrap_or(1e-3);
+    Rig {
+        step_s: 1e-3,
+        gear_ratio,
+        encoder_on_motor: shaft.unwrap_or(EncoderShaft::Motor) == EncoderShaft::Motor,
+        nominal_v,
+        supply_v,
+        reference_speed: 1.0,
+        count_rad,
+    }
+}
+
+/// Beliefs about the base.
+pub fn prior(motor: &MotorFile) -> Prior {
+    let n = &motor.nameplate;
+    let from_parts = n.inductance_h.zip(n.resistance_ohm).map(|(l, r)| l / r);
+    let tau_e = n.electrical_time_constant_s.or(from_parts);
+    Prior {
+        tau_e: tau_e.map_or(USUAL_TAU_E, |t| (t, NAMEPLATE_WIDTH)),
+        viscous_share: USUAL_VISCOUS_SHARE,
+    }
+}
+
+/// The step of a record's main column: the encoder's count where it is known, else what the data show.
+pub fn quantum(record: &Record, rig: &Rig, counts_known: bool) -> f64 {
+    match (&record.angle_rad, &record.speed_rad_s) {
+        (Some(_), _) if counts_known => rig.count_rad,
+        (Some(angle), _) => step_of(angle).unwrap_or(0.0),
+        (None, Some(speed)) => step_of(speed).unwrap_or(0.0),
+        (None, None) => 0.0,
+    }
+}
+
+/// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
+pub fn reading_noise(grids: &[Grid]) -> f64 {
+    let each = grids.iter().map(|g| if g.quantum > 0.0 { g.quantum / 12.0_f64.sqrt() } else { scatter(&g.measured) });
+    let mut all: Vec<f64> = each.collect();
+    all.sort_by(f64::total_cmp);
+    all[all.len() / 2].max(1e-9)
+}
+
+/// Robust scatter of second differences, which smooth motion does not have.
+fn scatter(y: &[f64]) -> f64 {
+    let mut d: Vec<f64> = y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    d.sort_by(f64::total_cmp);
+    let range = y.iter().fold(f64::MIN, |a, b| a.max(*b)) - y.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let median = d.get(d.len() / 2).copied().unwrap_or(0.0);
+    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-5 * range)
+}
+
+/// The problem of fitting `records`, and a base model to start from.
+///
+/// The rig's reference speed is set from the data, so that bounds and sizes fit this motor.
+pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
+    let mut rig = rig(records, motor);
+    let counts_known =
+        motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
+    let grids: Vec<Grid> =
+        records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
+    if let Some(g) = grids.iter().find(|g| g.quantity == Quantity::MeanSpeed) {
+        if !counts_known {
+            rig.count_rad = g.quantum * g.interval_s;
+        }
+    }
+    let sigma = reading_noise(&grids);
+    let prior = prior(motor);
+    let base = first_base(&grids, &rig, &prior);
+    rig.reference_speed = base.gain * rig.nominal_v;
+    let mut problem = Problem { grids, rig, prior, sigma, simulations: std::cell::Cell::new(0) };
+    let start = Values { base, effects: Vec::new() };
+    problem.find_moving_starts(&start);
+    (problem, start)
+}
+
+impl Problem {
+    /// The same rig and noise, other records.
+    #[must_use]
+    pub fn on(&self, grids: Vec<Grid>) -> Self {
+        Self { grids, rig: self.rig, prior: self.prior, sigma: self.sigma, simulations: std::cell::Cell::new(0) }
+    }
+
+    /// Fits the base alone: increments first, then the error itself.
+    pub fn fit_base(&self, start: &Values) -> (Layout, Vec<f64>) {
+        let layout = Layout::new(&[], &self.rig, &self.prior);
+        let x = layout.pack(start);
+        let rough = self.search(&layout, Objective::Position, &x, 8, 1e-4);
+        let fine = self.search(&layout, Objective::Increments, &rough.x, 12, 1e-5);
+        (layout, fine.x)
+    }
+}
+
+/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.
+fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
+    let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
+    let layout = Layout::new(&[], &unit, prior);
+    let share = prior.viscous_share.0;
+    let mut best = (f64::MAX, BaseValues { gain: 1.0, tau_m: 0.05, tau_e: prior.tau_e.0, viscous_share: share });
+    let taus: Vec<f64> = (0..2 * LANES).map(|k| 0.004 * 1.45_f64.powi(k as i32)).collect();
+    let mut series: Vec<Block> = Vec::new();
+    for chunk in taus.chunks(LANES) {
+        let bases: Vec<BaseValues> = chunk
+            .iter()
+            .map(|tau| BaseValues { gain: 1.0, tau_m: *tau, tau_e: prior.tau_e.0, viscous_share: share })
+            .collect();
+        let xs: Vec<Vec<f64>> =
+            bases.iter().map(|b| layout.pack(&Values { base: *b, effects: Vec::new() })).collect();
+        let (mut yy, mut yp, mut pp) = (0.0, [0.0; LANES], [0.0; LANES]);
+        for grid in grids {
+            let still = Grid { start_speed: 0.0, ..grid.clone() };
+            predict_block(&layout, &xs, &unit, &still, &mut series);
+            let span = ((0.05 / grid.interval_s).round() as usize).max(1);
+            for k in 0..series.len().saturating_sub(span) {
+                let speed = grid.quantity != Quantity::Angle;
+                let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
+                let y = y - before;
+                yy += y * y;
+                for l in 0..LANES {
+                    let p = series[k + span].0[l] - if speed { 0.0 } else { series[k].0[l] };
+                    yp[l] += y * p;
+                    pp[l] += p * p;
+                }
+            }
+        }
+        for l in 0..chunk.len() {
+            let gain = yp[l] / pp[l].max(1e-300);
+            let left = yy - gain * yp[l];
+            if gain > 0.0 && left < best.0 {
+                best = (left, BaseValues { gain, ..bases[l] });
+            }
+        }
+    }
+    best.1
+}

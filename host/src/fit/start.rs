@@ -1,0 +1,96 @@
+//! How fast the motor turns when a record begins.
+//!
+//! Most records begin at rest, and then zero is exact. Whether one begins in motion shows in its first few
+//! milliseconds: by how much it moved, against how far a motor at rest would have come. The speed itself is
+//! fitted over the first time constants, in which it dies out.
+
+use super::grid::Grid;
+use super::layout::{Layout, Values};
+use super::search::Problem;
+use super::simulate::{Block, LANES, predict_block};
+
+/// The look at the first moments, s.
+const FIRST_LOOK_S: f64 = 8e-3;
+/// Displacements below this many counts are counting.
+const COUNTS: f64 = 3.0;
+/// The model may be wrong by this share of its own displacement.
+const MODEL_ERROR: f64 = 0.4;
+
+impl Problem {
+    /// Finds the records that begin in motion, and their first speeds under `model`.
+    pub fn find_moving_starts(&mut self, model: &Values) {
+        let layout = self.layout(&model.kinds());
+        let x = layout.pack(model);
+        let moving: Vec<bool> = self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
+        for (grid, moving) in self.grids.iter_mut().zip(moving) {
+            if grid.quantity == super::grid::Quantity::Angle {
+                grid.start_speed = if moving { f64::MIN_POSITIVE } else { 0.0 };
+            }
+        }
+        self.refine_starts(model);
+    }
+
+    /// Fits the first speeds of the records that begin in motion anew, under `model`.
+    pub fn refine_starts(&mut self, model: &Values) {
+        let layout = self.layout(&model.kinds());
+        let x = layout.pack(model);
+        for _ in 0..2 {
+            let speeds: Vec<f64> = self
+                .grids
+                .iter()
+                .map(|g| if g.start_speed == 0.0 { 0.0 } else { first_speed(self, &layout, &x, g) })
+                .collect();
+            for (grid, speed) in self.grids.iter_mut().zip(speeds) {
+                grid.start_speed = speed;
+            }
+        }
+    }
+}
+
+fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
+    let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
+    let still = Grid { start_speed: 0.0, ..first_samples(grid, k + 1) };
+    let mut series = Vec::new();
+    predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
+    let expected = series[k].0[0] - series[0].0[0];
+    let moved = grid.measured[k] - grid.measured[0];
+    (moved - expected).abs() > COUNTS * problem.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
+}
+
+/// Least squares over the first time constants; the angle's offset is free.
+fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
+    let tau = layout.plain(1, x[1]);
+    let until = grid.time_s[0] + (2.0 * tau).clamp(0.06, 0.6);
+    let n = grid.time_s.iter().take_while(|t| **t <= until).count().max(4).min(grid.len());
+    let part = first_samples(grid, n);
+    let delta = 0.02 * problem.rig.reference_speed;
+    let run = |speed: f64| -> Vec<f64> {
+        let mut series: Vec<Block> = Vec::new();
+        let grid = Grid { start_speed: speed, ..part.clone() };
+        predict_block(layout, &[x.to_vec()], &problem.rig, &grid, &mut series);
+        series.iter().map(|b| b.0[LANES - 1]).collect()
+    };
+    let (here, there) = (run(grid.start_speed), run(grid.start_speed + delta));
+    let residual: Vec<f64> = part.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
+    let slope: Vec<f64> = there.iter().zip(&here).map(|(a, b)| (a - b) / delta).collect();
+    let free_offset = grid.quantity == super::grid::Quantity::Angle;
+    let mean = |v: &[f64]| if free_offset { v.iter().sum::<f64>() / v.len() as f64 } else { 0.0 };
+    let (mr, ms) = (mean(&residual), mean(&slope));
+    let (mut above, mut below) = (0.0, 0.0);
+    for (r, s) in residual.iter().zip(&slope) {
+        above += (r - mr) * (s - ms);
+        below += (s - ms) * (s - ms);
+    }
+    let change = if below > 0.0 { above / below } else { 0.0 };
+    let limit = 2.0 * problem.rig.reference_speed;
+    (grid.start_speed + change).clamp(-limit, limit)
+}
+
+fn first_samples(grid: &Grid, n: usize) -> Grid {
+    let mut part = grid.clone();
+    part.time_s.truncate(n);
+    part.places.truncate(n);
+    part.measured.truncate(n);
+    part.skip = 0;
+    part
+}
