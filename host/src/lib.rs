@@ -1,10 +1,12 @@
 //! motorlens
 pub mod atomic_file;
+pub mod compare;
 pub mod diagnose;
 pub mod error;
 pub mod exam;
 pub mod fit;
 pub mod log;
+pub mod model_file;
 pub mod motor_file;
 pub mod search;
 pub mod simulate;

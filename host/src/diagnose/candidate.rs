@@ -59,6 +59,8 @@ impl Candidate {
 /// Records fitted and records kept out, as the diagnosis uses them.
 #[derive(Debug)]
 pub struct Evidence {
+    /// All records to learn from, whole.
+    pub whole: Problem,
     /// Fitted.
     pub train: Problem,
     /// Kept out.

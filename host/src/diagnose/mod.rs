@@ -2,5 +2,6 @@
 
 pub mod candidate;
 pub mod climb;
+pub mod discover;
 mod ripple;
 pub mod stage;

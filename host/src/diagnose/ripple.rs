@@ -31,10 +31,7 @@ pub fn starts(problem: &Problem, base: &BaseValues) -> Vec<Vec<f64>> {
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.truncate(3);
     // The weak form smooths a little: try the amplitude found and somewhat more.
-    found
-        .into_iter()
-        .flat_map(|(_, p)| [1.0, 1.6].map(|f| vec![-f * p[0], -f * p[1], p[2]]))
-        .collect()
+    found.into_iter().flat_map(|(_, p)| [1.0, 1.6].map(|f| vec![-f * p[0], -f * p[1], p[2]])).collect()
 }
 
 /// Torque that the base leaves over in windows of one record, and the angles measured there.
@@ -54,9 +51,8 @@ impl Leftover {
         let bump = bump_and_derivatives(n, grid.interval_s);
         let stride = (n / 6).max(1);
         let per_sample = (grid.interval_s / grid.step_s).round().max(1.0) as usize;
-        let volts: Vec<f64> = (0..grid.len())
-            .map(|k| grid.voltages.get(k * per_sample).copied().unwrap_or(0.0))
-            .collect();
+        let volts: Vec<f64> =
+            (0..grid.len()).map(|k| grid.voltages.get(k * per_sample).copied().unwrap_or(0.0)).collect();
         let windows = |x: &[f64], b: &[f64]| correlate(x, b, stride);
         // v = (tau_m / gain) w' + w / gain + (tau_m tau_e / gain) w'' + friction sign(w) + rest
         let y = &grid.measured;
@@ -112,9 +108,7 @@ fn correlate(x: &[f64], bump: &[f64], stride: usize) -> Vec<f64> {
 fn bump_and_derivatives(n: usize, interval: f64) -> [Vec<f64>; 4] {
     let half = interval * (n - 1) as f64 / 2.0;
     let at = |f: fn(f64) -> f64, power: i32| -> Vec<f64> {
-        (0..n)
-            .map(|k| f(2.0 * k as f64 / (n - 1) as f64 - 1.0) * interval / half.powi(power))
-            .collect()
+        (0..n).map(|k| f(2.0 * k as f64 / (n - 1) as f64 - 1.0) * interval / half.powi(power)).collect()
     };
     [
         at(|s| (1.0 - s * s).powi(4), 0),

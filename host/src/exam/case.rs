@@ -66,7 +66,7 @@ impl Case {
             words.push(format!("jitter {:.0} %", 100.0 * run.jitter));
         }
         let protocol = Programme::default_protocol(motor.nominal_v as f32);
-        let mut make = |programme: &Programme, again: u64| {
+        let make = |programme: &Programme, again: u64| {
             let mut plant = VirtualMotor::new(&motor, &effects, seed.wrapping_mul(31).wrapping_add(again));
             record(&mut plant, programme, rate, &run)
         };
@@ -88,9 +88,8 @@ impl Case {
 
 /// Plays `programme` and keeps what a log would hold.
 fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run) -> Record {
-    let volts: Vec<f64> = Player::new(programme, rate)
-        .map(|player| player.map(f64::from).collect())
-        .unwrap_or_default();
+    let volts: Vec<f64> =
+        Player::new(programme, rate).map(|player| player.map(f64::from).collect()).unwrap_or_default();
     let made = plant.record(&volts, run);
     Record {
         name: programme.name.as_str().into(),

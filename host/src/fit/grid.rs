@@ -208,7 +208,8 @@ mod tests {
 
     #[test]
     fn every_volt_second_is_kept_under_jitter() {
-        let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.02 + 0.004 * f64::sin(f64::from(k * k))).collect();
+        let times: Vec<f64> =
+            (0..500).map(|k| f64::from(k) * 0.02 + 0.004 * f64::sin(f64::from(k * k))).collect();
         let volts: Vec<f64> = (0..500).map(|k| f64::from(k % 7) - 3.0).collect();
         let truth: f64 = (0..499).map(|k| volts[k] * (times[k + 1] - times[k])).sum();
         let record = record(times, volts);

@@ -174,8 +174,7 @@ impl Problem {
             *x = x.clamp(a.low, a.high);
         }
         let mut damping = 1e-3;
-        let (mut cost, mut gradient, mut curvature, mut count) =
-            self.linearise(layout, objective, &x, &free);
+        let (mut cost, mut gradient, mut curvature, mut count) = self.linearise(layout, objective, &x, &free);
         for round in 0..iterations {
             let trials: Vec<Vec<f64>> = (0..LANES)
                 .map(|l| damped_step(layout, &x, &free, &gradient, &curvature, damping * DAMPINGS[l]))

@@ -7,7 +7,8 @@ use super::grid::{Grid, Quantity};
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
-use crate::log::{EncoderShaft, Record, quantum as step_of};
+use crate::log::quantum::quantum as step_of;
+use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
 
 /// Electrical time constant of small motors where nothing is known, s, and how sure that is.
@@ -23,8 +24,7 @@ pub fn rig(records: &[Record], motor: &MotorFile) -> Rig {
     let gear_ratio = motor.gear_ratio.or_else(|| meta(|r| r.meta.gear_ratio())).unwrap_or(1.0);
     let shaft = motor.encoder_shaft.or_else(|| records.iter().find_map(|r| r.meta.encoder_shaft()));
     let counts = motor.counts_per_rev.or_else(|| meta(|r| r.meta.counts_per_rev()));
-    let peak =
-        records.iter().flat_map(|r| &r.voltage_v).fold(0.0_f64, |peak, v| peak.max(v.abs())).max(1e-3);
+    let peak = records.iter().flat_map(|r| &r.voltage_v).fold(0.0_f64, |peak, v| peak.max(v.abs())).max(1e-3);
     let nominal_v = motor.nameplate.voltage_v.unwrap_or(peak);
     let mean_supply = records.iter().filter_map(|r| r.supply_v.as_ref()).flatten();
     let (sum, n) = mean_supply.fold((0.0, 0_u32), |(s, n), v| (s + v, n + 1));
@@ -47,10 +47,7 @@ pub fn prior(motor: &MotorFile) -> Prior {
     let n = &motor.nameplate;
     let from_parts = n.inductance_h.zip(n.resistance_ohm).map(|(l, r)| l / r);
     let tau_e = n.electrical_time_constant_s.or(from_parts);
-    Prior {
-        tau_e: tau_e.map_or(USUAL_TAU_E, |t| (t, NAMEPLATE_WIDTH)),
-        viscous_share: USUAL_VISCOUS_SHARE,
-    }
+    Prior { tau_e: tau_e.map_or(USUAL_TAU_E, |t| (t, NAMEPLATE_WIDTH)), viscous_share: USUAL_VISCOUS_SHARE }
 }
 
 /// The step of a record's main column: the encoder's count where it is known, else what the data show.
@@ -65,7 +62,9 @@ pub fn quantum(record: &Record, rig: &Rig, counts_known: bool) -> f64 {
 
 /// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
 pub fn reading_noise(grids: &[Grid]) -> f64 {
-    let each = grids.iter().map(|g| if g.quantum > 0.0 { g.quantum / 12.0_f64.sqrt() } else { scatter(&g.measured) });
+    let each = grids
+        .iter()
+        .map(|g| if g.quantum > 0.0 { g.quantum / 12.0_f64.sqrt() } else { scatter(&g.measured) });
     let mut all: Vec<f64> = each.collect();
     all.sort_by(f64::total_cmp);
     all[all.len() / 2].max(1e-9)
@@ -87,8 +86,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
-    let grids: Vec<Grid> =
-        records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
+    let grids: Vec<Grid> = records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
     if let Some(g) = grids.iter().find(|g| g.quantity == Quantity::MeanSpeed) {
         if !counts_known {
             rig.count_rad = g.quantum * g.interval_s;
@@ -108,7 +106,19 @@ impl Problem {
     /// The same rig and noise, other records.
     #[must_use]
     pub fn on(&self, grids: Vec<Grid>) -> Self {
-        Self { grids, rig: self.rig, prior: self.prior, sigma: self.sigma, simulations: std::cell::Cell::new(0) }
+        Self {
+            grids,
+            rig: self.rig,
+            prior: self.prior,
+            sigma: self.sigma,
+            simulations: std::cell::Cell::new(0),
+        }
+    }
+
+    /// The same problem with its count of passes at zero.
+    #[must_use]
+    pub fn clone_without_count(&self) -> Self {
+        self.on(self.grids.clone())
     }
 
     /// Fits the base alone: increments first, then the error itself.
@@ -126,7 +136,8 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
     let share = prior.viscous_share.0;
-    let mut best = (f64::MAX, BaseValues { gain: 1.0, tau_m: 0.05, tau_e: prior.tau_e.0, viscous_share: share });
+    let mut best =
+        (f64::MAX, BaseValues { gain: 1.0, tau_m: 0.05, tau_e: prior.tau_e.0, viscous_share: share });
     let taus: Vec<f64> = (0..2 * LANES).map(|k| 0.004 * 1.45_f64.powi(k as i32)).collect();
     let mut series: Vec<Block> = Vec::new();
     for chunk in taus.chunks(LANES) {

@@ -56,8 +56,7 @@ fn predict<S: Scalar<Element = f64>>(
     for cell in 0..grid.voltages.len() {
         simulator.advance(&mut motion, &grid.voltages, cell);
         let after = simulator.read(&motion);
-        let slope_after =
-            if rig.encoder_on_motor { motion.state.speed } else { motion.state.load_speed };
+        let slope_after = if rig.encoder_on_motor { motion.state.speed } else { motion.state.load_speed };
         while let Some((k, place)) = samples.next_if(|(_, p)| p.cell == cell) {
             let reading = if place.part == 1.0 {
                 after

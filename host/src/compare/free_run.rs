@@ -1,0 +1,79 @@
+//! The model on its own over a whole record.
+//!
+//! Only the state at the start is taken from the measurement: the first angle, which is known to within one
+//! encoder count and is placed within that count, and the first speed where the record begins in motion. From there
+//! on the run is never tied to the measurement again.
+
+use super::measures::{Measures, Sums};
+use crate::fit::grid::Quantity;
+use crate::fit::layout::{Layout, Values};
+use crate::fit::search::Problem;
+use crate::fit::simulate::predict_one;
+
+/// A measured record and the run beside it.
+#[derive(Debug, Clone)]
+pub struct FreeRun {
+    /// Name of the record.
+    pub record: String,
+    /// Sample times, s.
+    pub time_s: Vec<f64>,
+    /// Measured values.
+    pub measured: Vec<f64>,
+    /// Simulated values.
+    pub simulated: Vec<f64>,
+    /// Voltage held at each sample, V.
+    pub voltage_v: Vec<f64>,
+    /// What both are.
+    pub quantity: Quantity,
+}
+
+impl FreeRun {
+    /// Errors of this record.
+    pub fn measures(&self) -> Measures {
+        let mut sums = Sums::default();
+        sums.add(&self.time_s, &self.measured, &self.simulated);
+        sums.measures().unwrap_or_default()
+    }
+}
+
+/// Runs `values` over every record of `problem`.
+pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
+    let kinds = values.kinds();
+    let layout: Layout = problem.layout(&kinds);
+    let plain: Vec<f64> = layout.pack(values).iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect();
+    problem
+        .grids
+        .iter()
+        .map(|grid| {
+            let mut simulated = predict_one(&kinds, &plain, &problem.rig, grid);
+            if grid.quantity == Quantity::Angle {
+                let n = grid.len() as f64;
+                let mean = grid.measured.iter().zip(&simulated).map(|(y, p)| y - p).sum::<f64>() / n;
+                let within = mean.clamp(-grid.quantum, grid.quantum);
+                simulated.iter_mut().for_each(|p| *p += within);
+            }
+            let last = grid.voltages.len() - 1;
+            let held = |k: usize| {
+                let p = &grid.places[k];
+                grid.voltages[(if p.part == 1.0 { p.cell + 1 } else { p.cell }).min(last)]
+            };
+            FreeRun {
+                record: grid.name.clone(),
+                time_s: grid.time_s.clone(),
+                measured: grid.measured.clone(),
+                voltage_v: (0..grid.len()).map(held).collect(),
+                simulated,
+                quantity: grid.quantity,
+            }
+        })
+        .collect()
+}
+
+/// Errors over all of `runs` together.
+pub fn pooled(runs: &[FreeRun]) -> Option<Measures> {
+    let mut sums = Sums::default();
+    for run in runs {
+        sums.add(&run.time_s, &run.measured, &run.simulated);
+    }
+    sums.measures()
+}

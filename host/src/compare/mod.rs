@@ -1,0 +1,4 @@
+//! Model against measurement.
+
+pub mod free_run;
+pub mod measures;

@@ -1,0 +1,281 @@
+//! The loop by itself: fit, diagnose, add, until nothing is worth adding.
+
+use std::time::Instant;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::candidate::{Candidate, Evidence};
+use super::climb::{self, Climb};
+use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::measures::Measures;
+use crate::error::Result;
+use crate::fit::layout::Values;
+use crate::fit::search::Problem;
+use crate::fit::setup;
+use crate::log::{Record, repeats};
+use crate::model_file::{Model, Origin};
+use crate::motor_file::MotorFile;
+
+/// What is going on, for a progress bar.
+#[derive(Debug, Clone)]
+pub enum Progress {
+    /// An effect is being tried on the model of so many effects.
+    Trying {
+        /// Effects in the model so far.
+        depth: usize,
+        /// The effect on trial.
+        effect: Kind,
+    },
+    /// A rung of the ladder is fitted.
+    Rung(Rung),
+}
+
+/// What to look for.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Effects that may be added.
+    pub library: Vec<Kind>,
+    /// Most effects.
+    pub most: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { library: Kind::ALL.to_vec(), most: 4 }
+    }
+}
+
+/// A rung of the ladder.
+#[derive(Debug, Clone, Serialize)]
+pub struct Rung {
+    /// Effects in the model.
+    pub effects: Vec<Kind>,
+    /// Errors on the records fitted.
+    pub train: Measures,
+    /// Errors on unseen records; none where every record was fitted.
+    pub validation: Option<Measures>,
+}
+
+/// A candidate of the first diagnosis.
+#[derive(Debug, Clone, Serialize)]
+pub struct Ranked {
+    /// The effect.
+    pub effect: Kind,
+    /// Share of the error that it takes away, 0 ..= 1.
+    pub score: f64,
+    /// Errors on unseen records with it.
+    pub validation: Option<Measures>,
+    /// In plain words.
+    pub evidence: String,
+}
+
+/// Verdict of a discovery.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model leaves no more than noise.
+    Explained,
+    /// Something is left that the library does not explain.
+    Unexplained,
+    /// The data must be mended first.
+    BadData,
+}
+
+/// Everything a discovery found.
+#[derive(Debug)]
+pub struct Discovery {
+    /// Accepted effects in order.
+    pub effects: Vec<Kind>,
+    /// How it ends.
+    pub verdict: Verdict,
+    /// What a perfect model would leave, rms in the measured unit.
+    pub noise_floor: f64,
+    /// From the base model to the accepted one.
+    pub ladder: Vec<Rung>,
+    /// First diagnosis, best first.
+    pub candidates: Vec<Ranked>,
+    /// Sets that this data cannot tell apart.
+    pub rivals: Vec<Vec<Kind>>,
+    /// The model on all records.
+    pub model: Model,
+    /// Time taken, s.
+    pub seconds: f64,
+    /// Candidate passes through all records.
+    pub simulations: u64,
+    /// The search's own view, for whoever digs further.
+    pub evidence: Evidence,
+    /// The climb itself.
+    pub climb: Climb,
+}
+
+/// Runs the loop on `records`, judged by `validation` (or, without any, by the ends of the records).
+///
+/// # Errors
+/// Records that no fit can use.
+pub fn discover(
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+    options: &Options,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Discovery> {
+    let begun = Instant::now();
+    let (evidence, base) = prepare(records, validation, motor)?;
+    let whole = evidence.whole.clone_without_count();
+    let unseen = validation_problem(&evidence, validation);
+    let mut ladder: Vec<Rung> = Vec::new();
+    let told = std::cell::RefCell::new(progress);
+    let climb = climb::run(
+        &evidence,
+        base,
+        &options.library,
+        options.most,
+        &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
+        &mut |candidate| {
+            let rung = rung(&whole, unseen.as_ref(), &candidate.values());
+            (told.borrow_mut())(Progress::Rung(rung.clone()));
+            ladder.push(rung);
+        },
+    );
+    let effects = climb.model().kinds().to_vec();
+    let candidates = rank(&climb, unseen.as_ref());
+    let noise_floor = noise_floor(records, validation, &evidence.whole);
+    let origin = Origin {
+        motorlens: env!("CARGO_PKG_VERSION").into(),
+        records: records.iter().map(|r| r.name.clone()).collect(),
+        method: "discover".into(),
+        seed: None,
+    };
+    let model = Model::new(&climb.model().values(), &evidence.whole.rig, &evidence.whole.prior, origin);
+    Ok(Discovery {
+        verdict: verdict(&climb),
+        rivals: rivals(&climb),
+        effects,
+        noise_floor,
+        ladder,
+        candidates,
+        model,
+        seconds: begun.elapsed().as_secs_f64(),
+        simulations: evidence.simulations(),
+        evidence,
+        climb,
+    })
+}
+
+/// Share of a record that is fitted where nothing else is there to judge by.
+const FITTED_SHARE: f64 = 0.65;
+
+/// Lays out the records and fits the base model.
+///
+/// # Errors
+/// Records that no fit can use.
+pub fn prepare(
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+) -> Result<(Evidence, Candidate)> {
+    for record in records.iter().chain(validation) {
+        crate::log::check_usable(record)?;
+    }
+    let (whole, start) = setup::problem(records, motor);
+    let evidence = Evidence::new(whole, validation, motor);
+    let (layout, x) = evidence.train.fit_base(&start);
+    let base = evidence.fit(&layout.unpack(&x), 4);
+    Ok((evidence, base))
+}
+
+impl Evidence {
+    /// Splits what there is into records to fit and records to judge by.
+    pub fn new(whole: Problem, validation: &[Record], motor: &MotorFile) -> Self {
+        let (train, unseen) = if validation.is_empty() {
+            let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
+            let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
+            (whole.on(beginnings), whole.on(rests))
+        } else {
+            let (other, _) = setup::problem(validation, motor);
+            (whole.on(whole.grids.clone()), whole.on(other.grids))
+        };
+        Self { whole, train, unseen }
+    }
+}
+
+/// The validation records, where there are any.
+fn validation_problem(evidence: &Evidence, validation: &[Record]) -> Option<Problem> {
+    (!validation.is_empty()).then(|| evidence.unseen.clone_without_count())
+}
+
+fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
+    Rung {
+        effects: values.kinds(),
+        train: pooled(&free_runs(whole, values)).unwrap_or_default(),
+        validation: unseen.and_then(|u| pooled(&free_runs(u, values))),
+    }
+}
+
+/// The first stage in order, with the share of the base model's error that each takes away.
+fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
+    let base = &climb.rungs[0];
+    let mut first: Vec<&Candidate> = climb.first.iter().collect();
+    // The simplest of equals comes first, as it does when one is added.
+    if let Some(best) = climb::simplest(&climb.first) {
+        first.sort_by_key(|c| !std::ptr::eq(*c, best));
+    }
+    first
+        .into_iter()
+        .map(|c| {
+            let share = |new: f64, old: f64| 1.0 - new / old;
+            let score = share(c.train.increments, base.train.increments)
+                .min(share(c.unseen.increments, base.unseen.increments))
+                .clamp(0.0, 1.0);
+            let effect = c.kinds()[c.kinds().len() - 1];
+            Ranked {
+                effect,
+                score,
+                validation: unseen.and_then(|u| pooled(&free_runs(u, &c.values()))),
+                evidence: format!(
+                    "with {effect} the error falls to {:.0} % on the records fitted and to {:.0} % on unseen data",
+                    100.0 * c.train.increments / base.train.increments,
+                    100.0 * c.unseen.increments / base.unseen.increments
+                ),
+            }
+        })
+        .collect()
+}
+
+/// Effects of the first stage within this much merit of the accepted one are its rivals.
+const RIVAL: f64 = 0.10;
+
+fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
+    let Some(best) = climb::simplest(&climb.first) else { return Vec::new() };
+    if climb.rungs.len() < 2 {
+        return Vec::new();
+    }
+    let near = |c: &&Candidate| c.merit() <= best.merit() + RIVAL;
+    let mut set: Vec<Kind> =
+        climb.first.iter().filter(near).map(|c| c.kinds()[c.kinds().len() - 1]).collect();
+    set.sort_by_key(|k| Some(k) != best.kinds().last());
+    if set.len() > 1 { vec![set] } else { Vec::new() }
+}
+
+/// Near the noise, or with nothing of the library still helping: explained.
+fn verdict(climb: &Climb) -> Verdict {
+    const NEAR: f64 = 2.0;
+    let model = climb.model();
+    let at_floor = model.train.increments < NEAR && model.unseen.increments < NEAR;
+    if at_floor { Verdict::Explained } else { Verdict::Unexplained }
+}
+
+/// What a perfect model would leave: from a repeated programme where there is one, else from the counting.
+pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem) -> f64 {
+    let all: Vec<Record> = records.iter().chain(validation).cloned().collect();
+    let floors: Vec<f64> = repeats::find_repeats(&all)
+        .into_iter()
+        .filter_map(|(a, b)| repeats::noise_floor(&all[a], &all[b]))
+        .collect();
+    if floors.is_empty() {
+        problem.sigma
+    } else {
+        (floors.iter().map(|f| f * f).sum::<f64>() / floors.len() as f64).sqrt().max(problem.sigma)
+    }
+}
