@@ -25,6 +25,9 @@ impl<P, F, B, N, E, A, S, T: Pace> Pace for Parts<P, F, B, N, E, A, S, T> {
     fn now_us(&mut self) -> u32 {
         self.pace.now_us()
     }
+    fn cycles(&mut self) -> u32 {
+        self.pace.cycles()
+    }
     fn set_rate(&mut self, rate_hz: u16) {
         self.pace.set_rate(rate_hz);
     }

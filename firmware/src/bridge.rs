@@ -129,7 +129,7 @@ mod tests {
         let failing =
             PinStep::set(State::High).with_error(embedded_hal_mock::eh1::MockError::Io(ErrorKind::Other));
         let pin = |steps: &[PinStep]| Pin::new(steps);
-        let (low, high) = (PinStep::set(State::Low), PinStep::set(State::High));
+        let low = PinStep::set(State::Low);
         let pwm = [PwmStep::set_duty_cycle(0), PwmStep::max_duty_cycle(1000), PwmStep::set_duty_cycle(0)];
         let mut bridge = Bridge::new(
             Pwm::new(&pwm),
@@ -138,7 +138,6 @@ mod tests {
             pin(&[low.clone(), low]),
         );
         assert_eq!(bridge.apply(DriveMode::SignMagnitudeBrake, 100), 0);
-        drop(high);
         bridge.pwm.done();
         bridge.forward.done();
         bridge.backward.done();

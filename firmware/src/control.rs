@@ -21,6 +21,7 @@ pub struct Control<H: 'static> {
     heard_us: u32,
     duty: i16,
     ticks: u32,
+    worst_cycles: u32,
 }
 
 impl<H: Hardware> Control<H> {
@@ -44,11 +45,18 @@ impl<H: Hardware> Control<H> {
             heard_us: 0,
             duty: 0,
             ticks: 0,
+            worst_cycles: 0,
         }
     }
 
     /// One sampling instant. To be called [`Setup::rate_hz`] times a second, run or no run.
     pub fn tick(&mut self) {
+        let begin = self.hardware.cycles();
+        self.sample();
+        self.worst_cycles = self.worst_cycles.max(self.hardware.cycles().wrapping_sub(begin));
+    }
+
+    fn sample(&mut self) {
         // First, so that the instant of the count is the instant of the interrupt.
         let count = self.encoder.look(self.hardware.count());
         let now = self.hardware.now_us();
@@ -151,6 +159,7 @@ impl<H: Hardware> Control<H> {
             kept: 0,
             damaged: 0,
             reset: self.reset,
+            worst_cycles: self.worst_cycles,
         }
     }
 

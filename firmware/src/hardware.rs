@@ -39,6 +39,8 @@ impl Analog for NoAnalog {
 pub trait Pace {
     /// Microseconds since the start, wrapping.
     fn now_us(&mut self) -> u32;
+    /// The core's cycle counter, wrapping; 0 where there is none.
+    fn cycles(&mut self) -> u32;
     /// Calls the control so many times a second from now on.
     fn set_rate(&mut self, rate_hz: u16);
 }

@@ -104,7 +104,7 @@ mod tests {
     fn current_ends_the_run_only_when_it_stays() {
         let setup = Setup { current_limit_ma: 2000, ..Setup::default() };
         let spike = |ms: u32| Look {
-            current_ma: Some(if ms % 3 == 0 { 100 } else { -2500 }),
+            current_ma: Some(if ms.is_multiple_of(3) { 100 } else { -2500 }),
             count: ms as i32,
             ..MOVING
         };

@@ -96,8 +96,9 @@ fn answers_keep_their_bytes() {
         kept: 1004,
         damaged: 12,
         reset: Reset::Watchdog,
+        worst_cycles: 2900,
     };
-    golden(FromBoard::Status(status), "0bac0207020309a01fa02709ec070c01e1ce163d00");
+    golden(FromBoard::Status(status), "0bac0207020309a01fa0270bec070c01d41688180db500");
     golden(
         FromBoard::Progress(Progress { generation: 4, generations: 40, iae: 0.5 }),
         "06ac020804280101063f6b81b94f00",

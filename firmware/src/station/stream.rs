@@ -67,11 +67,9 @@ impl Stream {
     pub fn send<H: Hardware>(&mut self, outbox: &mut Outbox, control: &Shared<H>) {
         while outbox.has_room() {
             self.turn = !self.turn;
-            let sent = if self.turn {
-                self.send_again(outbox, control) || self.send_new(outbox, control)
-            } else {
-                self.send_new(outbox, control) || self.send_again(outbox, control)
-            };
+            let sent = (self.turn && self.send_again(outbox, control))
+                || self.send_new(outbox, control)
+                || self.send_again(outbox, control);
             if !sent {
                 return;
             }

@@ -1,30 +1,129 @@
-//! The motorlens firmware for STM32F4 boards.
+//! The motorlens firmware for STM32F4 boards: pins, timers and the interrupt; the logic is `motorlens-firmware`.
+//!
+//! | pin | what | wire to |
+//! |---|---|---|
+//! | PA8 | PWM, 20 kHz (TIM1) | the driver's PWM (or phase input: locked anti-phase) |
+//! | PB0, PB1 | direction forward, backward | the driver's IN1, IN2 |
+//! | PB10 | enable, high while driven | the driver's enable or standby, with a pull-down of 10 kOhm |
+//! | PA6, PA7 | encoder A, B (TIM3, every edge) | the encoder |
+//! | PB12 | emergency input, pulled up | a contact to ground that opens in an emergency; a jumper where there is none |
+//! | PA4 | supply, 1:11 | the divider (feature `supply-sense`) |
+//! | PA1 | current, 165 mV/A around 1.65 V | the amplifier (feature `current-sense`) |
+//! | PA2, PA3 | serial line to the host, 921,600 baud (USART2) | the debugger's port or a USB adapter |
 #![no_std]
 #![no_main]
 
+mod adc;
+mod line;
 mod panic;
+mod platform;
+mod pwm;
+mod timers;
 
+use core::cell::{Cell, RefCell};
+use core::mem::MaybeUninit;
+
+use adc::Sense;
+use cortex_m::peripheral::NVIC;
+use cortex_m::singleton;
 use cortex_m_rt::{entry, exception};
+use critical_section::Mutex;
 use defmt_rtt as _;
-use stm32f4xx_hal::{pac, prelude::*, rcc::Config, watchdog::IndependentWatchdog};
+use motorlens_firmware::Shared;
+use motorlens_firmware::board::Parts;
+use motorlens_firmware::bridge::Bridge;
+use motorlens_firmware::control::Control;
+use motorlens_firmware::log::Log;
+use motorlens_firmware::station::Station;
+use stm32f4xx_hal::gpio::{Input, Output, PB0, PB1, PB10, PB12};
+use stm32f4xx_hal::qei::Qei;
+use stm32f4xx_hal::serial::{Serial, config::Config as SerialConfig, config::DmaConfig};
+use stm32f4xx_hal::{interrupt, pac, prelude::*, rcc};
+use timers::{Counter, Timers};
+
+use crate::pwm::Pwm;
+
+/// The crystal's frequency, Hz.
+const CRYSTAL_HZ: u32 = if cfg!(feature = "blackpill-f411") { 25_000_000 } else { 8_000_000 };
+/// The core's frequency, Hz.
+const CORE_HZ: u32 = 84_000_000;
+/// The serial line's speed.
+const BAUD: u32 = 921_600;
+
+type Hardware = Parts<Pwm, PB0<Output>, PB1<Output>, PB10<Output>, Counter, Sense, PB12<Input>, Timers>;
+
+/// What the sampling interrupt works on, once it is there.
+static CONTROL: Mutex<Cell<Option<&'static Shared<Hardware>>>> = Mutex::new(Cell::new(None));
+
+/// Not cleared at the start, so that a log survives the watchdog. Any bytes are a valid log.
+#[unsafe(link_section = ".uninit.LOG")]
+static mut LOG: MaybeUninit<Log> = MaybeUninit::uninit();
 
 #[entry]
 fn main() -> ! {
+    platform::leave_for_bootloader_if_asked();
     let device = pac::Peripherals::take().expect("taken once");
-    let _rcc = device.RCC.freeze(Config::hse(8.MHz()).sysclk(84.MHz()));
-    let mut watchdog = IndependentWatchdog::new(device.IWDG);
-    watchdog.start(100.millis());
     let mut core = cortex_m::Peripherals::take().expect("taken once");
-    core.SYST.set_reload(84_000 - 1);
-    core.SYST.clear_current();
-    core.SYST.enable_counter();
-    core.SYST.enable_interrupt();
+    let reset = platform::reset_cause(&device.RCC);
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+
+    let clocks = rcc::Config::hse(CRYSTAL_HZ.Hz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+    let mut rcc = device.RCC.freeze(clocks);
+    let a = device.GPIOA.split(&mut rcc);
+    let b = device.GPIOB.split(&mut rcc);
+
+    let (_, (channel, ..)) = device.TIM1.pwm_hz(platform::PWM_HZ.Hz(), &mut rcc);
+    let pwm = Pwm::new(channel.with(a.pa8));
+    let (forward, backward) = (b.pb0.into_push_pull_output(), b.pb1.into_push_pull_output());
+    let bridge = Bridge::new(pwm, forward, backward, b.pb10.into_push_pull_output());
+    let hardware = Parts {
+        bridge,
+        encoder: Counter::new(Qei::new(device.TIM3, (a.pa6, a.pa7), &mut rcc)),
+        analog: Sense::new(device.ADC1, a.pa4.into_analog(), a.pa1.into_analog(), &mut rcc),
+        emergency: b.pb12.into_pull_up_input(),
+        pace: Timers::new(device.TIM4, device.TIM5, &mut rcc),
+    };
+    let serial = SerialConfig::default().baudrate(BAUD.bps()).dma(DmaConfig::TxRx);
+    let serial = Serial::new(device.USART2, (a.pa2, a.pa3), serial, &mut rcc).expect("the baud rate divides");
+    let mut line = line::DmaLine::new(serial, device.DMA1, &mut rcc);
+
+    // SAFETY: the only reference ever made to LOG; it consists of integers, so whatever the RAM holds is a value.
+    let log = unsafe { (*(&raw mut LOG)).assume_init_mut() };
+    let control = Mutex::new(RefCell::new(Control::new(hardware, log, reset)));
+    let control: &'static Shared<Hardware> = singleton!(: Shared<Hardware> = control).expect("made once");
+    let station = singleton!(: Station = Station::new()).expect("made once");
+    critical_section::with(|section| CONTROL.borrow(section).set(Some(control)));
+
+    // SAFETY: everything that the interrupt uses is in place.
+    unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
+    wake_every_millisecond(&mut core.SYST);
+    let mut platform = platform::Board::new(device.IWDG, control);
+    defmt::info!("motorlens {}: ready", env!("CARGO_PKG_VERSION"));
     loop {
-        watchdog.feed();
+        station.poll(&mut line, control, &mut platform);
         cortex_m::asm::wfi();
     }
 }
 
-/// Wakes the main loop every millisecond.
+/// The main loop must turn also where samples are rare.
+fn wake_every_millisecond(timer: &mut cortex_m::peripheral::SYST) {
+    timer.set_reload(CORE_HZ / 1000 - 1);
+    timer.clear_current();
+    timer.enable_counter();
+    timer.enable_interrupt();
+}
+
 #[exception]
 fn SysTick() {}
+
+/// The sampling instant.
+#[interrupt]
+fn TIM4() {
+    timers::acknowledge_sampling();
+    critical_section::with(|section| {
+        if let Some(control) = CONTROL.borrow(section).get() {
+            control.borrow_ref_mut(section).tick();
+        }
+    });
+}

@@ -10,19 +10,20 @@ use stm32f4xx_hal::pac;
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
-    defmt::error!("panic: {}", defmt::Display2Format(info));
+    // The place alone: the message would bring the whole of core's formatting into the image.
+    if let Some(place) = info.location() {
+        defmt::error!("panic at {}:{}", place.file(), place.line());
+    }
     loop {
         cortex_m::asm::nop();
     }
 }
 
-/// Clears TIM1's main output enable (MOE): its outputs fall to their idle level, which is low, whatever state the
-/// rest of the program is in.
-pub fn bridge_off() {
-    // SAFETY: a single-bit clear of a register that exists from reset on; interrupts are off or the caller owns TIM1.
+/// Pulls the enable pin and the direction pins low and takes the PWM's output away.
+fn bridge_off() {
+    // SAFETY: writes that only clear outputs, of registers that exist from reset on, with interrupts off.
     unsafe {
-        (*pac::TIM1::ptr())
-            .bdtr()
-            .modify(|_, w| w.moe().clear_bit())
-    };
+        (*pac::GPIOB::ptr()).bsrr().write(|w| w.br10().set_bit().br0().set_bit().br1().set_bit());
+        (*pac::TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
+    }
 }

@@ -40,6 +40,9 @@ impl Pace for Rig {
     fn now_us(&mut self) -> u32 {
         self.now_us
     }
+    fn cycles(&mut self) -> u32 {
+        0
+    }
     fn set_rate(&mut self, rate_hz: u16) {
         self.rate_hz = rate_hz;
     }

@@ -147,7 +147,8 @@ impl Plan {
             }
             Self::Multisine { peak_v, ref tones } => {
                 let sum: f32 = tones.iter().map(|tone| tone.volts(k)).sum();
-                sum.clamp(-peak_v, peak_v)
+                // Not clamp(): with limits unknown to the compiler its panic message needs float formatting.
+                sum.max(-peak_v).min(peak_v)
             }
             Self::Chirp { amplitude_v, turns, octaves } => {
                 let cycles = turns * (phase::exp2(octaves * u64::from(k)) - 1.0);

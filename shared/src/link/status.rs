@@ -29,7 +29,7 @@ impl DriveMode {
 /// Everything about a run but its programme. A limit of 0 is off where it says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setup {
-    /// Samples a second, Hz: 100 to 2000.
+    /// Samples a second, Hz: 100 to 2000, a whole number of microseconds apart.
     pub rate_hz: u16,
     /// How the bridge is driven.
     pub drive: DriveMode,
@@ -71,7 +71,7 @@ impl Default for Setup {
 /// Why a setup is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SetupFault {
-    /// The rate is outside 100 to 2000 Hz.
+    /// The rate is outside 100 to 2000 Hz or does not divide a million.
     Rate,
     /// The stated supply is zero.
     Supply,
@@ -94,7 +94,7 @@ impl Setup {
     /// The first field at fault.
     pub fn check(&self, log_samples: u32, measures_current: bool) -> Result<(), SetupFault> {
         let timeout_samples = u32::from(self.link_timeout_ms) * u32::from(self.rate_hz) / 1000;
-        if !(100..=2000).contains(&self.rate_hz) {
+        if !(100..=2000).contains(&self.rate_hz) || !1_000_000_u32.is_multiple_of(self.rate_hz.into()) {
             Err(SetupFault::Rate)
         } else if self.supply_mv == 0 {
             Err(SetupFault::Supply)
@@ -117,7 +117,7 @@ impl Setup {
 impl fmt::Display for SetupFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Rate => "the sampling rate must be 100 to 2000 Hz",
+            Self::Rate => "the sampling rate must be 100 to 2000 Hz and divide a million (100, 200, 250, 400, 500, 800, 1000, 2000, ...)",
             Self::Supply => "state the supply voltage",
             Self::DutyLimit => "the duty limit must be 0.001 to 1",
             Self::RunLimit => "the run limit must be more than 0 and at most an hour",
@@ -208,6 +208,8 @@ pub struct Status {
     pub damaged: u32,
     /// Why the board last started.
     pub reset: Reset,
+    /// Core cycles that the longest sampling interrupt took so far; 0 where nobody counts.
+    pub worst_cycles: u32,
 }
 
 #[cfg(test)]
@@ -220,6 +222,7 @@ mod tests {
         assert_eq!(good.check(1024, false), Ok(()));
         let bad = [
             (Setup { rate_hz: 99, ..good }, SetupFault::Rate),
+            (Setup { rate_hz: 300, ..good }, SetupFault::Rate),
             (Setup { supply_mv: 0, ..good }, SetupFault::Supply),
             (Setup { duty_limit: 1001, ..good }, SetupFault::DutyLimit),
             (Setup { run_limit_ms: 0, ..good }, SetupFault::RunLimit),

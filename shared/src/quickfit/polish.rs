@@ -112,12 +112,14 @@ fn solve(sweep: &Sweep, damping: f64) -> Option<Gradient> {
 
 /// The model one step further, within what the step map can represent.
 fn moved(model: &Model, change: &Gradient, step_s: f32, peak: f32) -> Model {
+    // Not the float's own clamp: its panic message would bring float formatting into the image.
+    let within = |value: f32, low: f32, high: f32| value.max(low).min(high);
     let grown = |value: f32, by: f64| value * libm::exp(by.clamp(-1.0, 1.0)) as f32;
     Model {
         gain: grown(model.gain, change[0]),
-        tau_m: grown(model.tau_m, change[1]).clamp(1e-3, 20.0),
-        tau_e: grown(model.tau_e, change[2]).clamp(step_s / 40.0, 0.2),
-        coulomb: (model.coulomb + change[FRICTION] as f32).clamp(0.0, peak),
+        tau_m: within(grown(model.tau_m, change[1]), 1e-3, 20.0),
+        tau_e: within(grown(model.tau_e, change[2]), step_s / 40.0, 0.2),
+        coulomb: within(model.coulomb + change[FRICTION] as f32, 0.0, peak),
         offset: model.offset + change[OFFSET] as f32,
     }
 }

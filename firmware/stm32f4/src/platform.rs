@@ -1,0 +1,103 @@
+//! Watchdog, identity, boot loader and the reasons for a start.
+
+use core::mem::MaybeUninit;
+
+use motorlens_firmware::Shared;
+use motorlens_firmware::station::Platform;
+use motorlens_shared::link::Reset;
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::signature::Uid;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use crate::Hardware;
+
+/// The PWM's frequency, Hz.
+pub const PWM_HZ: u32 = 20_000;
+/// The board starts anew when the main loop or the sampling interrupt stood still for so long. Preparing a programme of
+/// many multisines takes the larger part of it.
+const WATCHDOG_MS: u32 = 500;
+/// The chip's own boot loader.
+const SYSTEM_MEMORY: u32 = 0x1fff_0000;
+/// Asks for it across a reset; "boot".
+const ASKED: u32 = 0x626f_6f74;
+
+/// Not cleared at the start.
+#[unsafe(link_section = ".uninit.BOOT")]
+static mut BOOT: MaybeUninit<u32> = MaybeUninit::uninit();
+
+/// The board, for the main loop.
+pub struct Board {
+    watchdog: IndependentWatchdog,
+    control: &'static Shared<Hardware>,
+    ticks: u32,
+}
+
+impl Board {
+    /// Starts the watchdog.
+    pub fn new(watchdog: pac::IWDG, control: &'static Shared<Hardware>) -> Self {
+        let mut watchdog = IndependentWatchdog::new(watchdog);
+        watchdog.start(WATCHDOG_MS.millis());
+        Board { watchdog, control, ticks: 0 }
+    }
+}
+
+impl Platform for Board {
+    const CORE_HZ: u32 = crate::CORE_HZ;
+    const PWM_HZ: u32 = PWM_HZ;
+    const VERSION: [u8; 3] = [0, 1, 0];
+
+    fn unique(&self) -> [u8; 12] {
+        let uid = Uid::get();
+        let mut bytes = [0; 12];
+        bytes[0..2].copy_from_slice(&uid.x().to_le_bytes());
+        bytes[2..4].copy_from_slice(&uid.y().to_le_bytes());
+        bytes[4] = uid.waf_num();
+        let lot = uid.lot_num().as_bytes();
+        bytes[5..].copy_from_slice(&lot[..7]);
+        bytes
+    }
+
+    /// Feeds the watchdog, but only while the sampling interrupt comes too.
+    fn alive(&mut self) {
+        let ticks = critical_section::with(|section| self.control.borrow_ref(section).ticks());
+        if core::mem::replace(&mut self.ticks, ticks) != ticks {
+            self.watchdog.feed();
+        }
+    }
+
+    fn has_bootloader(&self) -> bool {
+        true
+    }
+
+    fn enter_bootloader(&mut self) {
+        // SAFETY: one word that nothing else uses; read only after the reset.
+        unsafe { (&raw mut BOOT).cast::<u32>().write_volatile(ASKED) };
+        cortex_m::peripheral::SCB::sys_reset();
+    }
+}
+
+/// Jumps to the boot loader when the program asked for it before the reset; the chip is as it is after one.
+pub fn leave_for_bootloader_if_asked() {
+    let place = (&raw mut BOOT).cast::<u32>();
+    // SAFETY: one word that nothing else uses. The jump goes to ST's boot loader, whose vector table stands there.
+    unsafe {
+        if place.read_volatile() == ASKED {
+            place.write_volatile(0);
+            cortex_m::asm::bootload(SYSTEM_MEMORY as *const u32);
+        }
+    }
+}
+
+/// Why the chip started; forgets it, so that the next start tells its own reason.
+pub fn reset_cause(rcc: &pac::RCC) -> Reset {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    if flags.wdgrstf().bit_is_set() {
+        Reset::Watchdog
+    } else if flags.sftrstf().bit_is_set() {
+        Reset::Software
+    } else {
+        Reset::PowerOn
+    }
+}
