@@ -1,8 +1,10 @@
 //! motorlens
 pub mod atomic_file;
+pub mod cli;
 pub mod compare;
 pub mod diagnose;
 pub mod error;
+pub mod estimate;
 pub mod exam;
 pub mod fit;
 pub mod log;

@@ -1,2 +1,5 @@
 //! The motorlens program.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    motorlens::cli::main()
+}

@@ -1,4 +1,13 @@
-//! Model against measurement.
+//! Model against measurement: free runs, their errors, and where the model fails.
 
+mod course;
+pub mod failure;
 pub mod free_run;
 pub mod measures;
+mod slices;
+mod stage;
+mod trace;
+
+pub use failure::{Bin, FailureMap, Slice, failure_map};
+pub use stage::problem_of;
+pub use trace::write_trace;

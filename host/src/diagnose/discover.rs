@@ -9,6 +9,7 @@ use super::candidate::{Candidate, Evidence};
 use super::climb::{self, Climb};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
+use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -122,6 +123,40 @@ pub fn discover(
 ) -> Result<Discovery> {
     let begun = Instant::now();
     let (evidence, base) = prepare(records, validation, motor)?;
+    Ok(explore(begun, records, validation, evidence, base, options, progress))
+}
+
+/// One step up from `model`, refitted to `records`: what it is missing.
+///
+/// # Errors
+/// Records that no fit can use.
+pub fn diagnose(
+    model: &Model,
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Discovery> {
+    let begun = Instant::now();
+    for record in validation {
+        crate::log::check_usable(record)?;
+    }
+    let evidence = Evidence::new(problem_of(model, records, motor)?, validation, motor);
+    let base = evidence.fit(&model.values(), 12);
+    let options = Options { most: 1, ..Options::default() };
+    Ok(explore(begun, records, validation, evidence, base, &options, progress))
+}
+
+/// The climb from `base`, and everything that is told about it.
+fn explore(
+    begun: Instant,
+    records: &[Record],
+    validation: &[Record],
+    evidence: Evidence,
+    base: Candidate,
+    options: &Options,
+    progress: &mut dyn FnMut(Progress),
+) -> Discovery {
     let whole = evidence.whole.clone_without_count();
     let unseen = validation_problem(&evidence, validation);
     let mut ladder: Vec<Rung> = Vec::new();
@@ -148,7 +183,7 @@ pub fn discover(
         seed: None,
     };
     let model = Model::new(&climb.model().values(), &evidence.whole.rig, &evidence.whole.prior, origin);
-    Ok(Discovery {
+    Discovery {
         verdict: verdict(&climb),
         rivals: rivals(&climb),
         effects,
@@ -160,7 +195,7 @@ pub fn discover(
         simulations: evidence.simulations(),
         evidence,
         climb,
-    })
+    }
 }
 
 /// Share of a record that is fitted where nothing else is there to judge by.

@@ -11,3 +11,4 @@ pub mod search;
 pub mod setup;
 pub mod simulate;
 pub mod start;
+pub mod uncertainty;

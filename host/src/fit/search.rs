@@ -42,7 +42,7 @@ pub struct Found {
 }
 
 /// Weight of the prior against residuals of one noise unit.
-const PRIOR_WEIGHT: f64 = 9.0;
+pub(super) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
     fn count_passes(&self, candidates: usize) {

@@ -1,0 +1,96 @@
+//! `add`: one effect more, and whether it is worth it.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::discover::unit;
+use super::input::LogArgs;
+use super::{Console, prose};
+use crate::error::Result;
+use crate::estimate::{Addition, add, effect_by_name};
+use crate::estimate::{Errors, Moved};
+use crate::fit::uncertainty::Estimate;
+use crate::model_file::Model;
+
+/// Options of `add`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The model to extend
+    model: PathBuf,
+    /// The effect to add (motorlens effects lists them)
+    effect: String,
+    #[command(flatten)]
+    input: LogArgs,
+    /// Write the new model here; without it the old one stays as it is
+    #[arg(long, value_name = "MODEL.json")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    effect: Kind,
+    worth_adding: bool,
+    why: &'a str,
+    effects: Vec<Kind>,
+    given: &'a Errors,
+    before: &'a Errors,
+    after: &'a Errors,
+    moved: &'a [Moved],
+    parameters: &'a [Estimate],
+}
+
+/// Adds, writes, tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let effect = effect_by_name(&args.effect)?;
+    let model = Model::read(&args.model)?;
+    let logs = args.input.load()?;
+    let done = add(&model, effect, &logs.records, &logs.validation, &logs.motor)?;
+    if let Some(path) = &args.out {
+        done.model.write(path)?;
+    }
+    let document = Document {
+        schema: 1,
+        effect,
+        worth_adding: done.worth,
+        why: &done.why,
+        effects: done.model.values().kinds(),
+        given: &done.given,
+        before: &done.before,
+        after: &done.after,
+        moved: &done.moved,
+        parameters: &done.parameters,
+    };
+    console.answer(&document, || story(&done, unit(&logs.records)));
+    if let Some(path) = &args.out {
+        console.say(format!("model: {}", path.display()));
+    }
+    Ok(())
+}
+
+fn story(done: &Addition, unit: &str) -> String {
+    let mut text = String::new();
+    for (name, errors) in
+        [("given", &done.given), ("refitted without it", &done.before), ("with it", &done.after)]
+    {
+        text += &format!("{}\n", prose::measures(name, &errors.train, unit));
+        if let Some(m) = &errors.validation {
+            text += &format!("{}\n", prose::measures("  on unseen records", m, unit));
+        }
+    }
+    text += &format!("\n{}\n\n", done.why);
+    for m in &done.moved {
+        text += &format!(
+            "{:<28} {:>11} -> {:<11} {}\n",
+            m.name,
+            prose::figure(m.before),
+            prose::figure(m.after),
+            m.unit
+        );
+    }
+    let new = &done.parameters[done.moved.len()..];
+    text + &prose::parameters(new)
+        + if done.worth { "" } else { "\nNot worth adding: unseen data do not confirm it." }
+}

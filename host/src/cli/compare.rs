@@ -1,0 +1,83 @@
+//! `compare`: model against measurement, and where it fails.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::input::{LogArgs, model_and_problem};
+use super::{Console, prose};
+use crate::compare::free_run::{FreeRun, free_runs, pooled};
+use crate::compare::measures::Measures;
+use crate::compare::{FailureMap, Slice, failure_map, write_trace};
+use crate::error::Result;
+use crate::log::Record;
+
+/// Options of `compare`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The model
+    model: PathBuf,
+    #[command(flatten)]
+    input: LogArgs,
+    /// Write the free runs here: record,time_s,measured,simulated
+    #[arg(long, value_name = "FILE.csv")]
+    trace: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    effects: Vec<Kind>,
+    unit: &'static str,
+    /// All records together.
+    pooled: Measures,
+    records: Vec<OfRecord>,
+    failures: Vec<Slice>,
+}
+
+#[derive(Serialize)]
+struct OfRecord {
+    record: String,
+    #[serde(flatten)]
+    measures: Measures,
+}
+
+/// Runs the model over every log, those of `--validate` too: nothing is fitted here.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let logs = args.input.load()?;
+    let all: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
+    let (model, problem) = model_and_problem(&args.model, &all, &logs.motor)?;
+    let runs = free_runs(&problem, &model.values());
+    if let Some(path) = &args.trace {
+        write_trace(path, &runs)?;
+    }
+    let map = failure_map(&runs, &problem.rig);
+    let together = pooled(&runs).unwrap_or_default();
+    let of = |run: &FreeRun| OfRecord { record: run.record.clone(), measures: run.measures() };
+    let document = Document {
+        schema: 1,
+        effects: model.values().kinds(),
+        unit: map.unit,
+        pooled: together,
+        records: runs.iter().map(of).collect(),
+        failures: map.slices.clone(),
+    };
+    console.answer(&document, || story(&document, &map));
+    if let Some(path) = &args.trace {
+        console.say(format!("trace: {}", path.display()));
+    }
+    Ok(())
+}
+
+fn story(document: &Document, map: &FailureMap) -> String {
+    let mut text = format!("{}, run freely over every record\n\n", prose::effects(&document.effects));
+    for r in &document.records {
+        text += &format!("{}\n", prose::measures(&r.record, &r.measures, map.unit));
+    }
+    text += &format!("{}\n\nwhere it fails, by\n", prose::measures("all", &document.pooled, map.unit));
+    for slice in &map.slices {
+        text += &format!("  {:<30} {}\n", slice.title, slice.reading);
+    }
+    text
+}

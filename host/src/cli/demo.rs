@@ -1,0 +1,108 @@
+//! `demo`: the whole loop on a motor with a hidden effect.
+
+use std::path::PathBuf;
+
+use clap::{Args as _, FromArgMatches};
+use serde::Serialize;
+
+use super::discover::{search, story, unit};
+use super::findings::Findings;
+use super::input::Logs;
+use super::{Console, prose};
+use crate::atomic_file;
+use crate::compare::failure_map;
+use crate::compare::free_run::free_runs;
+use crate::diagnose::discover::{Options, Rung};
+use crate::error::{Error, Result};
+use crate::estimate;
+use crate::log::{self, ReadArgs};
+use crate::simulate::{self, RevealArgs, SimulateArgs};
+
+/// Options of `demo`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Which hidden effects: any number
+    #[arg(long, value_name = "SEED", default_value_t = Args::default().hidden)]
+    hidden: u64,
+    /// Directory for logs, model and report
+    #[arg(long, value_name = "DIR", default_value = "motorlens-demo")]
+    out: PathBuf,
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        Self { hidden: 7, out: "motorlens-demo".into() }
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    truth: &'a [String],
+    found: &'a Findings,
+    model: PathBuf,
+    report: PathBuf,
+}
+
+/// Simulates, fits, compares, discovers, reveals, and writes the report.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    console.say(format!(
+        "1. A virtual motor with an effect picked by {}; logs go to {}.",
+        args.hidden,
+        args.out.display()
+    ));
+    let simulated = simulate::run(&simulation(args)?)?;
+    let reading = ReadArgs { motor: Some(simulated.motor.clone()), ..ReadArgs::default() };
+    let training = [simulated.training.as_slice(), &simulated.repeats].concat();
+    let logs = Logs {
+        records: log::load(&training, &reading)?,
+        validation: log::load(&simulated.held_out, &reading)?,
+        motor: reading.motor_file()?,
+    };
+
+    let (problem, base) = estimate::prepare(&logs.records, &logs.motor)?;
+    let map = failure_map(&free_runs(&problem, &base), &problem.rig);
+    console.say("2. The textbook model is fitted. Its error is made here:");
+    for slice in map.slices.iter().filter(|s| s.reading != "evenly spread") {
+        console.say(format!("   {:<30} {}", slice.title, slice.reading));
+    }
+
+    console.say("3. Every effect is tried on it; what unseen data confirm is added:");
+    let (found, findings) = search(&logs, &Options::default(), console)?;
+    console.say(story(&found, &findings, &logs.records));
+    let model = args.out.join("model.json");
+    found.model.write(&model)?;
+
+    let answer = simulate::reveal(&RevealArgs { directory: args.out.clone() })?;
+    console.say(format!("\n4. What was hidden: {}", prose::effects(&answer.sizes)));
+    if let Some(rung) = found.ladder.last() {
+        console.say(verdict(rung, found.noise_floor, unit(&logs.records)));
+    }
+    let report = args.out.join("report.json");
+    let text = serde_json::to_string_pretty(&findings)
+        .map_err(|e| Error::Io { doing: "cannot write the report".into(), source: e.into() })?;
+    atomic_file::write(&report, text)?;
+    let document =
+        Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
+    console.answer(&document, || format!("report: {}", report.display()));
+    Ok(())
+}
+
+fn verdict(rung: &Rung, floor: f64, unit: &str) -> String {
+    let unseen = rung.validation.unwrap_or(rung.train).rmse;
+    format!(
+        "   On unseen data the error is now {} {unit}, {:.2} times the noise floor.",
+        prose::figure(unseen),
+        unseen / floor.max(1e-12)
+    )
+}
+
+fn simulation(args: &Args) -> Result<SimulateArgs> {
+    let command = SimulateArgs::augment_args(clap::Command::new("simulate"));
+    let (out, hidden) = (args.out.clone().into_os_string(), args.hidden.to_string().into());
+    let words = ["simulate".into(), "--out".into(), out, "--hidden".into(), hidden];
+    command
+        .try_get_matches_from(words)
+        .and_then(|m| SimulateArgs::from_arg_matches(&m))
+        .map_err(|e| Error::usage(e.to_string(), "see motorlens demo --help"))
+}

@@ -1,0 +1,68 @@
+//! `diagnose`: which effects a model is missing.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+
+use super::discover::{or_bad_data, unit};
+use super::findings::Findings;
+use super::input::LogArgs;
+use super::{Console, prose, watch};
+use crate::diagnose::discover::{Discovery, Verdict, diagnose};
+use crate::error::Result;
+use crate::log::Record;
+use crate::model_file::Model;
+
+/// Options of `diagnose`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The model
+    model: PathBuf,
+    #[command(flatten)]
+    input: LogArgs,
+}
+
+/// Refits the model's own parameters, tries every effect on it, tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let model = or_bad_data(Model::read(&args.model), &[], console)?;
+    let logs = or_bad_data(args.input.load(), &[], console)?;
+    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let unit = unit(&logs.records);
+    let mut progress = watch::climb(console, &bar, unit);
+    let found = diagnose(&model, &logs.records, &logs.validation, &logs.motor, &mut progress);
+    bar.finish_and_clear();
+    let mut found = or_bad_data(found, &logs.records, console)?;
+    let own = model.values().kinds();
+    found.effects.retain(|k| !own.contains(k));
+    let all: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
+    let findings = Findings::new(&found, &all);
+    console.answer(&findings, || story(&found, &findings, unit));
+    Ok(())
+}
+
+fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
+    let mut text = String::new();
+    for (k, c) in found.candidates.iter().enumerate() {
+        let unseen = c
+            .validation
+            .map_or(String::new(), |v| format!("   unseen rmse {} {unit}", prose::figure(v.rmse)));
+        text += &format!("{:>2}. {:<20} {:>4.0} %{unseen}\n", k + 1, c.effect.name(), 100.0 * c.score);
+        text += &format!("      {}\n      look for: {}\n", c.evidence, c.effect.spec().signature);
+    }
+    text += match (found.effects.as_slice(), found.verdict) {
+        ([], Verdict::Explained) => "\nNothing is missing: the model leaves no more than noise.\n",
+        ([], _) => "\nNo effect of the library is worth adding.\n",
+        _ => "\nThe first is worth adding.\n",
+    };
+    for set in &found.rivals {
+        let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
+        text += &format!("These data cannot tell apart: {}.\n", names.join(", "));
+    }
+    if let Some(next) = &findings.next_experiment {
+        text += &format!("Next experiment: {}\n", next.why);
+    }
+    for fault in &findings.data_faults {
+        text += &format!("\ndata: {}: {}\n  do: {}\n", fault.place, fault.what, fault.fix);
+    }
+    text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
+}

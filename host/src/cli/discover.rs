@@ -1,0 +1,99 @@
+//! `discover`: the loop by itself.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+
+use super::findings::Findings;
+use super::input::{LogArgs, Logs};
+use super::{Console, prose, watch};
+use crate::diagnose::discover::{Discovery, Options, Verdict, discover};
+use crate::error::{Error, Result};
+use crate::fit::grid::Quantity;
+use crate::log::Record;
+
+/// Options of `discover`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub input: LogArgs,
+    /// Most effects to add
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
+    pub most: u8,
+    /// Write the model here
+    #[arg(long, value_name = "MODEL.json")]
+    pub out: Option<PathBuf>,
+}
+
+/// Runs the loop and tells what it found.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let logs = or_bad_data(args.input.load(), &[], console)?;
+    let options = Options { most: usize::from(args.most), ..Options::default() };
+    let (found, findings) = or_bad_data(search(&logs, &options, console), &logs.records, console)?;
+    if let Some(path) = &args.out {
+        found.model.write(path)?;
+    }
+    console.answer(&findings, || story(&found, &findings, &logs.records));
+    if let Some(path) = &args.out {
+        console.say(format!("model: {}", path.display()));
+    }
+    Ok(())
+}
+
+/// The climb on `logs`, watched.
+pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Discovery, Findings)> {
+    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let unit = unit(&logs.records);
+    let mut progress = watch::climb(console, &bar, unit);
+    let found = discover(&logs.records, &logs.validation, &logs.motor, options, &mut progress);
+    bar.finish_and_clear();
+    let found = found?;
+    let everything: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
+    let findings = Findings::new(&found, &everything);
+    Ok((found, findings))
+}
+
+/// A program that asked for findings gets the verdict `bad_data` with the error.
+pub fn or_bad_data<T>(result: Result<T>, records: &[Record], console: &Console) -> Result<T> {
+    if let (Err(error @ Error::BadInput(_)), true) = (&result, console.json()) {
+        console.answer(&Findings::bad_data(error, records), String::new);
+    }
+    result
+}
+
+/// The unit of what is measured.
+pub fn unit(records: &[Record]) -> &'static str {
+    let angle = records.first().is_some_and(|r| r.angle_rad.is_some());
+    if angle { Quantity::Angle.unit() } else { Quantity::Speed.unit() }
+}
+
+/// What was found, for people.
+pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
+    let unit = unit(records);
+    let mut text = String::new();
+    match (found.verdict, found.effects.as_slice()) {
+        (Verdict::Explained, []) => text += "Nothing is missing: the base model leaves no more than noise.\n",
+        (Verdict::Explained, effects) => {
+            text += &format!("Explained by {}: what is left is near the noise.\n", prose::effects(effects));
+        }
+        (_, []) => text += "Nothing of the library is worth adding, yet more than noise is left.\n",
+        (_, effects) => {
+            text += &format!("{} helps, but more than noise is left.\n", prose::effects(effects));
+        }
+    }
+    text += &format!("A perfect model would leave {} {unit} rms.\n\n", prose::figure(found.noise_floor));
+    text += &prose::parameters(&findings.parameters);
+    text += "what voltage and motion alone determine:\n";
+    text += &prose::parameters(&findings.combinations);
+    for set in &found.rivals {
+        let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
+        text += &format!("\nThese data cannot tell apart: {}.\n", names.join(", "));
+    }
+    if let Some(next) = &findings.next_experiment {
+        text += &format!("Next experiment: {}\n", next.why);
+    }
+    for fault in &findings.data_faults {
+        text += &format!("\ndata: {}: {}\n  do: {}\n", fault.place, fault.what, fault.fix);
+    }
+    text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
+}

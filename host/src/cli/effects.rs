@@ -1,0 +1,104 @@
+//! `effects`: the registry, for reading and for programs.
+
+use motorlens_shared::effects::{Kind, Port};
+use serde::Serialize;
+
+use super::Console;
+use crate::error::Result;
+use crate::estimate::effect_by_name;
+
+/// Options of `effects`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Tell all about these only
+    #[arg(value_name = "EFFECT")]
+    names: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    name: &'static str,
+    port: Port,
+    title: &'static str,
+    equation: &'static str,
+    source: &'static str,
+    signature: &'static str,
+    contains: &'static [&'static str],
+    parameters: Vec<Parameter>,
+}
+
+#[derive(Serialize)]
+struct Parameter {
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    /// Whether zero switches the effect off.
+    strength: bool,
+}
+
+#[derive(Serialize)]
+struct Registry {
+    schema: u32,
+    effects: Vec<Row>,
+}
+
+/// Lists the effects.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let kinds = match args.names.as_slice() {
+        [] => Kind::ALL.to_vec(),
+        names => names.iter().map(|n| effect_by_name(n)).collect::<Result<_>>()?,
+    };
+    let registry = Registry { schema: 1, effects: kinds.iter().map(|k| row(*k)).collect() };
+    console.list(&registry, || {
+        if args.names.is_empty() { table(&registry.effects) } else { pages(&registry.effects) }
+    });
+    Ok(())
+}
+
+fn row(kind: Kind) -> Row {
+    let spec = kind.spec();
+    let parameter = |p: &motorlens_shared::effects::Parameter| Parameter {
+        name: p.name,
+        unit: p.unit,
+        meaning: p.meaning,
+        strength: p.strength,
+    };
+    Row {
+        name: spec.name,
+        port: spec.port,
+        title: spec.title,
+        equation: spec.equation,
+        source: spec.source,
+        signature: spec.signature,
+        contains: spec.contains,
+        parameters: spec.parameters.iter().map(parameter).collect(),
+    }
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = String::new();
+    for row in rows {
+        text += &format!("{:<18} {:<12} {}\n", row.name, row.port.name(), row.title);
+    }
+    text + "\nmotorlens effects NAME tells the equation, the parameters and what to look for in data."
+}
+
+fn pages(rows: &[Row]) -> String {
+    let page = |row: &Row| {
+        let parameters: String = row
+            .parameters
+            .iter()
+            .map(|p| format!("  {:<14} {:<12} {}\n", p.name, p.unit, p.meaning))
+            .collect();
+        format!(
+            "{} ({}): {}\n  {}\n  in data: {}\n  source: {}\n{parameters}",
+            row.name,
+            row.port.name(),
+            row.title,
+            row.equation,
+            row.signature,
+            row.source
+        )
+    };
+    rows.iter().map(page).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,117 @@
+//! The document of `discover --json` and `diagnose --json`.
+
+use std::path::Path;
+
+use motorlens_shared::effects::Kind;
+use motorlens_shared::excitation::Programme;
+use serde::Serialize;
+
+use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::error::Error;
+use crate::estimate::combinations;
+use crate::fit::uncertainty::{Estimate, estimates};
+use crate::log::{Record, Warning, content_faults};
+
+/// Everything found, in the order of the published layout.
+#[derive(Debug, Serialize)]
+pub struct Findings {
+    schema: u32,
+    /// Accepted effects in order.
+    pub effects: Vec<Kind>,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// rms that a perfect model would leave.
+    pub noise_floor_rad: f64,
+    /// From the base model on.
+    pub ladder: Vec<Rung>,
+    /// First diagnosis, best first.
+    pub candidates: Vec<Ranked>,
+    /// Sets that the data cannot tell apart.
+    pub rivals: Vec<Vec<Kind>>,
+    /// What to run next.
+    pub next_experiment: Option<NextExperiment>,
+    /// What is odd about the logs.
+    pub data_faults: Vec<Warning>,
+    /// With 95 % intervals.
+    pub parameters: Vec<Estimate>,
+    /// What voltage and motion alone determine.
+    pub combinations: Vec<Estimate>,
+    /// Time taken.
+    pub seconds: f64,
+    /// Candidates simulated over all records.
+    pub simulations: u64,
+    /// Why nothing could be found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<serde_json::Value>,
+}
+
+/// An experiment that would settle what these data leave open.
+#[derive(Debug, Clone, Serialize)]
+pub struct NextExperiment {
+    /// What it would show.
+    pub why: String,
+    /// What to play.
+    pub programme: Programme,
+}
+
+impl Findings {
+    /// What a discovery on `records` found.
+    pub fn new(found: &Discovery, records: &[Record]) -> Self {
+        let values = found.model.values();
+        Self {
+            schema: 1,
+            effects: found.effects.clone(),
+            verdict: found.verdict,
+            noise_floor_rad: found.noise_floor,
+            ladder: found.ladder.clone(),
+            candidates: found.candidates.clone(),
+            rivals: found.rivals.clone(),
+            next_experiment: None,
+            data_faults: data_faults(records),
+            parameters: estimates(&found.evidence.whole, &values),
+            combinations: combinations(&found.evidence.whole, &values),
+            seconds: found.seconds,
+            simulations: found.simulations,
+            error: None,
+        }
+    }
+
+    /// Data that must be mended first.
+    pub fn bad_data(error: &Error, records: &[Record]) -> Self {
+        let mut faults = data_faults(records);
+        if let (Error::BadInput(fault), true) = (error, faults.is_empty()) {
+            let line = fault.line.map_or(String::new(), |l| format!(", line {l}"));
+            let column = fault.column.as_ref().map_or(String::new(), |c| format!(", column {c}"));
+            faults.push(Warning {
+                place: format!("{}{line}{column}", Path::new(&fault.file).display()),
+                what: fault.why.clone(),
+                fix: fault.remedy.clone(),
+            });
+        }
+        Self {
+            schema: 1,
+            effects: Vec::new(),
+            verdict: Verdict::BadData,
+            noise_floor_rad: 0.0,
+            ladder: Vec::new(),
+            candidates: Vec::new(),
+            rivals: Vec::new(),
+            next_experiment: None,
+            data_faults: faults,
+            parameters: Vec::new(),
+            combinations: Vec::new(),
+            seconds: 0.0,
+            simulations: 0,
+            error: error.to_json().get("error").cloned(),
+        }
+    }
+}
+
+/// What reader and judge of the logs found odd.
+pub fn data_faults(records: &[Record]) -> Vec<Warning> {
+    let of = |r: &Record| {
+        let faults: Vec<Warning> = content_faults(r).iter().map(|f| f.to_warning(r)).collect();
+        r.warnings.iter().cloned().chain(faults).collect::<Vec<_>>()
+    };
+    records.iter().flat_map(of).collect()
+}

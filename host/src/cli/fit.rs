@@ -1,0 +1,111 @@
+//! `fit`: parameters of a model with given effects.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::discover::unit;
+use super::input::LogArgs;
+use super::{Console, prose, watch};
+use crate::compare::measures::Measures;
+use crate::error::Result;
+use crate::estimate::{Fit, Method, Options, effect_by_name, fit};
+use crate::fit::uncertainty::Estimate;
+
+/// Options of `fit`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    input: LogArgs,
+    /// How to search
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
+    /// Effects of the model, separated by commas
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    effects: Vec<String>,
+    /// Chromosomes of the genetic algorithm
+    #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u16).range(2..=1024))]
+    population: u16,
+    /// Generations of the genetic algorithm
+    #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    generations: u32,
+    /// Seed of the genetic algorithm; the same seed gives the same answer
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write the model here
+    #[arg(long, value_name = "MODEL.json")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    method: Method,
+    effects: Vec<Kind>,
+    parameters: &'a [Estimate],
+    combinations: &'a [Estimate],
+    train: Measures,
+    validation: Option<Measures>,
+    objective_history: &'a [f64],
+    seed: u64,
+    evaluations: u64,
+    seconds: f64,
+}
+
+/// Fits, writes, tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let effects = args
+        .effects
+        .iter()
+        .filter(|n| *n != "none")
+        .map(|n| effect_by_name(n))
+        .collect::<Result<Vec<_>>>()?;
+    let options = Options {
+        method: args.method,
+        effects,
+        population: usize::from(args.population),
+        generations: args.generations,
+        seed: args.seed,
+    };
+    let logs = args.input.load()?;
+    let bar = watch::bar(console, u64::from(args.generations), "generations");
+    let fitted = fit(&logs.records, &logs.validation, &logs.motor, &options, &mut |generation, iae| {
+        bar.set_position(u64::from(generation));
+        bar.set_message(format!("IAE {}", prose::figure(iae)));
+    });
+    bar.finish_and_clear();
+    let fitted = fitted?;
+    if let Some(path) = &args.out {
+        fitted.model.write(path)?;
+    }
+    let document = Document {
+        schema: 1,
+        method: options.method,
+        effects: options.effects.clone(),
+        parameters: &fitted.parameters,
+        combinations: &fitted.combinations,
+        train: fitted.train,
+        validation: fitted.validation,
+        objective_history: &fitted.objective_history,
+        seed: options.seed,
+        evaluations: fitted.evaluations,
+        seconds: fitted.seconds,
+    };
+    console.answer(&document, || story(&fitted, &options, unit(&logs.records)));
+    if let Some(path) = &args.out {
+        console.say(format!("model: {}", path.display()));
+    }
+    Ok(())
+}
+
+fn story(fit: &Fit, options: &Options, unit: &str) -> String {
+    let mut text = format!("{}\n{}", prose::effects(&options.effects), prose::parameters(&fit.parameters));
+    text += "what voltage and motion alone determine:\n";
+    text += &prose::parameters(&fit.combinations);
+    text += &format!("\n{}\n", prose::measures("records fitted", &fit.train, unit));
+    if let Some(m) = &fit.validation {
+        text += &format!("{}\n", prose::measures("records kept out", m, unit));
+    }
+    text + &format!("{:.2} s, {} simulations", fit.seconds, fit.evaluations)
+}

@@ -1,0 +1,49 @@
+//! What most verbs begin with: logs, the motor file, models.
+
+use std::path::{Path, PathBuf};
+
+use crate::compare::problem_of;
+use crate::error::Result;
+use crate::fit::search::Problem;
+use crate::log::{self, ReadArgs, Record};
+use crate::model_file::Model;
+use crate::motor_file::MotorFile;
+
+/// Logs and how to read them.
+#[derive(Debug, clap::Args)]
+pub struct LogArgs {
+    /// Log files; each is one record
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadArgs,
+}
+
+/// Logs in memory.
+#[derive(Debug)]
+pub struct Logs {
+    /// To fit.
+    pub records: Vec<Record>,
+    /// To judge by.
+    pub validation: Vec<Record>,
+    /// What is known of the motor.
+    pub motor: MotorFile,
+}
+
+impl LogArgs {
+    /// Reads all logs.
+    pub fn load(&self) -> Result<Logs> {
+        Ok(Logs {
+            records: log::load(&self.logs, &self.reading)?,
+            validation: log::load_validation(&self.reading)?,
+            motor: self.reading.motor_file()?,
+        })
+    }
+}
+
+/// A model, and records laid out for it.
+pub fn model_and_problem(model: &Path, records: &[Record], motor: &MotorFile) -> Result<(Model, Problem)> {
+    let model = Model::read(model)?;
+    let problem = problem_of(&model, records, motor)?;
+    Ok((model, problem))
+}

@@ -1,0 +1,120 @@
+//! The command line: one file a verb, each thin. A verb reads its options, calls the library and hands the
+//! answer to the [`Console`], which knows whether a person or a program listens.
+//!
+//! To add a verb: a file with `Args` and `run`, its `mod` line, and its row in [`Verb`] and [`Verb::run`].
+
+mod add;
+mod compare;
+mod console;
+mod demo;
+mod diagnose;
+mod discover;
+mod effects;
+mod findings;
+mod fit;
+mod input;
+mod prose;
+mod simulate;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use console::Console;
+
+use crate::error::{Error, Result};
+
+/// Finds out what a motor model is missing: fit, compare, diagnose, add, and watch the error fall.
+#[derive(Debug, Parser)]
+#[command(name = "motorlens", version, arg_required_else_help = false)]
+struct Cli {
+    /// Print one JSON document on standard output and nothing else there
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print no progress and no prose, only errors
+    #[arg(long, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+/// What can be done.
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// The whole loop in seconds, on a simulated motor with a hidden effect (what runs without a verb)
+    Demo(demo::Args),
+    /// Make logs from the virtual motor, with effects that are named or hidden
+    Simulate(crate::simulate::SimulateArgs),
+    /// Tell which effects a simulation has
+    Reveal(crate::simulate::RevealArgs),
+    /// Find the parameters of a model with given effects
+    Fit(fit::Args),
+    /// Hold a model against measurements and show where it fails
+    Compare(compare::Args),
+    /// Rank the effects that a model is missing
+    Diagnose(diagnose::Args),
+    /// Add one effect to a model, refit, and show whether it is worth it
+    Add(add::Args),
+    /// The loop by itself: fit, diagnose, add, until nothing is worth adding
+    Discover(discover::Args),
+    /// List the effects: equations, parameters, units, signatures
+    Effects(effects::Args),
+}
+
+impl Verb {
+    fn run(&self, console: &Console) -> Result<()> {
+        match self {
+            Self::Demo(args) => demo::run(args, console),
+            Self::Simulate(args) => simulate::run(args, console),
+            Self::Reveal(args) => simulate::reveal(args, console),
+            Self::Fit(args) => fit::run(args, console),
+            Self::Compare(args) => compare::run(args, console),
+            Self::Diagnose(args) => diagnose::run(args, console),
+            Self::Add(args) => add::run(args, console),
+            Self::Discover(args) => discover::run(args, console),
+            Self::Effects(args) => effects::run(args, console),
+        }
+    }
+}
+
+/// Runs the program on the arguments of the process.
+///
+/// Exit status: 0 done, 2 wrong usage, 3 bad input, 4 the device, 1 the machine itself.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error),
+    };
+    let console = Console::new(cli.json, cli.quiet);
+    let verb = cli.verb.unwrap_or_else(|| Verb::Demo(demo::Args::default()));
+    match verb.run(&console) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            console.fail(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// What clap could not parse; help and version arrive here too.
+fn refuse(error: &clap::Error) -> ExitCode {
+    // A reader that has gone away needs no help text.
+    let _ = error.print();
+    if error.use_stderr() && std::env::args_os().any(|a| a == "--json") {
+        let text = error.render().to_string();
+        let why = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+        Console::new(true, true).fail(&Error::usage(why, "see motorlens --help"));
+    }
+    ExitCode::from(error.exit_code() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_options_of_all_verbs_are_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,23 @@
+//! Records laid out for a model that exists.
+
+use crate::error::Result;
+use crate::fit::search::Problem;
+use crate::fit::setup;
+use crate::log::{Record, check_usable};
+use crate::model_file::Model;
+use crate::motor_file::MotorFile;
+
+/// The records as `model` sees them: its own rig and beliefs, first speeds found under it.
+///
+/// # Errors
+/// Records that say nothing about a motor; see [`check_usable`].
+pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
+    for record in records {
+        check_usable(record)?;
+    }
+    let (mut problem, _) = setup::problem(records, motor);
+    problem.rig = model.rig(problem.rig.step_s);
+    problem.prior = model.prior();
+    problem.find_moving_starts(&model.values());
+    Ok(problem)
+}

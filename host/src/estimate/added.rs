@@ -1,0 +1,137 @@
+//! One more effect in a model that exists: what it changes, and whether it is worth its parameters.
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::{check_effects, fast, unseen};
+use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::measures::Measures;
+use crate::compare::problem_of;
+use crate::diagnose::candidate::Evidence;
+use crate::diagnose::climb::worth;
+use crate::diagnose::stage::{self, Effort};
+use crate::error::{Error, Result};
+use crate::fit::layout::Values;
+use crate::fit::uncertainty::{Estimate, estimates};
+use crate::log::{Record, check_usable};
+use crate::model_file::{Model, Origin};
+use crate::motor_file::MotorFile;
+
+/// Errors of one model.
+#[derive(Debug, Clone, Serialize)]
+pub struct Errors {
+    /// On the records fitted.
+    pub train: Measures,
+    /// On records kept out, where there are any.
+    pub validation: Option<Measures>,
+}
+
+/// A parameter before and after.
+#[derive(Debug, Clone, Serialize)]
+pub struct Moved {
+    /// Its name.
+    pub name: String,
+    /// Unit of both values.
+    pub unit: String,
+    /// In the model given.
+    pub before: f64,
+    /// In the model with the effect.
+    pub after: f64,
+}
+
+/// What adding an effect did.
+#[derive(Debug)]
+pub struct Addition {
+    /// The effect.
+    pub effect: Kind,
+    /// It lowers the error enough, on the records fitted and on unseen ones.
+    pub worth: bool,
+    /// The same in words.
+    pub why: String,
+    /// The model as it was given.
+    pub given: Errors,
+    /// The same effects, refitted to these records: what the new effect is held against.
+    pub before: Errors,
+    /// With the effect.
+    pub after: Errors,
+    /// The old parameters.
+    pub moved: Vec<Moved>,
+    /// All parameters of the new model.
+    pub parameters: Vec<Estimate>,
+    /// The new model.
+    pub model: Model,
+}
+
+/// Adds `effect` to `model`, refits everything to `records`, and judges by `validation` or, without any, by the
+/// ends of the records.
+///
+/// # Errors
+/// An effect that the model has already or cannot have; records that no fit can use.
+pub fn add(
+    model: &Model,
+    effect: Kind,
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+) -> Result<Addition> {
+    let values = model.values();
+    if values.kinds().contains(&effect) {
+        let remedy = "motorlens diagnose shows what else is missing";
+        return Err(Error::usage(format!("the model has {effect} already"), remedy));
+    }
+    check_effects(&[values.kinds(), vec![effect]].concat())?;
+    for record in validation {
+        check_usable(record)?;
+    }
+    let problem = problem_of(model, records, motor)?;
+    let all = fast::all_of(&problem);
+    let evidence = Evidence::new(problem, validation, motor);
+
+    let old = evidence.fit(&values, 12);
+    let new = stage::run(&evidence, &old, &[effect], Effort::FULL, &mut |_| ()).into_iter().next();
+    let new = new.ok_or_else(|| Error::usage(format!("{effect} cannot be added"), "take another effect"))?;
+    let better = worth(&new, &old);
+
+    let (old_whole, new_whole) = (all.fit(&old.values(), 8).values(), all.fit(&new.values(), 8).values());
+    let errors = |v: &Values| Errors {
+        train: pooled(&free_runs(&all.whole, v)).unwrap_or_default(),
+        validation: if validation.is_empty() { None } else { unseen(&all.whole, validation, motor, v) },
+    };
+    let share = |a: f64, b: f64| 100.0 * a / b.max(1e-300);
+    let why = format!(
+        "with {effect} the error's increments fall to {:.0} % on the records fitted and to {:.0} % on unseen data{}",
+        share(new.train.increments, old.train.increments),
+        share(new.unseen.increments, old.unseen.increments),
+        if better { "" } else { "; that is not worth its parameters" }
+    );
+    let origin = Origin {
+        motorlens: env!("CARGO_PKG_VERSION").into(),
+        records: records.iter().map(|r| r.name.clone()).collect(),
+        method: format!("add {effect}"),
+        seed: None,
+    };
+    let parameters = estimates(&all.whole, &new_whole);
+    let before = estimates_of(&all.whole.layout(&values.kinds()), &values);
+    let moved = before
+        .into_iter()
+        .zip(&parameters)
+        .map(|((name, before), after)| Moved { name, unit: after.unit.clone(), before, after: after.value })
+        .collect();
+    Ok(Addition {
+        effect,
+        worth: better,
+        why,
+        given: errors(&values),
+        before: errors(&old_whole),
+        after: errors(&new_whole),
+        moved,
+        parameters,
+        model: Model::new(&new_whole, &all.whole.rig, &all.whole.prior, origin),
+    })
+}
+
+/// Names and plain values, in the layout's order.
+fn estimates_of(layout: &crate::fit::layout::Layout, values: &Values) -> Vec<(String, f64)> {
+    let x = layout.pack(values);
+    layout.axes.iter().enumerate().map(|(k, a)| (a.name.clone(), layout.plain(k, x[k]))).collect()
+}

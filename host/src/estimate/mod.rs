@@ -1,0 +1,211 @@
+//! Parameters of a model whose effects are given, by one of four methods.
+
+mod added;
+mod combinations;
+mod fast;
+mod genetic;
+mod start;
+
+use std::time::Instant;
+
+use motorlens_shared::effects::Kind;
+use motorlens_shared::simulator::MAX_EFFECTS;
+
+pub use added::{Addition, Errors, Moved, add};
+pub use combinations::combinations;
+pub use start::prepare;
+
+use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::measures::Measures;
+use crate::error::{Error, Result};
+use crate::fit::layout::Values;
+use crate::fit::search::Problem;
+use crate::fit::setup;
+use crate::fit::uncertainty::{Estimate, estimates};
+use crate::log::{Record, check_usable};
+use crate::model_file::{Model, Origin};
+use crate::motor_file::MotorFile;
+
+/// How parameters are searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Levenberg-Marquardt from probed starts, seconds at most
+    #[default]
+    Fast,
+    /// The genetic algorithm on the summed IAE
+    Ga,
+    /// Nonlinear least squares from the nameplate, as a textbook does it
+    Conventional,
+    /// The genetic algorithm exactly as in the paper; the linear model only
+    Paper,
+}
+
+/// What to fit, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Search.
+    pub method: Method,
+    /// Effects of the model, in order.
+    pub effects: Vec<Kind>,
+    /// Chromosomes of the genetic algorithm.
+    pub population: usize,
+    /// Its generations.
+    pub generations: u32,
+    /// Its seed.
+    pub seed: u64,
+}
+
+/// A fitted model and how good it is.
+#[derive(Debug)]
+pub struct Fit {
+    /// The model.
+    pub model: Model,
+    /// Its parameters with 95 % intervals.
+    pub parameters: Vec<Estimate>,
+    /// What voltage and motion alone determine.
+    pub combinations: Vec<Estimate>,
+    /// Errors on the records fitted.
+    pub train: Measures,
+    /// Errors on the records kept out.
+    pub validation: Option<Measures>,
+    /// Best IAE of every generation; one number for methods without generations.
+    pub objective_history: Vec<f64>,
+    /// Candidates simulated over all records.
+    pub evaluations: u64,
+    /// The search alone, s.
+    pub seconds: f64,
+}
+
+/// What a method hands back.
+pub(crate) struct Searched {
+    pub values: Values,
+    pub history: Vec<f64>,
+    pub evaluations: u64,
+}
+
+/// Fits a model with `options.effects` to `records`. `progress` gets the generation and its best IAE.
+///
+/// # Errors
+/// Records that no fit can use; too many effects; a method that cannot have effects.
+pub fn fit(
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+    options: &Options,
+    progress: &mut dyn FnMut(u32, f64),
+) -> Result<Fit> {
+    check_effects(&options.effects)?;
+    let (problem, base) = prepare(records, motor)?;
+    for record in validation {
+        check_usable(record)?;
+    }
+    let begun = Instant::now();
+    let searched = match options.method {
+        Method::Fast => fast::search(&problem, &base, &options.effects),
+        Method::Ga => genetic::search(&problem, &base, options, progress),
+        Method::Conventional | Method::Paper => {
+            return Err(Error::usage(
+                format!("--method {:?} has no effects yet", options.method),
+                "use --method fast or ga",
+            ));
+        }
+    };
+    let seconds = begun.elapsed().as_secs_f64();
+    let origin = Origin {
+        motorlens: env!("CARGO_PKG_VERSION").into(),
+        records: records.iter().map(|r| r.name.clone()).collect(),
+        method: format!("fit {:?}", options.method).to_lowercase(),
+        seed: (options.method != Method::Fast).then_some(options.seed),
+    };
+    let model = Model::new(&searched.values, &problem.rig, &problem.prior, origin);
+    let mut fit = describe(&problem, &searched.values, model);
+    if !validation.is_empty() {
+        fit.validation = unseen(&problem, validation, motor, &searched.values);
+    }
+    (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
+    fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
+    Ok(fit)
+}
+
+/// Errors, intervals and combinations of `values` on `problem`.
+fn describe(problem: &Problem, values: &Values, model: Model) -> Fit {
+    let parameters = estimates(problem, values);
+    Fit {
+        model,
+        combinations: combinations(problem, values),
+        parameters,
+        train: pooled(&free_runs(problem, values)).unwrap_or_default(),
+        validation: None,
+        objective_history: Vec::new(),
+        evaluations: 0,
+        seconds: 0.0,
+    }
+}
+
+/// Errors on records that were kept out of the fit of `problem`.
+fn unseen(problem: &Problem, validation: &[Record], motor: &MotorFile, values: &Values) -> Option<Measures> {
+    let (other, _) = setup::problem(validation, motor);
+    pooled(&free_runs(&problem.on(other.grids), values))
+}
+
+/// The effect of that name.
+///
+/// # Errors
+/// Wrong usage that names the nearest effect.
+pub fn effect_by_name(name: &str) -> Result<Kind> {
+    Kind::by_name(name).ok_or_else(|| {
+        let nearest = Kind::ALL
+            .iter()
+            .map(|k| (strsim::damerau_levenshtein(name, k.name()), k.name()))
+            .min()
+            .filter(|(distance, known)| distance * 2 <= known.len());
+        let remedy = match nearest {
+            Some((_, known)) => format!("did you mean {known}? motorlens effects lists all"),
+            None => "motorlens effects lists all".to_owned(),
+        };
+        Error::usage(format!("no effect is called \"{name}\""), remedy)
+    })
+}
+
+/// Refuses sets of effects that no model can hold.
+///
+/// # Errors
+/// Wrong usage: too many, one twice, two transmissions.
+pub fn check_effects(effects: &[Kind]) -> Result<()> {
+    if effects.len() > MAX_EFFECTS {
+        let why = format!("{} effects, and at most {MAX_EFFECTS} work together", effects.len());
+        return Err(Error::usage(why, "leave out the least likely"));
+    }
+    for (k, effect) in effects.iter().enumerate() {
+        if effects[..k].contains(effect) {
+            return Err(Error::usage(format!("the effect {effect} is given twice"), "give each effect once"));
+        }
+    }
+    let mut transmissions = effects.iter().filter(|k| k.spec().load_share().is_some());
+    if let (Some(a), Some(b)) = (transmissions.next(), transmissions.next()) {
+        let why = format!("{a} and {b} both stand between rotor and load");
+        return Err(Error::usage(why, "take one of them"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_effect_is_answered_with_the_one_that_was_meant() {
+        assert!(effect_by_name("coulom").unwrap_err().to_string().contains("did you mean coulomb?"));
+        assert_eq!(effect_by_name("backlash").unwrap(), Kind::Backlash);
+        assert_eq!(effect_by_name("zzz").unwrap_err().exit_code(), 2);
+    }
+
+    #[test]
+    fn impossible_sets_of_effects_are_refused() {
+        check_effects(&[Kind::Coulomb, Kind::Backlash]).unwrap();
+        assert!(check_effects(&[Kind::Coulomb, Kind::Coulomb]).is_err());
+        assert!(check_effects(&[Kind::Compliance, Kind::Backlash]).is_err());
+        assert!(check_effects(&Kind::ALL[..7]).is_err());
+    }
+}
