@@ -39,26 +39,29 @@ type BaselineElement = Fused32;
 type BaselineElement = f32;
 
 impl Level {
+    /// Whether this processor has it. The answer is cached by the standard library.
+    #[must_use]
+    pub fn present(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        let (fused, wide) = (
+            is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq"),
+        );
+        #[cfg(not(target_arch = "x86_64"))]
+        let (fused, wide) = (false, false);
+        match self {
+            Self::Baseline => true,
+            Self::Avx2 => fused,
+            Self::Avx512 => fused && wide,
+        }
+    }
+
     /// The levels that this processor has, widest first. Never empty.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut levels = Vec::new();
-        #[cfg(target_arch = "x86_64")]
-        {
-            let fused = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            if fused
-                && is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512dq")
-            {
-                levels.push(Self::Avx512);
-            }
-            if fused {
-                levels.push(Self::Avx2);
-            }
-        }
-        levels.push(Self::Baseline);
-        levels
+        [Self::Avx512, Self::Avx2, Self::Baseline].into_iter().filter(|l| l.present()).collect()
     }
 
     /// The widest level of this processor.
@@ -80,8 +83,8 @@ impl Level {
     /// Runs `work` compiled for this level, or for the baseline where the processor lacks it.
     pub fn run<W: Work>(self, work: W) -> W::Output {
         #[cfg(target_arch = "x86_64")]
-        if self != Self::Baseline && Self::available().contains(&self) {
-            // SAFETY: the processor has the features, as just asked (the answer is cached).
+        if self != Self::Baseline && self.present() {
+            // SAFETY: the processor has the features, as just asked.
             return match self {
                 Self::Avx512 => unsafe { with_avx512(work) },
                 _ => unsafe { with_avx2(work) },
@@ -95,7 +98,7 @@ impl Level {
     /// The same in double precision, for searches of a few candidates at a time.
     pub fn run_double<W: Work>(self, work: W) -> W::Output {
         #[cfg(target_arch = "x86_64")]
-        if self != Self::Baseline && Self::available().contains(&self) {
+        if self != Self::Baseline && self.present() {
             // SAFETY: the processor has the features, as just asked.
             return unsafe { double_with_avx2(work) };
         }

@@ -124,15 +124,12 @@ impl<T: Laned> Filter<T> {
     #[must_use]
     pub fn gather(candidates: &[Filter<f64>]) -> Self {
         let last = candidates.len() - 1;
-        let pick = |field: fn(&Filter<f64>) -> f64| T::from_lanes(|lane| field(&candidates[lane.min(last)]));
-        Self {
-            gain: pick(|f| f.gain),
-            from_voltage: pick(|f| f.from_voltage),
-            from_sum: pick(|f| f.from_sum),
-            from_change: pick(|f| f.from_change),
-            restoring: pick(|f| f.restoring),
-            keeping: pick(|f| f.keeping),
+        macro_rules! lanes_of {
+            ($($field:ident),*) => {
+                Self { $($field: T::from_lanes(|lane| candidates[lane.min(last)].$field)),* }
+            };
         }
+        lanes_of!(gain, from_voltage, from_sum, from_change, restoring, keeping)
     }
 }
 

@@ -52,7 +52,8 @@ pub fn absolute_error<T: Laned>(filter: &Filter<T>, samples: &[Sample<T::Element
         for sample in block {
             sum += filter.error(&mut state, *sample).abs();
         }
-        flush(&sum, sums);
+        let finished = sum; // a copy: the running sum itself must stay in registers
+        flush(&finished, sums);
     }
 }
 

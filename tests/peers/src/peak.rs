@@ -1,0 +1,138 @@
+//! How many multiply-adds this processor does per second, measured, and what share of them the kernels use.
+
+use crate::clock::fastest;
+use crate::record;
+use motorlens::search::dispatch::{LANES, Level, Work};
+use motorlens::search::{Candidates, Records};
+use motorlens_shared::base::Base;
+use motorlens_shared::effects::{Kind as Effect, Rig};
+use motorlens_shared::linear::Laned;
+use motorlens_shared::motor::PaperMotor;
+use motorlens_shared::scalar::Scalar;
+use motorlens_shared::simulator::Simulator;
+use motorlens_shared::step::State;
+use std::hint::black_box;
+
+/// Chains that do not wait for each other: enough to fill two units of four cycles' latency with 8-lane vectors.
+const CHAINS: usize = 6;
+const TURNS: usize = 4096;
+
+struct Chains;
+
+impl Work for Chains {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<T: Laned<Element: bytemuck::Pod>>(self) -> f64 {
+        let (factor, addend) = (T::lit(black_box(0.999)), T::lit(black_box(1e-3)));
+        let mut chains: [T; CHAINS] = core::array::from_fn(|k| T::lit(k as f64));
+        for _ in 0..TURNS {
+            for chain in &mut chains {
+                *chain = chain.mul_add(factor, addend);
+            }
+        }
+        let sum = chains.into_iter().fold(T::zero(), |sum, chain| sum + chain);
+        sum.lane(black_box(0))
+    }
+}
+
+/// Single-precision multiply-adds per second, over all lanes.
+pub fn multiply_adds() -> f64 {
+    let level = Level::best();
+    let seconds = fastest(400, || {
+        black_box(level.run(Chains));
+    });
+    (CHAINS * TURNS * LANES) as f64 / seconds
+}
+
+/// Seconds per candidate and sample of the linear kernel, 16 candidates on `samples` samples.
+pub fn linear_kernel(rate: u32) -> f64 {
+    let records = Records::new(&record::paper(rate), Level::best()).expect("good records");
+    let motor = record::motor();
+    let motors: Vec<_> = (0..LANES)
+        .map(|k| {
+            let resistance = motor.resistance * (1.0 + 0.01 * k as f64);
+            PaperMotor { resistance, ..motor }.combinations()
+        })
+        .collect();
+    let mut candidates = Candidates::default();
+    records.discretise(&motors, &mut candidates);
+    let mut iae = [0.0; LANES];
+    let seconds = fastest(400, || records.iae_of(black_box(&candidates), &mut iae));
+    seconds / (LANES * records.samples()) as f64
+}
+
+/// Linear kernel: multiply-adds per candidate and sample.
+pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
+
+/// A motor with stick, Stribeck friction, a dead zone and an unbalanced load: several candidates side by side.
+struct Nonlinear<'a, E> {
+    voltages: &'a [E],
+    measured: &'a [E],
+}
+
+impl<E: Scalar> Nonlinear<'_, E> {
+    /// Sum of the magnitudes of all errors.
+    #[inline(always)]
+    fn sum<T: Scalar<Element = E>>(&self) -> T {
+        let typical = |kind: Effect| -> Vec<T> {
+            kind.spec().parameters.iter().map(|p| T::lit(p.typical)).collect()
+        };
+        let kinds = [Effect::DeadZone, Effect::Stribeck, Effect::Gravity];
+        let parameters = kinds.map(typical);
+        let base = Base {
+            gain: T::lit(0.57),
+            tau_m: T::lit(0.045),
+            tau_e: T::lit(6e-4),
+            viscous_share: T::lit(0.06),
+        };
+        let rig = Rig {
+            step_s: 1e-3,
+            gear_ratio: 104.0,
+            encoder_on_motor: false,
+            nominal_v: 12.0,
+            supply_v: 12.0,
+            reference_speed: 6.9,
+            count_rad: 1.26e-3,
+        };
+        let effects = kinds.into_iter().zip(parameters.iter().map(|p| &p[..]));
+        let simulator = Simulator::new(&base, effects, &rig);
+        let mut motion = simulator.start(State::rest());
+        let mut sum = T::zero();
+        for (index, measured) in self.measured.iter().enumerate() {
+            sum += (simulator.read(&motion) - T::splat(*measured)).abs();
+            simulator.advance(&mut motion, self.voltages, index);
+        }
+        sum
+    }
+}
+
+impl Work for Nonlinear<'_, f32> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<T: Laned<Element: bytemuck::Pod>>(self) -> f64 {
+        let same = Nonlinear::<T::Element> {
+            voltages: bytemuck::cast_slice(self.voltages),
+            measured: bytemuck::cast_slice(self.measured),
+        };
+        same.sum::<T>().lane(0)
+    }
+}
+
+/// Seconds per candidate and sample of the nonlinear model: in lanes, and as scalar `f64`.
+pub fn nonlinear_kernel() -> (f64, f64) {
+    let record = &record::paper(1000)[1];
+    let samples = record.voltage.len() as f64;
+    let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+    let (voltages, measured) = (single(&record.voltage), single(&record.measured));
+    let level = Level::best();
+    let lanes = fastest(40, || {
+        black_box(level.run(Nonlinear { voltages: &voltages, measured: &measured }));
+    });
+    let scalar = fastest(40, || {
+        let work = Nonlinear { voltages: &record.voltage[..], measured: &record.measured };
+        black_box(work.sum::<f64>());
+    });
+    (lanes / (LANES as f64 * samples), scalar / samples)
+}
