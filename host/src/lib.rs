@@ -10,5 +10,6 @@ pub mod fit;
 pub mod log;
 pub mod model_file;
 pub mod motor_file;
+pub mod paper;
 pub mod search;
 pub mod simulate;
