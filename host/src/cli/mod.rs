@@ -13,6 +13,7 @@ mod effects;
 mod findings;
 mod fit;
 mod input;
+mod paper;
 mod prose;
 mod simulate;
 mod watch;
@@ -60,6 +61,8 @@ enum Verb {
     Discover(discover::Args),
     /// List the effects: equations, parameters, units, signatures
     Effects(effects::Args),
+    /// The paper's run with one command, and what the paper does not say
+    Paper(crate::paper::PaperArgs),
 }
 
 impl Verb {
@@ -74,6 +77,7 @@ impl Verb {
             Self::Add(args) => add::run(args, console),
             Self::Discover(args) => discover::run(args, console),
             Self::Effects(args) => effects::run(args, console),
+            Self::Paper(args) => paper::run(args, console),
         }
     }
 }

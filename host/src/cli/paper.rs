@@ -1,0 +1,12 @@
+//! `paper`.
+
+use super::Console;
+use crate::error::Result;
+use crate::paper::{self, PaperArgs};
+
+/// The paper's run, and what it does not say.
+pub fn run(args: &PaperArgs, console: &Console) -> Result<()> {
+    let run = paper::run(args, &mut |line| console.say(line))?;
+    console.list(&run, || run.to_string());
+    Ok(())
+}
