@@ -11,5 +11,6 @@ pub mod log;
 pub mod model_file;
 pub mod motor_file;
 pub mod paper;
+pub mod report;
 pub mod search;
 pub mod simulate;

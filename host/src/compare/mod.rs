@@ -4,6 +4,8 @@ mod course;
 pub mod failure;
 pub mod free_run;
 pub mod measures;
+pub mod residual_torque;
+pub mod residual_views;
 mod slices;
 mod stage;
 mod trace;

@@ -1,0 +1,279 @@
+//! The residual torque seen from several sides: by speed, by voltage, by angle, around reversals; and the order
+//! left in the error itself, as autocorrelation and spectrum.
+
+use std::f64::consts::TAU;
+
+use super::free_run::FreeRun;
+use super::residual_torque::ResidualTorque;
+
+/// Mean residual torque in bins of something.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Binned {
+    /// Middle of each bin that has samples enough.
+    pub at: Vec<f64>,
+    /// Mean residual torque there, V.
+    pub mean_v: Vec<f64>,
+    /// Standard deviation within the bin, V.
+    pub spread_v: Vec<f64>,
+    /// Share of the residual torque's mean square that the bins' means account for, 0 ..= 1.
+    pub explained: f64,
+}
+
+/// Bins with fewer samples than this say nothing.
+const FEWEST_IN_BIN: usize = 8;
+
+/// Bins of `torque_v` between `low` and `high` by `key`, over any number of records. Samples outside, or with no
+/// key, are left out.
+pub fn binned<'a>(
+    samples: impl Iterator<Item = (Option<f64>, &'a f64)>,
+    low: f64,
+    high: f64,
+    bins: usize,
+) -> Binned {
+    let mut sums = vec![(0_usize, 0.0, 0.0); bins];
+    for (key, f) in samples {
+        let Some(key) = key.filter(|key| *key >= low && *key < high) else { continue };
+        let bin = (((key - low) / (high - low) * bins as f64) as usize).min(bins - 1);
+        sums[bin].0 += 1;
+        sums[bin].1 += f;
+        sums[bin].2 += f * f;
+    }
+    let mut out = Binned::default();
+    let (mut all, mut by_means) = (0.0, 0.0);
+    for (bin, (n, sum, square)) in sums.into_iter().enumerate() {
+        if n < FEWEST_IN_BIN {
+            continue;
+        }
+        let count = n as f64;
+        let mean = sum / count;
+        out.at.push(low + (bin as f64 + 0.5) * (high - low) / bins as f64);
+        out.mean_v.push(mean);
+        out.spread_v.push((square / count - mean * mean).max(0.0).sqrt());
+        all += square;
+        by_means += count * mean * mean;
+    }
+    out.explained = if all > 0.0 { by_means / all } else { 0.0 };
+    out
+}
+
+/// Largest magnitude that matters: exceeded by one in a hundred.
+fn reach<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    let mut all: Vec<f64> = values.map(|v| v.abs()).collect();
+    if all.is_empty() {
+        return 1.0;
+    }
+    let place = (all.len() * 99 / 100).min(all.len() - 1);
+    let (_, reach, _) = all.select_nth_unstable_by(place, f64::total_cmp);
+    reach.max(1e-9)
+}
+
+/// By speed and direction.
+pub fn by_speed(all: &[ResidualTorque]) -> Binned {
+    let reach = reach(all.iter().flat_map(|r| &r.speed_rad_s));
+    let samples = all.iter().flat_map(|r| r.speed_rad_s.iter().map(|w| Some(*w)).zip(&r.torque_v));
+    binned(samples, -reach, reach * (1.0 + 1e-9), 32)
+}
+
+/// By the voltage applied.
+pub fn by_voltage(all: &[ResidualTorque]) -> Binned {
+    let reach = reach(all.iter().flat_map(|r| &r.voltage_v));
+    let samples = all.iter().flat_map(|r| r.voltage_v.iter().map(|v| Some(*v)).zip(&r.torque_v));
+    binned(samples, -reach, reach * (1.0 + 1e-9), 32)
+}
+
+/// By angle, folded to one turn of a shaft that turns `turns_per_turn` times for one of the output: 1 for the
+/// output shaft, the gear ratio for the motor's. Angles in degrees of that shaft.
+pub fn by_angle(all: &[ResidualTorque], turns_per_turn: f64) -> Binned {
+    let samples = all.iter().flat_map(|r| {
+        let degrees = |x: &f64| Some((x * turns_per_turn / TAU).rem_euclid(1.0) * 360.0);
+        r.angle_rad.iter().map(degrees).zip(&r.torque_v)
+    });
+    binned(samples, 0.0, 360.0, 45)
+}
+
+/// Time looked at before and after a reversal, s.
+const AROUND_S: (f64, f64) = (0.1, 0.3);
+
+/// Around reversals: time since the speed changed its sign; torques count along the new direction.
+pub fn around_reversals(all: &[ResidualTorque]) -> Binned {
+    let mut keyed: Vec<(Option<f64>, f64)> = Vec::new();
+    for r in all {
+        let still = 0.02 * reach(r.speed_rad_s.iter());
+        let mut direction = 0.0;
+        let mut reversals: Vec<(f64, f64)> = Vec::new();
+        let mut crossed = 0.0;
+        for (k, w) in r.speed_rad_s.iter().enumerate() {
+            if k > 0 && w * r.speed_rad_s[k - 1] <= 0.0 {
+                crossed = r.time_s[k];
+            }
+            if w.abs() > still && w.signum() != direction {
+                if direction != 0.0 {
+                    reversals.push((crossed, w.signum()));
+                }
+                direction = w.signum();
+            }
+        }
+        for (k, &(at, sign)) in reversals.iter().enumerate() {
+            let before = if k > 0 { 0.5 * (reversals[k - 1].0 + at) } else { f64::MIN };
+            let after = reversals.get(k + 1).map_or(f64::MAX, |next| 0.5 * (next.0 + at));
+            let first = r.time_s.partition_point(|t| *t < (at - AROUND_S.0).max(before));
+            let last = r.time_s.partition_point(|t| *t < (at + AROUND_S.1).min(after));
+            for j in first..last.max(first) {
+                keyed.push((Some(r.time_s[j] - at), sign * r.torque_v[j]));
+            }
+        }
+    }
+    binned(keyed.iter().map(|(key, f)| (*key, f)), -AROUND_S.0, AROUND_S.1, 40)
+}
+
+/// Autocorrelation of the error, its lags (s), and the bound that white noise exceeds once in a hundred.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Autocorrelation {
+    /// Lags, s.
+    pub lag_s: Vec<f64>,
+    /// Correlation, -1 ..= 1.
+    pub correlation: Vec<f64>,
+    /// 99 % bound of white noise, 2.576 / sqrt(N).
+    pub bound: f64,
+}
+
+/// Lags up to this, s.
+const LONGEST_LAG_S: f64 = 1.0;
+/// Number of lags.
+const LAGS: usize = 100;
+
+/// Autocorrelation of the error of `runs` together.
+pub fn autocorrelation(runs: &[&FreeRun]) -> Autocorrelation {
+    let interval = runs
+        .iter()
+        .map(|run| crate::log::timing::median_interval(&run.time_s))
+        .fold(0.0_f64, f64::max)
+        .max(1e-9);
+    let step = (LONGEST_LAG_S / LAGS as f64 / interval).round().max(1.0) * interval;
+    let errors: Vec<Vec<f64>> = runs.iter().map(|run| evenly(run, step)).collect();
+    let count: usize = errors.iter().map(Vec::len).sum();
+    let power: f64 = errors.iter().flatten().map(|e| e * e).sum();
+    let mut out = Autocorrelation { bound: 2.576 / (count.max(1) as f64).sqrt(), ..Default::default() };
+    for lag in 1..=LAGS {
+        let product: f64 = errors
+            .iter()
+            .map(|e| e.iter().zip(e.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
+            .sum();
+        out.lag_s.push(lag as f64 * step);
+        out.correlation.push(if power > 0.0 { product / power } else { 0.0 });
+    }
+    out
+}
+
+/// The error without its mean, at every `step` seconds: nearest samples.
+fn evenly(run: &FreeRun, step: f64) -> Vec<f64> {
+    let (Some(first), Some(last)) = (run.time_s.first(), run.time_s.last()) else { return Vec::new() };
+    let count = ((last - first) / step) as usize;
+    let mut errors: Vec<f64> = (0..count)
+        .map(|k| {
+            let at = first + k as f64 * step;
+            let j = run.time_s.partition_point(|t| *t < at - 1e-9).min(run.time_s.len() - 1);
+            run.measured[j] - run.simulated[j]
+        })
+        .collect();
+    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    errors.iter_mut().for_each(|e| *e -= mean);
+    errors
+}
+
+/// Amplitude of the residual torque by order: cycles per turn of the motor.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Spectrum {
+    /// Cycles per turn of the motor shaft.
+    pub order: Vec<f64>,
+    /// Amplitude, V.
+    pub amplitude_v: Vec<f64>,
+}
+
+/// Highest order looked for.
+const HIGHEST_ORDER: f64 = 16.0;
+/// Orders looked at.
+const ORDERS: usize = 128;
+
+/// How strongly the residual torque repeats along the motor's turn, for orders up to 16 of it. The output shaft's
+/// own order is 1 / `gear_ratio`.
+pub fn orders(all: &[ResidualTorque], gear_ratio: f64) -> Spectrum {
+    let mut out = Spectrum::default();
+    let mut sums = vec![(0.0, 0.0); ORDERS];
+    let mut count = 0_usize;
+    for r in all {
+        let mean = r.torque_v.iter().sum::<f64>() / r.torque_v.len().max(1) as f64;
+        // A few thousand samples of a record tell its harmonics.
+        let every = r.torque_v.len().div_ceil(12_000).max(1);
+        for k in (0..r.torque_v.len()).step_by(every) {
+            let f = r.torque_v[k] - mean;
+            let (s1, c1) = (r.angle_rad[k] * gear_ratio * HIGHEST_ORDER / ORDERS as f64).sin_cos();
+            // Multiples of the angle by rotation instead of one sine each.
+            let (mut s, mut c) = (s1, c1);
+            for sum in &mut sums {
+                sum.0 += f * c;
+                sum.1 += f * s;
+                (c, s) = (c * c1 - s * s1, s * c1 + c * s1);
+            }
+            count += 1;
+        }
+    }
+    for (k, (re, im)) in sums.into_iter().enumerate() {
+        out.order.push((k + 1) as f64 * HIGHEST_ORDER / ORDERS as f64);
+        out.amplitude_v.push(2.0 / count.max(1) as f64 * f64::hypot(re, im));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::residual_torque::residual_torque;
+    use super::super::residual_torque::testing::{BASE, made};
+    use super::*;
+
+    #[test]
+    fn the_side_that_shows_an_effect_explains_it() {
+        let friction = [residual_torque(&made(|_, w| -0.4 * (w / 0.02).tanh()), &BASE)];
+        let gravity = [residual_torque(&made(|x, _| -0.3 * x.sin()), &BASE)];
+        assert!(by_speed(&friction).explained > 0.9);
+        assert!(by_angle(&gravity, 1.0).explained > 0.9);
+        assert!(by_speed(&gravity).explained < 0.7);
+        let speed = by_speed(&friction);
+        let jump = speed.mean_v[speed.mean_v.len() - 1] - speed.mean_v[0];
+        assert!((jump + 0.8).abs() < 0.05, "{jump}");
+    }
+
+    #[test]
+    fn a_reversal_turns_friction_round() {
+        let friction = [residual_torque(&made(|_, w| -0.4 * (w / 0.02).tanh()), &BASE)];
+        let around = around_reversals(&friction);
+        let (before, after) = (around.mean_v[2], around.mean_v[around.mean_v.len() - 2]);
+        assert!(before > 0.3 && after < -0.3, "{before} {after}");
+    }
+
+    #[test]
+    fn ripple_of_the_motor_shaft_shows_at_its_order() {
+        let gear = 3.0;
+        let ripple = [residual_torque(&made(|x, _| 0.1 * (2.0 * gear * x).sin()), &BASE)];
+        let spectrum = orders(&ripple, gear);
+        let best = (0..ORDERS).max_by(|a, b| spectrum.amplitude_v[*a].total_cmp(&spectrum.amplitude_v[*b]));
+        assert_eq!(spectrum.order[best.unwrap()], 2.0);
+        assert!((spectrum.amplitude_v[best.unwrap()] - 0.1).abs() < 0.04);
+    }
+
+    #[test]
+    fn white_errors_stay_within_the_bound_and_drift_does_not() {
+        let mut run = made(|_, _| 0.0);
+        let mut state = 1_u64;
+        for y in &mut run.measured {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *y += 1e-3 * ((state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5);
+        }
+        let outside = |a: &Autocorrelation| a.correlation.iter().filter(|c| c.abs() > a.bound).count();
+        assert!(outside(&autocorrelation(&[&run])) <= 5);
+        for (k, y) in run.measured.iter_mut().enumerate() {
+            *y += 1e-3 * (k as f64 * 1e-3).sin();
+        }
+        assert!(outside(&autocorrelation(&[&run])) > 50);
+    }
+}

@@ -1,0 +1,187 @@
+//! What a report tells: records, runs and findings, gathered once.
+
+use motorlens_shared::effects::Kind;
+
+use crate::compare::free_run::{FreeRun, free_runs};
+use crate::compare::residual_torque::{ResidualTorque, residual_torque};
+use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::fit::layout::Values;
+use crate::fit::search::Problem;
+use crate::log::{Record, Warning};
+use crate::model_file::Model;
+
+/// A record with the runs of two models.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// Whether the fit never saw it.
+    pub unseen: bool,
+    /// The base model alone.
+    pub base: FreeRun,
+    /// The model with its effects.
+    pub model: FreeRun,
+}
+
+/// Residual torques of one model on all records that are looked at.
+#[derive(Debug, Clone, Default)]
+pub struct Torques {
+    /// One a record.
+    pub records: Vec<ResidualTorque>,
+}
+
+/// A parameter with what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// 95 % interval, where it could be computed.
+    pub interval: Option<(f64, f64)>,
+    /// Whether these records determine it; unknown without an interval.
+    pub identifiable: Option<bool>,
+}
+
+/// A candidate of the first diagnosis with the run that it gives.
+#[derive(Debug, Clone)]
+pub struct Suspect {
+    /// What the diagnosis says.
+    pub ranked: Ranked,
+    /// Residual torques with the effect added; only the first few have them.
+    pub torques: Option<Torques>,
+}
+
+/// Everything a report shows.
+#[derive(Debug, Clone)]
+pub struct Story {
+    /// Heading.
+    pub title: String,
+    /// The model with its effects.
+    pub model: Model,
+    /// The base model of the first rung.
+    pub base: Values,
+    /// Records, training first.
+    pub records: Vec<Shown>,
+    /// Unit of everything compared.
+    pub unit: &'static str,
+    /// Error that a perfect model would leave.
+    pub floor: f64,
+    /// From the base model to the accepted one.
+    pub ladder: Vec<Rung>,
+    /// First diagnosis, best first.
+    pub suspects: Vec<Suspect>,
+    /// Sets that these records cannot tell apart.
+    pub rivals: Vec<Vec<Kind>>,
+    /// How the search for effects ended; none while nothing was searched for.
+    pub verdict: Option<Verdict>,
+    /// What is odd about the data.
+    pub faults: Vec<Warning>,
+    /// Parameters of the model.
+    pub parameters: Vec<Parameter>,
+    /// What voltage and motion alone determine: name, value, unit.
+    pub combinations: Vec<(String, f64, String)>,
+    /// Residual torques of the base model.
+    pub base_torques: Torques,
+    /// Residual torques of the model.
+    pub model_torques: Torques,
+}
+
+/// Candidates whose evidence is drawn.
+const DRAWN: usize = 3;
+
+impl Story {
+    /// The story of a discovery on `records`, judged on `validation`.
+    pub fn of(discovery: &Discovery, records: &[Record], validation: &[Record]) -> Self {
+        let rungs = &discovery.climb.rungs;
+        let base = rungs[0].values();
+        let values = discovery.model.values();
+        let whole = &discovery.evidence.whole;
+        let unseen = (!validation.is_empty()).then_some(&discovery.evidence.unseen);
+        let shown = shown(whole, unseen, &base, &values);
+        let suspects = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
+            let candidate = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&ranked.effect));
+            let torques = candidate
+                .filter(|_| place < DRAWN)
+                .map(|c| torques(free_runs(whole, &c.values()).iter(), &c.values()));
+            Suspect { ranked: ranked.clone(), torques }
+        });
+        let faults = records.iter().chain(validation).flat_map(|r| r.warnings.iter().cloned());
+        Self {
+            title: title(records),
+            base_torques: torques(shown.iter().map(|s| &s.base), &base),
+            model_torques: torques(shown.iter().map(|s| &s.model), &values),
+            unit: shown.first().map_or("rad", |s| s.base.quantity.unit()),
+            records: shown,
+            floor: discovery.noise_floor,
+            ladder: discovery.ladder.clone(),
+            suspects: suspects.collect(),
+            rivals: discovery.rivals.clone(),
+            verdict: Some(discovery.verdict),
+            faults: faults.collect(),
+            parameters: plain_parameters(&discovery.model),
+            combinations: combinations(&values),
+            model: discovery.model.clone(),
+            base,
+        }
+    }
+}
+
+/// Runs of both models on all records, training first.
+pub fn shown(whole: &Problem, unseen: Option<&Problem>, base: &Values, values: &Values) -> Vec<Shown> {
+    let pairs = |problem: &Problem, unseen| {
+        let runs = free_runs(problem, base).into_iter().zip(free_runs(problem, values));
+        runs.map(move |(base, model)| Shown { unseen, base, model }).collect::<Vec<_>>()
+    };
+    let mut all = pairs(whole, false);
+    all.extend(unseen.into_iter().flat_map(|u| pairs(u, true)));
+    all
+}
+
+/// Residual torques of `runs` under the base of `values`.
+pub fn torques<'a>(runs: impl Iterator<Item = &'a FreeRun>, values: &Values) -> Torques {
+    Torques { records: runs.map(|run| residual_torque(run, &values.base)).collect() }
+}
+
+fn title(records: &[Record]) -> String {
+    match records {
+        [one] => one.name.clone(),
+        [first, .., last] => format!("{} … {} ({} records)", first.name, last.name, records.len()),
+        [] => "no records".into(),
+    }
+}
+
+/// The parameters of `model` without intervals.
+pub fn plain_parameters(model: &Model) -> Vec<Parameter> {
+    let plain = |name: &str, value, unit: &str| Parameter {
+        name: name.into(),
+        value,
+        unit: unit.into(),
+        interval: None,
+        identifiable: None,
+    };
+    let b = &model.base;
+    let mut all = vec![
+        plain("gain", b.gain, "rad/s/V"),
+        plain("tau_m", b.tau_m, "s"),
+        plain("tau_e", b.tau_e, "s"),
+        plain("viscous_share", b.viscous_share, "1"),
+    ];
+    for e in &model.effects {
+        all.extend(e.parameters.iter().map(|p| plain(&format!("{}.{}", e.effect, p.name), p.value, &p.unit)));
+    }
+    all
+}
+
+/// The three ratios of the transfer function b / (a1 s^3 + a2 s^2 + a3 s) that voltage and motion determine.
+pub fn combinations(values: &Values) -> Vec<(String, f64, String)> {
+    let b = &values.base;
+    // From the base's equations: a1 = tau_m tau_e, a2 = tau_m + share tau_e, a3 = 1, b = gain.
+    let a1 = b.tau_m * b.tau_e;
+    let row = |name: &str, value, unit: &str| (name.to_owned(), value, unit.to_owned());
+    vec![
+        row("b / a1", b.gain / a1, "rad/(V s³)"),
+        row("a2 / a1", (b.tau_m + b.viscous_share * b.tau_e) / a1, "1/s"),
+        row("a3 / a1", 1.0 / a1, "1/s²"),
+    ]
+}

@@ -1,0 +1,78 @@
+use std::sync::LazyLock;
+
+use motorlens_virtual_motor::{Effect, Motor};
+
+use super::*;
+use crate::diagnose::discover::{Options, discover};
+use crate::motor_file::MotorFile;
+use crate::simulate::{Excitation, Role, Scenario, plays};
+use motorlens_shared::effects::Kind;
+
+/// A discovery on the default protocol with dry friction, told once for all tests.
+static STORY: LazyLock<Story> = LazyLock::new(|| {
+    let motor = Motor::paper();
+    let effects = vec![Effect::parse("coulomb=0.4").unwrap()];
+    let plays = plays(Excitation::Default, 9.0, 12.0, None, 1);
+    let all = Scenario::new(motor, effects, 1).records(&plays).unwrap();
+    let (unseen, fitted): (Vec<_>, Vec<_>) =
+        plays.iter().zip(all).partition(|(play, _)| play.role == Role::HeldOut);
+    let of = |pairs: Vec<(_, crate::log::Record)>| pairs.into_iter().map(|(_, r)| r).collect::<Vec<_>>();
+    let (fitted, unseen) = (of(fitted), of(unseen));
+    let options = Options { library: vec![Kind::Coulomb, Kind::Gravity, Kind::DeadZone], most: 2 };
+    let found = discover(&fitted, &unseen, &MotorFile::default(), &options, &mut |_| ()).unwrap();
+    Story::of(&found, &fitted, &unseen)
+});
+
+#[test]
+fn a_report_of_the_default_protocol_needs_no_network_and_less_than_6_megabytes() {
+    let page = html(&STORY).unwrap();
+    assert!(page.len() < 6_000_000, "{} bytes", page.len());
+    let without_library = page.replace(plotting_library(), "");
+    for asks in ["src=\"http", "href=\"http", "url(", "@import", "fetch("] {
+        assert!(!without_library.contains(asks), "{asks}");
+    }
+    assert!(page.contains("plotly.js v"));
+}
+
+#[test]
+fn the_steps_come_in_the_order_of_the_work() {
+    let page = html(&STORY).unwrap();
+    let places: Vec<usize> = ["id=\"compare\"", "id=\"fails\"", "id=\"missing\"", "id=\"falls\""]
+        .iter()
+        .map(|id| page.find(id).expect(id))
+        .collect();
+    assert!(places.is_sorted());
+    assert!(page.contains("unseen") && page.contains("dry (Coulomb) friction"));
+}
+
+#[test]
+fn data_in_the_page_cannot_end_its_script() {
+    let mut story = STORY.clone();
+    story.records[0].model.record = "</script><b>".into();
+    let page = html(&story).unwrap();
+    assert!(!page.contains("</script><b>"));
+}
+
+#[test]
+fn friction_shows_as_the_side_that_explains_most_and_goes_when_added() {
+    let share = |torques: &Torques| fails::Side::Speed.binned(torques, STORY.model.rig.gear_ratio);
+    let (before, after) = (share(&STORY.base_torques), share(&STORY.model_torques));
+    let swing = |b: &crate::compare::residual_views::Binned| {
+        b.mean_v.iter().copied().fold(f64::MIN, f64::max) - b.mean_v.iter().copied().fold(f64::MAX, f64::min)
+    };
+    assert!(swing(&after) < 0.3 * swing(&before), "{} {}", swing(&after), swing(&before));
+}
+
+#[test]
+fn every_axis_has_a_title_with_its_unit() {
+    let (all, _) = figures(&STORY);
+    let figures = [all.compare, all.fails, all.missing].concat();
+    for figure in &figures {
+        for (key, axis) in figure.layout.as_object().unwrap() {
+            if key.starts_with("xaxis") || key.starts_with("yaxis") {
+                let title = axis["title"]["text"].as_str().unwrap_or_default();
+                assert!(title.contains('(') && title.ends_with(')'), "{}: {key} {title}", figure.id);
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The words and tables of a report.
+
+use serde::Serialize;
+
+use super::falls::judged;
+use super::figure::in_words;
+use super::story::Story;
+use crate::diagnose::discover::Verdict;
+use crate::report::decimate::rounded;
+
+/// A row of the parameter table.
+#[derive(Debug, Serialize)]
+pub struct ParameterRow {
+    name: String,
+    value: f64,
+    interval: String,
+    unit: String,
+    identifiable: &'static str,
+}
+
+/// A row of the record table.
+#[derive(Debug, Serialize)]
+pub struct RecordRow {
+    name: String,
+    role: &'static str,
+    samples: usize,
+    seconds: f64,
+    base: String,
+    model: String,
+    fit_percent: f64,
+}
+
+/// The whole in one sentence.
+pub fn summary(story: &Story) -> String {
+    let (Some(first), Some(last)) = (story.ladder.first(), story.ladder.last()) else { return String::new() };
+    let error = |m: f64| in_words(m, story.unit);
+    let effects: Vec<String> = last.effects.iter().map(|e| e.spec().title.to_owned()).collect();
+    let (before, after) = (judged(first).rmse, judged(last).rmse);
+    if effects.is_empty() {
+        return format!(
+            "The base model leaves {} rms; the noise floor is {}.",
+            error(before),
+            error(story.floor)
+        );
+    }
+    format!(
+        "Adding {} lowers the error from {} to {} rms; the noise floor is {}.",
+        effects.join(" and "),
+        error(before),
+        error(after),
+        error(story.floor)
+    )
+}
+
+/// What the verdict means; empty while nothing was searched for.
+pub fn verdict(story: &Story) -> &'static str {
+    match story.verdict {
+        Some(Verdict::Explained) => "Explained: the model leaves no more than noise.",
+        Some(Verdict::Unexplained) => {
+            "Unexplained: something is left that no effect of the library takes away. Step 2 shows its shape."
+        }
+        Some(Verdict::BadData) => "The data must be mended first; see the data faults.",
+        None => "",
+    }
+}
+
+/// Said where no effect is worth adding.
+pub fn nothing_missing(story: &Story) -> &'static str {
+    if story.model.effects.is_empty() {
+        "Nothing worth adding was found: no effect lowers the error both on the records fitted and on those kept out."
+    } else {
+        "With these effects in the model nothing more is worth adding."
+    }
+}
+
+/// The parameter table.
+pub fn parameter_rows(story: &Story) -> Vec<ParameterRow> {
+    let rows = story.parameters.iter().map(|p| ParameterRow {
+        name: p.name.clone(),
+        value: rounded(p.value, 5),
+        interval: p
+            .interval
+            .map_or_else(|| "–".into(), |(low, high)| format!("{} … {}", rounded(low, 4), rounded(high, 4))),
+        unit: p.unit.clone(),
+        identifiable: match p.identifiable {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "–",
+        },
+    });
+    rows.collect()
+}
+
+/// The table of combinations: name, value, unit.
+pub fn combination_rows(story: &Story) -> Vec<(String, f64, String)> {
+    story.combinations.iter().map(|(name, x, unit)| (name.clone(), rounded(*x, 5), unit.clone())).collect()
+}
+
+/// The record table.
+pub fn record_rows(story: &Story) -> Vec<RecordRow> {
+    let rows = story.records.iter().map(|shown| {
+        let run = &shown.model;
+        let m = run.measures();
+        let length = run.time_s.last().zip(run.time_s.first()).map_or(0.0, |(b, a)| b - a);
+        RecordRow {
+            name: run.record.clone(),
+            role: if shown.unseen { "unseen" } else { "training" },
+            samples: m.samples,
+            seconds: rounded(length, 4),
+            base: in_words(shown.base.measures().rmse, story.unit),
+            model: in_words(m.rmse, story.unit),
+            fit_percent: rounded(m.nrmse_fit_percent, 4),
+        }
+    });
+    rows.collect()
+}
