@@ -9,13 +9,13 @@ use super::discover::{search, story, unit};
 use super::findings::Findings;
 use super::input::Logs;
 use super::{Console, prose};
-use crate::atomic_file;
 use crate::compare::failure_map;
 use crate::compare::free_run::free_runs;
 use crate::diagnose::discover::{Options, Rung};
 use crate::error::{Error, Result};
 use crate::estimate;
 use crate::log::{self, ReadArgs};
+use crate::report::{self, Story};
 use crate::simulate::{self, RevealArgs, SimulateArgs};
 
 /// Options of `demo`.
@@ -78,10 +78,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(rung) = found.ladder.last() {
         console.say(verdict(rung, found.noise_floor, unit(&logs.records)));
     }
-    let report = args.out.join("report.json");
-    let text = serde_json::to_string_pretty(&findings)
-        .map_err(|e| Error::Io { doing: "cannot write the report".into(), source: e.into() })?;
-    atomic_file::write(&report, text)?;
+    let report = args.out.join("report.html");
+    report::write(&Story::of(&found, &logs.records, &logs.validation), &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || format!("report: {}", report.display()));

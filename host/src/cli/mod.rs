@@ -15,6 +15,7 @@ mod fit;
 mod input;
 mod paper;
 mod prose;
+mod report;
 mod simulate;
 mod watch;
 
@@ -61,6 +62,8 @@ enum Verb {
     Discover(discover::Args),
     /// List the effects: equations, parameters, units, signatures
     Effects(effects::Args),
+    /// The loop by itself, told in one HTML file that opens without a network
+    Report(report::Args),
     /// The paper's run with one command, and what the paper does not say
     Paper(crate::paper::PaperArgs),
 }
@@ -77,6 +80,7 @@ impl Verb {
             Self::Add(args) => add::run(args, console),
             Self::Discover(args) => discover::run(args, console),
             Self::Effects(args) => effects::run(args, console),
+            Self::Report(args) => report::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }
     }

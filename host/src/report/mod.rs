@@ -10,7 +10,7 @@ pub mod figure;
 pub mod missing;
 pub mod records;
 mod story;
-mod words;
+pub mod words;
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use serde_json::json;
 
-pub use story::{Parameter, Shown, Story, Suspect, Torques, combinations, plain_parameters, shown, torques};
+pub use story::{Shown, Story, Suspect, Torques, faults, shown, title, torques};
 
 use crate::atomic_file;
 use crate::error::{Error, Result};
@@ -96,8 +96,8 @@ pub fn html(story: &Story) -> Result<String> {
         "cards": cards,
         "nothing_missing": words::nothing_missing(story),
         "faults": story.faults,
-        "parameters": words::parameter_rows(story),
-        "combinations": words::combination_rows(story),
+        "parameters": words::estimate_rows(&story.parameters),
+        "combinations": words::estimate_rows(&story.combinations),
         "records": words::record_rows(story),
         "version": env!("CARGO_PKG_VERSION"),
         "style": STYLE,

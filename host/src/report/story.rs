@@ -5,9 +5,11 @@ use motorlens_shared::effects::Kind;
 use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
-use crate::log::{Record, Warning};
+use crate::fit::uncertainty::{Estimate, estimates};
+use crate::log::{Record, Warning, content_faults};
 use crate::model_file::Model;
 
 /// A record with the runs of two models.
@@ -26,21 +28,6 @@ pub struct Shown {
 pub struct Torques {
     /// One a record.
     pub records: Vec<ResidualTorque>,
-}
-
-/// A parameter with what is known of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
-    /// Name.
-    pub name: String,
-    /// Value.
-    pub value: f64,
-    /// Unit.
-    pub unit: String,
-    /// 95 % interval, where it could be computed.
-    pub interval: Option<(f64, f64)>,
-    /// Whether these records determine it; unknown without an interval.
-    pub identifiable: Option<bool>,
 }
 
 /// A candidate of the first diagnosis with the run that it gives.
@@ -78,9 +65,9 @@ pub struct Story {
     /// What is odd about the data.
     pub faults: Vec<Warning>,
     /// Parameters of the model.
-    pub parameters: Vec<Parameter>,
-    /// What voltage and motion alone determine: name, value, unit.
-    pub combinations: Vec<(String, f64, String)>,
+    pub parameters: Vec<Estimate>,
+    /// What voltage and motion alone determine.
+    pub combinations: Vec<Estimate>,
     /// Residual torques of the base model.
     pub base_torques: Torques,
     /// Residual torques of the model.
@@ -106,7 +93,6 @@ impl Story {
                 .map(|c| torques(free_runs(whole, &c.values()).iter(), &c.values()));
             Suspect { ranked: ranked.clone(), torques }
         });
-        let faults = records.iter().chain(validation).flat_map(|r| r.warnings.iter().cloned());
         Self {
             title: title(records),
             base_torques: torques(shown.iter().map(|s| &s.base), &base),
@@ -118,9 +104,9 @@ impl Story {
             suspects: suspects.collect(),
             rivals: discovery.rivals.clone(),
             verdict: Some(discovery.verdict),
-            faults: faults.collect(),
-            parameters: plain_parameters(&discovery.model),
-            combinations: combinations(&values),
+            faults: records.iter().chain(validation).flat_map(faults).collect(),
+            parameters: estimates(whole, &values),
+            combinations: combinations(whole, &values),
             model: discovery.model.clone(),
             base,
         }
@@ -143,45 +129,17 @@ pub fn torques<'a>(runs: impl Iterator<Item = &'a FreeRun>, values: &Values) -> 
     Torques { records: runs.map(|run| residual_torque(run, &values.base)).collect() }
 }
 
-fn title(records: &[Record]) -> String {
+/// What reader and judge found odd about a record.
+pub fn faults(record: &Record) -> Vec<Warning> {
+    let judged = content_faults(record).into_iter().map(|f| f.to_warning(record));
+    record.warnings.iter().cloned().chain(judged).collect()
+}
+
+/// A heading for `records`.
+pub fn title(records: &[Record]) -> String {
     match records {
         [one] => one.name.clone(),
         [first, .., last] => format!("{} … {} ({} records)", first.name, last.name, records.len()),
         [] => "no records".into(),
     }
-}
-
-/// The parameters of `model` without intervals.
-pub fn plain_parameters(model: &Model) -> Vec<Parameter> {
-    let plain = |name: &str, value, unit: &str| Parameter {
-        name: name.into(),
-        value,
-        unit: unit.into(),
-        interval: None,
-        identifiable: None,
-    };
-    let b = &model.base;
-    let mut all = vec![
-        plain("gain", b.gain, "rad/s/V"),
-        plain("tau_m", b.tau_m, "s"),
-        plain("tau_e", b.tau_e, "s"),
-        plain("viscous_share", b.viscous_share, "1"),
-    ];
-    for e in &model.effects {
-        all.extend(e.parameters.iter().map(|p| plain(&format!("{}.{}", e.effect, p.name), p.value, &p.unit)));
-    }
-    all
-}
-
-/// The three ratios of the transfer function b / (a1 s^3 + a2 s^2 + a3 s) that voltage and motion determine.
-pub fn combinations(values: &Values) -> Vec<(String, f64, String)> {
-    let b = &values.base;
-    // From the base's equations: a1 = tau_m tau_e, a2 = tau_m + share tau_e, a3 = 1, b = gain.
-    let a1 = b.tau_m * b.tau_e;
-    let row = |name: &str, value, unit: &str| (name.to_owned(), value, unit.to_owned());
-    vec![
-        row("b / a1", b.gain / a1, "rad/(V s³)"),
-        row("a2 / a1", (b.tau_m + b.viscous_share * b.tau_e) / a1, "1/s"),
-        row("a3 / a1", 1.0 / a1, "1/s²"),
-    ]
 }

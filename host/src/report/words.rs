@@ -6,11 +6,12 @@ use super::falls::judged;
 use super::figure::in_words;
 use super::story::Story;
 use crate::diagnose::discover::Verdict;
+use crate::fit::uncertainty::Estimate;
 use crate::report::decimate::rounded;
 
-/// A row of the parameter table.
+/// A row of the tables of parameters and of combinations.
 #[derive(Debug, Serialize)]
-pub struct ParameterRow {
+pub struct EstimateRow {
     name: String,
     value: f64,
     interval: String,
@@ -73,27 +74,20 @@ pub fn nothing_missing(story: &Story) -> &'static str {
     }
 }
 
-/// The parameter table.
-pub fn parameter_rows(story: &Story) -> Vec<ParameterRow> {
-    let rows = story.parameters.iter().map(|p| ParameterRow {
-        name: p.name.clone(),
-        value: rounded(p.value, 5),
-        interval: p
-            .interval
-            .map_or_else(|| "–".into(), |(low, high)| format!("{} … {}", rounded(low, 4), rounded(high, 4))),
-        unit: p.unit.clone(),
-        identifiable: match p.identifiable {
-            Some(true) => "yes",
-            Some(false) => "no",
-            None => "–",
+/// Parameters or combinations with their intervals.
+pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
+    let rows = estimates.iter().map(|e| EstimateRow {
+        name: e.name.clone(),
+        value: rounded(e.value, 5),
+        interval: if e.low.is_finite() && e.high.is_finite() {
+            format!("{} … {}", rounded(e.low, 4), rounded(e.high, 4))
+        } else {
+            "unbounded".into()
         },
+        unit: e.unit.clone(),
+        identifiable: if e.identifiable { "yes" } else { "no" },
     });
     rows.collect()
-}
-
-/// The table of combinations: name, value, unit.
-pub fn combination_rows(story: &Story) -> Vec<(String, f64, String)> {
-    story.combinations.iter().map(|(name, x, unit)| (name.clone(), rounded(*x, 5), unit.clone())).collect()
 }
 
 /// The record table.

@@ -1,0 +1,57 @@
+//! `report`: the loop by itself, told in one HTML file.
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::Console;
+use super::discover::search;
+use super::input::LogArgs;
+use crate::diagnose::discover::{Options, Verdict};
+use crate::error::{Error, Result};
+use crate::report::{self, Story, words};
+
+/// Options of `report`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub input: LogArgs,
+    /// Most effects to add
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
+    pub most: u8,
+    /// Write the report here
+    #[arg(long, value_name = "FILE.html", default_value = "motorlens-report.html")]
+    pub out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    report: PathBuf,
+    bytes: u64,
+    summary: String,
+    verdict: Verdict,
+    effects: Vec<Kind>,
+}
+
+/// Discovers, and writes what was found.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let logs = args.input.load()?;
+    let options = Options { most: usize::from(args.most), ..Options::default() };
+    let (found, _) = search(&logs, &options, console)?;
+    let story = Story::of(&found, &logs.records, &logs.validation);
+    report::write(&story, &args.out)?;
+    let size = std::fs::metadata(&args.out)
+        .map_err(|source| Error::Io { doing: format!("cannot look at {}", args.out.display()), source })?;
+    let document = Document {
+        schema: 1,
+        report: args.out.clone(),
+        bytes: size.len(),
+        summary: words::summary(&story),
+        verdict: found.verdict,
+        effects: found.effects.clone(),
+    };
+    console.answer(&document, || format!("{}\nreport: {}", document.summary, args.out.display()));
+    Ok(())
+}
