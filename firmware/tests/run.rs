@@ -213,7 +213,7 @@ fn the_boards_fit_is_the_hosts_fit_of_the_same_log() {
     let host = fit(keeper.samples(), keeper.step_s(), &request, |_| ()).unwrap();
     let FromBoard::Fit(Some(board)) = bench.ask(ToBoard::QuickFit(request)) else { panic!("no fit") };
     assert_eq!(board.samples, 2000);
-    assert_eq!(motorlens_shared::quickfit::QuickFit { micros: 0, ..board }, host);
+    assert_eq!(motorlens_shared::quickfit::QuickFit { micros: 0, micros_search: 0, ..board }, host);
     assert!(board.coulomb.unwrap().value > 0.2);
     assert_eq!(bench.ask(ToBoard::ReadResult), FromBoard::Fit(Some(board)));
 }

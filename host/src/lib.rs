@@ -2,6 +2,7 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod device;
 pub mod diagnose;
 pub mod error;
 pub mod estimate;

@@ -115,10 +115,11 @@ fn answers_keep_their_bytes() {
         samples: 2000,
         evaluations: 640,
         micros: 250_000,
+        micros_search: 200_000,
     };
     golden(
         FromBoard::Fit(Some(fit)),
-        "09ac0209016666663f0107803eec51383d0107803ea69bc43a0108803e013333333f0103803e0101023f0112403f6f12833ad00f800590a10f35c94c5b00",
+        "09ac0209016666663f0107803eec51383d0107803ea69bc43a0108803e013333333f0103803e0101023f0115403f6f12833ad00f800590a10fc09a0ce166113300",
     );
     golden(FromBoard::Fit(None), "04ac020905a4cd5d8100");
 }

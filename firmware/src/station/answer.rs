@@ -128,14 +128,20 @@ impl Station {
         outbox.post(id, FromBoard::Done);
         let now = || with(control, |control| control.now_us());
         let begin = now();
+        let mut searched = None;
         let found = quickfit::fit(keeper.samples(), keeper.step_s(), request, |progress| {
             platform.alive();
+            if progress.generation == progress.generations {
+                searched.get_or_insert_with(now);
+            }
             if progress.generation % PROGRESS_EVERY == 0 && outbox.has_room() {
                 outbox.post(id, FromBoard::Progress(progress));
             }
             outbox.pump(line);
         });
-        *fit = found.map(|fit| quickfit::QuickFit { micros: now().wrapping_sub(begin), ..fit });
+        let micros = now().wrapping_sub(begin);
+        let micros_search = searched.map_or(0, |at| at.wrapping_sub(begin));
+        *fit = found.map(|fit| quickfit::QuickFit { micros, micros_search, ..fit });
         outbox.post(id, FromBoard::Fit(*fit));
     }
 }

@@ -81,14 +81,17 @@ pub struct QuickFit {
     pub samples: u16,
     /// Simulations made.
     pub evaluations: u32,
-    /// How long it took, us; 0 where nobody measured it.
+    /// How long it all took, us; 0 where nobody measured it.
     pub micros: u32,
+    /// How long the search alone took, us.
+    pub micros_search: u32,
 }
 
 /// A kept sample: mean voltage to the next (V), its integral so far (V s), counts since the first.
 pub type Kept = [f32; 3];
 
-/// Fits samples kept every `step_s` seconds. `progress` is told after each generation. `None` when there are fewer than
+/// Fits samples kept every `step_s` seconds. `progress` is told after each generation, and the last of them
+/// again after each sweep of the polish, so that a caller who feeds a watchdog there is called often. `None` when there are fewer than
 /// [`FEWEST`] samples or nothing moved.
 pub fn fit(
     samples: &[Kept],
@@ -102,18 +105,24 @@ pub fn fit(
     let gain = search::rough_gain(samples)?;
     let area = f64::from(step_s) * f64::from(request.rad_per_count.abs());
     let mut evaluations = 0;
+    let mut last = Progress { generation: 0, generations: request.generations, iae: 0.0 };
     let found = search::run(samples, step_s, gain, request, &mut evaluations, |generation, sum| {
-        progress(Progress { generation, generations: request.generations, iae: (sum * area) as f32 });
+        last = Progress { generation, iae: (sum * area) as f32, ..last };
+        progress(last);
     });
+    let mut count = || {
+        evaluations += polish::SIMULATIONS;
+        progress(last);
+    };
     let polished = if request.coulomb {
         let peak = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
         let starts = [0.0, 0.02, 0.1].map(|share| Model { coulomb: share * peak, ..found.model });
         // The search knows nothing of friction, so its time constants may be far off: several starts, the best wins.
-        let ends = starts.map(|start| polish::run(samples, step_s, start, true, &mut evaluations));
+        let ends = starts.map(|start| polish::run(samples, step_s, start, true, &mut count));
         ends.into_iter()
             .reduce(|best, other| if other.square_sum < best.square_sum { other } else { best })?
     } else {
-        polish::run(samples, step_s, found.model, false, &mut evaluations)
+        polish::run(samples, step_s, found.model, false, &mut count)
     };
     let scale = request.rad_per_count;
     let relative =
@@ -132,6 +141,7 @@ pub fn fit(
         samples: samples.len() as u16,
         evaluations,
         micros: 0,
+        micros_search: 0,
     })
 }
 

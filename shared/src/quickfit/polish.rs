@@ -20,10 +20,13 @@ const VARIATION: f64 = 4e-3;
 /// Samples summed in `f32` before the sums move to `f64`, which is slow software on the board.
 const FLUSH: usize = 64;
 /// Sweeps over the record at most.
-const SWEEPS: u32 = 24;
+const SWEEPS: u32 = 16;
 /// The tried step is accepted with these shares of damping, and refused with the other.
 const EASE: f64 = 0.1;
 const BRAKE: f64 = 8.0;
+
+/// Simulations in one sweep.
+pub const SIMULATIONS: u32 = LANES as u32;
 
 type Wide = Lanes<f32, LANES>;
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
@@ -64,12 +67,13 @@ struct Sweep {
     absolute_sum: f64,
 }
 
-/// Fits from `start`. Friction stays where it is unless `coulomb`.
-pub fn run(samples: &[Kept], step_s: f32, start: Model, coulomb: bool, evaluations: &mut u32) -> Polished {
+/// Fits from `start`; `swept` is called after each sweep. Friction stays where it is unless `coulomb`.
+pub fn run(samples: &[Kept], step_s: f32, start: Model, coulomb: bool, swept: &mut dyn FnMut()) -> Polished {
     let peak = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
     let mut sweep_of = |model: &Model| {
-        *evaluations += LANES as u32;
-        sweep(samples, step_s, model, VARIATION as f32 * peak, coulomb)
+        let sweep = sweep(samples, step_s, model, VARIATION as f32 * peak, coulomb);
+        swept();
+        sweep
     };
     let mut model = start;
     let mut best = sweep_of(&model);
@@ -82,7 +86,7 @@ pub fn run(samples: &[Kept], step_s: f32, start: Model, coulomb: bool, evaluatio
             let gained = 1.0 - sweep.square_sum / best.square_sum;
             (model, best) = (tried, sweep);
             damping = (damping * EASE).max(1e-9);
-            if gained < 1e-6 {
+            if gained < 1e-4 {
                 break;
             }
         } else {
@@ -124,6 +128,7 @@ fn moved(model: &Model, change: &Gradient, step_s: f32, peak: f32) -> Model {
     }
 }
 
+#[inline(never)]
 fn sweep(samples: &[Kept], step_s: f32, model: &Model, friction_step: f32, coulomb: bool) -> Sweep {
     // Lane 0 is the model; lane k + 1 varies parameter k.
     let varied = |value: f32, k: usize| {

@@ -54,27 +54,8 @@ pub fn run(
         [middle - width, libm::log(5e-3), shortest],
         [middle + width, libm::log(2.0), libm::log(0.02)],
     );
-    let model = |genes: &[f64; 3]| {
-        let [size, tau_m, tau_e] = genes.map(libm::exp);
-        let gain = if gain < 0.0 { -size } else { size };
-        (gain, tau_m, tau_e)
-    };
     let mut objective = |chromosomes: &[[f64; 3]], objectives: &mut [f64]| {
-        for (chromosomes, objectives) in chromosomes.chunks(LANES).zip(objectives.chunks_mut(LANES)) {
-            let filter = |lane: usize| {
-                let genes = chromosomes[lane.min(chromosomes.len() - 1)];
-                let (gain, tau_m, tau_e) = model(&genes);
-                // tau_e tau_m s^2 + (tau_e + tau_m') s + 1 of the base model without viscous friction.
-                let beta = 1.0 / (tau_e * tau_m);
-                let motor =
-                    Combinations { b_over_a1: gain * beta, a2_over_a1: 1.0 / tau_e, a3_over_a1: beta };
-                Filter::new(&motor, step, Hold::Zero, Kind::Angle)
-            };
-            let filters = core::array::from_fn::<_, LANES, _>(filter);
-            let mut sums = [0.0; LANES];
-            absolute_error(&Filter::<Lanes<f32, LANES>>::gather(&filters), samples, &mut sums);
-            objectives.copy_from_slice(&sums[..objectives.len()]);
-        }
+        evaluate(samples, step, gain < 0.0, chromosomes, objectives);
     };
     let settings = Settings {
         generations: request.generations.into(),
@@ -92,8 +73,30 @@ pub fn run(
         progress(search.generation() as u16, search.best_objective());
     }
     *evaluations += search.evaluations();
-    let (gain, tau_m, tau_e) = model(search.best());
-    let model =
-        Model { gain: gain as f32, tau_m: tau_m as f32, tau_e: tau_e as f32, coulomb: 0.0, offset: 0.0 };
+    let [gain, tau_m, tau_e] = motor_of(search.best(), gain < 0.0).map(|value| value as f32);
+    let model = Model { gain, tau_m, tau_e, coulomb: 0.0, offset: 0.0 };
     Found { model, absolute_sum: search.best_objective() }
+}
+
+/// Gain, tau_m and tau_e of a chromosome.
+fn motor_of(genes: &[f64; 3], backwards: bool) -> [f64; 3] {
+    let [size, tau_m, tau_e] = genes.map(libm::exp);
+    [if backwards { -size } else { size }, tau_m, tau_e]
+}
+
+/// Sums of absolute errors, counts. Not generic, so that it is compiled, and optimised, with this crate.
+#[inline(never)]
+fn evaluate(samples: &[Kept], step: f64, backwards: bool, chromosomes: &[[f64; 3]], objectives: &mut [f64]) {
+    for (chromosomes, objectives) in chromosomes.chunks(LANES).zip(objectives.chunks_mut(LANES)) {
+        let filters = core::array::from_fn::<_, LANES, _>(|lane| {
+            let [gain, tau_m, tau_e] = motor_of(&chromosomes[lane.min(chromosomes.len() - 1)], backwards);
+            // Without viscous friction: tau_e tau_m s^2 + tau_m s + 1.
+            let beta = 1.0 / (tau_e * tau_m);
+            let motor = Combinations { b_over_a1: gain * beta, a2_over_a1: 1.0 / tau_e, a3_over_a1: beta };
+            Filter::new(&motor, step, Hold::Zero, Kind::Angle)
+        });
+        let mut sums = [0.0; LANES];
+        absolute_error(&Filter::<Lanes<f32, LANES>>::gather(&filters), samples, &mut sums);
+        objectives.copy_from_slice(&sums[..objectives.len()]);
+    }
 }

@@ -71,6 +71,8 @@ fn an_encoder_that_counts_backwards_gives_a_negative_gain() {
 fn progress_falls_and_covers_every_generation() {
     let mut seen = Vec::new();
     fit(&record(0.9, 0.2), STEP, &request(false), |progress| seen.push(progress)).unwrap();
+    // The polish repeats the last one.
+    seen.dedup();
     assert_eq!(seen.len(), 40);
     assert!(
         seen.windows(2)

@@ -31,10 +31,7 @@ impl Machine {
         let mut mcu = Stm32f427::new().expect("the part's own tables are sound");
         mcu.rcc.attach_crystals(8_000_000, 0);
         mcu.set_supply(3300);
-        Machine {
-            mcu,
-            instructions_per_second,
-        }
+        Machine { mcu, instructions_per_second }
     }
 
     /// Runs an image until the driver ends the run; the driver is first asked at `first_stop`.
@@ -44,10 +41,9 @@ impl Machine {
         first_stop: VirtualNanos,
         driver: D,
     ) -> Finished<Machine, D> {
-        let session =
-            Session::new(Box::new(self), 0, first_stop).expect("the board is composed soundly");
-        let images = [Image::read(image, None)
-            .unwrap_or_else(|error| panic!("{}: {error:?}", image.display()))];
+        let session = Session::new(Box::new(self), 0, first_stop).expect("the board is composed soundly");
+        let images =
+            [Image::read(image, None).unwrap_or_else(|error| panic!("{}: {error:?}", image.display()))];
         emulator::run(session, &Start::new(&images), driver)
             .unwrap_or_else(|error| panic!("the emulator: {error:?}"))
     }
@@ -76,8 +72,7 @@ impl Board for Machine {
             interrupt_lines: NonZeroU32::new(lines).expect("the part has interrupts"),
             priority_bits: 4,
             refclk_divider: NonZeroU32::new(8).expect("not zero"),
-            instructions_per_second: NonZeroU64::new(self.instructions_per_second)
-                .expect("not zero"),
+            instructions_per_second: NonZeroU64::new(self.instructions_per_second).expect("not zero"),
             boot: "flash",
         };
         let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
@@ -96,29 +91,9 @@ pub fn image() -> PathBuf {
 /// Panics when the image touched anything the emulated chip has not: an address without a register, a register
 /// without a model, an access the bus refused, an instruction without meaning, an interrupt without a line.
 pub fn assert_clean(session: &Session<Machine>) {
-    assert!(
-        session.unmapped().is_empty(),
-        "unmapped: {:?}",
-        session.unmapped()
-    );
-    assert!(
-        session.unimplemented().is_empty(),
-        "unimplemented: {:?}",
-        session.unimplemented()
-    );
-    assert!(
-        session.refused().is_empty(),
-        "refused: {:?}",
-        session.refused()
-    );
-    assert!(
-        session.undefined().is_empty(),
-        "undefined: {:?}",
-        session.undefined()
-    );
-    assert!(
-        session.unrouted().is_empty(),
-        "unrouted: {:?}",
-        session.unrouted()
-    );
+    assert!(session.unmapped().is_empty(), "unmapped: {:?}", session.unmapped());
+    assert!(session.unimplemented().is_empty(), "unimplemented: {:?}", session.unimplemented());
+    assert!(session.refused().is_empty(), "refused: {:?}", session.refused());
+    assert!(session.undefined().is_empty(), "undefined: {:?}", session.undefined());
+    assert!(session.unrouted().is_empty(), "unrouted: {:?}", session.unrouted());
 }

@@ -9,12 +9,7 @@ use rigless::time::VirtualNanos;
 struct Wait(VirtualNanos);
 
 impl Driver<Machine> for Wait {
-    fn on_stop(
-        &mut self,
-        _: &mut Session<Machine>,
-        stop: Stop,
-        _: &mut dyn Host,
-    ) -> Option<VirtualNanos> {
+    fn on_stop(&mut self, _: &mut Session<Machine>, stop: Stop, _: &mut dyn Host) -> Option<VirtualNanos> {
         (stop.at.0 < self.0.0).then_some(self.0)
     }
 }
@@ -28,10 +23,6 @@ fn the_image_starts_cleanly_and_the_watchdog_stays_fed() {
             Wait(VirtualNanos(500_000_000)),
         );
         machine::assert_clean(&finished.session);
-        assert!(
-            finished.session.resets().is_empty(),
-            "restarted: {:?}",
-            finished.session.resets()
-        );
+        assert!(finished.session.resets().is_empty(), "restarted: {:?}", finished.session.resets());
     }
 }

@@ -1,0 +1,156 @@
+//! One run: set up, played, and its log brought home.
+
+use super::{Collector, Exchange, Fault};
+use motorlens_shared::excitation::Programme;
+use motorlens_shared::link::{
+    Capabilities, Cause, FromBoard, NEWEST, OLDEST, RunState, Sample, Scaling, Setup, Status, ToBoard,
+};
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::time::Duration;
+
+/// While a run goes on the board is taken for gone after this silence.
+const PATIENCE: Duration = Duration::from_secs(15);
+
+/// A run's log and what is known about it.
+#[derive(Debug, Clone)]
+pub struct Captured {
+    /// What ended the run.
+    pub cause: Cause,
+    /// The samples with their numbers.
+    pub samples: Vec<(u32, Sample)>,
+    /// Numbers of the samples that are missing: not taken, or lost with a line that was out for too long.
+    pub holes: Vec<Range<u32>>,
+    /// What the raw numbers mean.
+    pub scaling: Scaling,
+    /// What the board can do.
+    pub capabilities: Capabilities,
+    /// How the run was set up.
+    pub setup: Setup,
+    /// The board's last word on the run.
+    pub status: Status,
+}
+
+/// The state of capturing one run.
+pub struct Capture {
+    exchange: Exchange,
+    script: VecDeque<ToBoard>,
+    setup: Setup,
+    run: u32,
+    capabilities: Option<Capabilities>,
+    collector: Collector,
+    status: Option<Status>,
+    heard: Duration,
+    outcome: Option<Result<Captured, Fault>>,
+}
+
+impl Capture {
+    /// Prepares a run. Its number must differ from that of the board's last run.
+    pub fn new(setup: Setup, programme: &Programme, run: u32) -> Self {
+        let mut script = VecDeque::from([
+            ToBoard::Hello { oldest: OLDEST, newest: NEWEST },
+            ToBoard::Configure(setup),
+            ToBoard::Capabilities,
+        ]);
+        for (index, segment) in (0..).zip(&programme.segments) {
+            script.push_back(ToBoard::SetSegment {
+                index,
+                name: programme.name.clone(),
+                segment: segment.clone(),
+            });
+        }
+        script.push_back(ToBoard::Start { run, segments: programme.segments.len() as u8 });
+        Self {
+            exchange: Exchange::default(),
+            script,
+            setup,
+            run,
+            capabilities: None,
+            collector: Collector::new(run),
+            status: None,
+            heard: Duration::ZERO,
+            outcome: None,
+        }
+    }
+
+    /// Samples heard of so far.
+    pub fn samples(&self) -> usize {
+        self.collector.len()
+    }
+
+    /// Frames that arrived damaged.
+    pub fn damaged(&self) -> u64 {
+        self.exchange.damaged()
+    }
+
+    /// Asks the board to end the run; the log so far still comes.
+    pub fn stop(&mut self) {
+        self.script.clear();
+        self.script.push_back(ToBoard::Stop);
+    }
+
+    /// The end of it, once.
+    pub fn take_outcome(&mut self) -> Option<Result<Captured, Fault>> {
+        self.outcome.take()
+    }
+
+    /// Takes bytes from the board.
+    pub fn receive(&mut self, bytes: &[u8], now: Duration) {
+        for message in self.exchange.receive(bytes) {
+            self.heard = now;
+            match message {
+                FromBoard::Log(block) => self.collector.block(&block),
+                FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
+                FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
+                FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
+                _ => {}
+            }
+        }
+    }
+
+    /// Lets time pass, and hands over what is to be sent.
+    pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
+        match self.exchange.take_answer() {
+            Some(Err(fault)) => self.outcome = Some(Err(fault)),
+            Some(Ok(_)) | None if self.exchange.busy() => {}
+            _ => match self.script.pop_front() {
+                Some(message) => {
+                    self.heard = now;
+                    self.exchange.ask(message, now);
+                }
+                None => self.follow(now),
+            },
+        }
+        self.exchange.poll(now, out);
+    }
+
+    /// The run goes on, or is over and its log still comes.
+    fn follow(&mut self, now: Duration) {
+        if now.saturating_sub(self.heard) > PATIENCE {
+            self.outcome = Some(Err(Fault::Silent));
+            return;
+        }
+        let ended = match self.status {
+            Some(status) => match status.state {
+                RunState::Stopped(cause) => {
+                    self.collector.expect(status.next);
+                    Some((cause, status))
+                }
+                _ => None,
+            },
+            None => None,
+        };
+        for (first, count) in self.collector.requests(now) {
+            self.exchange.tell(ToBoard::ReadLog { first, count });
+        }
+        let (Some((cause, status)), true) = (ended, self.collector.is_complete()) else { return };
+        let Some(capabilities) = self.capabilities else {
+            self.outcome = Some(Err(Fault::Confused));
+            return;
+        };
+        let (samples, holes) = self.collector.finish();
+        let scaling = capabilities.scaling;
+        self.outcome =
+            Some(Ok(Captured { cause, samples, holes, scaling, capabilities, setup: self.setup, status }));
+    }
+}

@@ -1,0 +1,127 @@
+//! Requests and answers over a line that may lose or damage any of them.
+
+use super::Fault;
+use motorlens_shared::link::{
+    Decoder, FromBoard, MAX_ENCODED, NEWEST, OLDEST, Packet, Refusal, ToBoard, agree, encode,
+};
+use std::time::Duration;
+
+/// An unanswered request is sent again after this time.
+const AGAIN: Duration = Duration::from_millis(250);
+/// The board is taken for dead after this time without an answer.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// The board stops the motor when it hears nothing for its link timeout; this is how often it hears something.
+const KEEP_ALIVE: Duration = Duration::from_millis(50);
+
+struct Pending {
+    id: u16,
+    message: ToBoard,
+    since: Duration,
+    sent: Option<Duration>,
+}
+
+/// One end of the link: one request at a time, sent until it is answered.
+#[derive(Default)]
+pub struct Exchange {
+    decoder: Decoder,
+    id: u16,
+    pending: Option<Pending>,
+    answer: Option<Result<FromBoard, Fault>>,
+    spoke: Duration,
+    out: Vec<u8>,
+    damaged: u64,
+}
+
+impl Exchange {
+    /// Asks; the answer comes from [`Self::take_answer`]. One request at a time.
+    pub fn ask(&mut self, message: ToBoard, now: Duration) {
+        // 0 is what the board says unasked.
+        self.id = self.id.wrapping_add(1).max(1);
+        self.answer = None;
+        self.pending = Some(Pending { id: self.id, message, since: now, sent: None });
+    }
+
+    /// Whether a request waits for its answer.
+    pub fn busy(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// The answer to the last request, once.
+    pub fn take_answer(&mut self) -> Option<Result<FromBoard, Fault>> {
+        self.answer.take()
+    }
+
+    /// Says something that needs no answer, or whose answer is found otherwise.
+    pub fn tell(&mut self, message: ToBoard) {
+        self.id = self.id.wrapping_add(1).max(1);
+        self.post(self.id, message);
+    }
+
+    /// Frames that arrived damaged.
+    pub fn damaged(&self) -> u64 {
+        self.damaged
+    }
+
+    /// Takes bytes from the board and returns the messages that they complete, answers included.
+    pub fn receive(&mut self, bytes: &[u8]) -> Vec<FromBoard> {
+        let mut messages = Vec::new();
+        for byte in bytes {
+            match self.decoder.push::<Packet<FromBoard>>(*byte) {
+                Some(Ok(packet)) => self.arrived(packet, &mut messages),
+                Some(Err(_)) => self.damaged += 1,
+                None => {}
+            }
+        }
+        messages
+    }
+
+    fn arrived(&mut self, packet: Packet<FromBoard>, messages: &mut Vec<FromBoard>) {
+        if packet.message == FromBoard::Refused(Refusal::Version) {
+            // The board has started anew since the hello; greet it again and let the request be repeated.
+            self.tell(ToBoard::Hello { oldest: OLDEST, newest: NEWEST });
+            return;
+        }
+        if self.pending.as_ref().is_some_and(|pending| pending.id == packet.id) {
+            self.pending = None;
+            self.answer = Some(match &packet.message {
+                FromBoard::Refused(refusal) => Err(Fault::Refused(*refusal)),
+                FromBoard::Hello(hello)
+                    if agree((OLDEST, NEWEST), (hello.oldest, hello.newest)).is_none() =>
+                {
+                    Err(Fault::Version(hello.oldest, hello.newest))
+                }
+                message => Ok(message.clone()),
+            });
+        }
+        messages.push(packet.message);
+    }
+
+    /// Lets time pass, and hands over what is to be sent.
+    pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
+        if let Some(pending) = &mut self.pending {
+            if now.saturating_sub(pending.since) > PATIENCE {
+                self.pending = None;
+                self.answer = Some(Err(Fault::Silent));
+            } else if pending.sent.is_none_or(|sent| now.saturating_sub(sent) >= AGAIN) {
+                pending.sent = Some(now);
+                let (id, message) = (pending.id, pending.message.clone());
+                self.post(id, message);
+            }
+        }
+        if now.saturating_sub(self.spoke) >= KEEP_ALIVE {
+            self.tell(ToBoard::KeepAlive);
+        }
+        if !self.out.is_empty() {
+            self.spoke = now;
+            out.append(&mut self.out);
+        }
+    }
+
+    fn post(&mut self, id: u16, message: ToBoard) {
+        let mut frame = [0; MAX_ENCODED];
+        // Every message that this program makes fits in a frame: their sizes are bounded by their types.
+        if let Ok(frame) = encode(&Packet { id, message }, &mut frame) {
+            self.out.extend_from_slice(frame);
+        }
+    }
+}

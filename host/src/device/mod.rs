@@ -1,0 +1,46 @@
+//! The board at the other end of a line: capturing runs, fitting on the board, what it can do.
+//!
+//! The conversation is a state machine without input or output of its own ([`Exchange`], [`Capture`], [`Inquiry`]): it is
+//! given bytes and the time, and gives bytes. So the same code talks over a serial port, over TCP, and to an emulated
+//! board in virtual time.
+
+mod capture;
+mod collector;
+mod exchange;
+mod inquiry;
+mod record;
+
+pub use capture::{Capture, Captured};
+pub use collector::Collector;
+pub use exchange::Exchange;
+pub use inquiry::Inquiry;
+pub use record::{Shaft, record};
+
+use motorlens_shared::link::Refusal;
+use std::fmt;
+
+/// Why a conversation with a board ended without what was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fault {
+    /// No answer, however often asked.
+    Silent,
+    /// The board speaks other versions of the protocol: its oldest and newest.
+    Version(u16, u16),
+    /// The board refused.
+    Refused(Refusal),
+    /// The board answered with something else than was asked for.
+    Confused,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Silent => write!(f, "the board does not answer"),
+            Self::Version(oldest, newest) => {
+                write!(f, "the board speaks versions {oldest} to {newest} of the link, this program does not")
+            }
+            Self::Refused(refusal) => write!(f, "the board refuses: {refusal}"),
+            Self::Confused => write!(f, "the board's answer does not belong to the request"),
+        }
+    }
+}

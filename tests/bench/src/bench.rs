@@ -1,0 +1,155 @@
+//! The whole bench, driven through virtual time.
+
+use std::path::Path;
+use std::time::Duration;
+
+use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop};
+use rigless::session::Session;
+use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
+use rigless::time::VirtualNanos;
+
+use crate::cable::{Cable, Socket};
+use crate::machine::{CORE_HZ, Machine};
+use crate::plant::Plant;
+
+/// Registers whose writes mean something to the surroundings.
+const TIM4_SR: u64 = 0x4000_0810;
+const TIM1_EGR: u64 = 0x4001_0014;
+const TIM1_BDTR: u64 = 0x4001_0044;
+const GPIOB_ODR: u64 = 0x4002_0414;
+const GPIOB_BSRR: u64 = 0x4002_0418;
+/// TIM4 among the general timers.
+const TIMER_4: usize = 2;
+/// USART2 among the serial ports.
+const USART2: usize = 1;
+/// The line and the remote end are looked at so often, ns.
+const STOP_NS: u64 = 500_000;
+
+/// Who sits at the other end of the line.
+pub trait Remote: Send + 'static {
+    /// Half a millisecond has passed: bytes have come, bytes may go. False ends the run.
+    fn turn(&mut self, now: Duration, received: &[u8], send: &mut Vec<u8>, scene: &mut Scene) -> bool;
+}
+
+/// What a remote end may meddle with.
+pub struct Scene {
+    /// Driver, motor, encoder.
+    pub plant: Plant,
+    /// The serial line.
+    pub cable: Cable,
+    /// Instructions of the longest sampling interrupt so far, from its first to its last access of a register.
+    pub longest_interrupt: u64,
+    /// An upset clears the sampling timer's interrupt enable, as radiation or a stray pointer would.
+    pub upset: bool,
+}
+
+struct Around<R> {
+    scene: Scene,
+    remote: R,
+    interrupt_began: u64,
+    sampling: bool,
+    failed_at: Option<String>,
+}
+
+impl<R: Remote> Driver<Machine> for Around<R> {
+    fn on_settled(&mut self, session: &mut Session<Machine>, _: &mut dyn Host, settled: Settled) {
+        let Settled::Access { access, .. } = settled else { return };
+        let (machine, plant) = (session.board_mut(), &mut self.scene.plant);
+        let at = access.virtual_time;
+        if self.sampling {
+            let length = access.instruction_count - self.interrupt_began;
+            // The main loop's accesses follow after the interrupt's; the bridge is the last that the interrupt writes.
+            if access.kind == AccessKind::Write && [TIM1_EGR, GPIOB_BSRR].contains(&access.address) {
+                self.scene.longest_interrupt = self.scene.longest_interrupt.max(length);
+            }
+        }
+        if access.kind != AccessKind::Write {
+            return;
+        }
+        match access.address {
+            TIM4_SR => {
+                (self.interrupt_began, self.sampling) = (access.instruction_count, true);
+                plant.advance(at, machine);
+                plant.sample(machine);
+            }
+            TIM1_EGR | TIM1_BDTR | GPIOB_ODR | GPIOB_BSRR => {
+                plant.advance(at, machine);
+                plant.look(machine);
+                if access.address == TIM1_EGR {
+                    plant.begin_period(at);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Machine>,
+        stop: Stop,
+        _: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        let machine = session.board_mut();
+        let scene = &mut self.scene;
+        scene.plant.advance(stop.at, machine);
+        // A reset of the chip lets go of the pins without a write.
+        scene.plant.look(machine);
+        let Some(socket) = machine.mcu.usart[USART2].chip_mut::<Socket>() else {
+            self.failed_at = Some("the serial line came loose".to_owned());
+            return None;
+        };
+        let received = scene.cable.carry(&std::mem::take(&mut socket.from_board));
+        let mut send = Vec::new();
+        let now = Duration::from_nanos(stop.at.0);
+        let on = self.remote.turn(now, &received, &mut send, scene);
+        let carried = scene.cable.carry(&send);
+        if let Some(socket) = machine.mcu.usart[USART2].chip_mut::<Socket>() {
+            socket.to_board.extend(carried);
+        }
+        scene.plant.wire_emergency(stop.at, machine);
+        if std::mem::take(&mut scene.upset) {
+            let (_, registers) = machine.mcu.timer(TIMER_4);
+            registers.set(GeneralRegister::Dier, 0);
+        }
+        on.then_some(VirtualNanos(stop.at.0 + STOP_NS))
+    }
+}
+
+/// What a run leaves behind.
+pub struct Done<R> {
+    /// The chip and the emulator's findings.
+    pub session: Session<Machine>,
+    /// The surroundings.
+    pub scene: Scene,
+    /// The remote end.
+    pub remote: R,
+}
+
+/// Runs an image on the bench at this rate of instructions until the remote end has enough.
+///
+/// # Panics
+/// When the image cannot be read or the emulator gives up.
+pub fn run<R: Remote>(
+    image: &Path,
+    instructions_per_second: u64,
+    plant: Plant,
+    cable: Cable,
+    remote: R,
+) -> Done<R> {
+    let mut machine = Machine::new(instructions_per_second);
+    machine.mcu.usart[USART2].attach(Socket::default());
+    for converter in &mut machine.mcu.adc {
+        converter.set_reference(3300);
+    }
+    let scene = Scene { plant, cable, longest_interrupt: 0, upset: false };
+    let around = Around { scene, remote, interrupt_began: 0, sampling: false, failed_at: None };
+    let finished = machine.run(image, VirtualNanos(STOP_NS), around);
+    let Around { scene, remote, failed_at, .. } = finished.driver;
+    assert_eq!(failed_at, None);
+    Done { session: finished.session, scene, remote }
+}
+
+/// [`run`] at the core's own rate.
+pub fn run_at_full_rate<R: Remote>(image: &Path, plant: Plant, cable: Cable, remote: R) -> Done<R> {
+    run(image, CORE_HZ, plant, cable, remote)
+}

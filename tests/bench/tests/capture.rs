@@ -1,0 +1,57 @@
+//! Whole runs on the emulated board: nothing lost, counts exact, at both instruction rates.
+
+use std::time::Duration;
+
+use motorlens::device::Capture;
+use motorlens_bench::bench;
+use motorlens_bench::cable::Cable;
+use motorlens_bench::machine::{self, CORE_HZ};
+use motorlens_bench::plant::Plant;
+use motorlens_bench::remote::Session;
+use motorlens_shared::excitation::Programme;
+use motorlens_shared::link::{Cause, DriveMode, Setup};
+use motorlens_virtual_motor::{Motor, VirtualMotor};
+
+/// The pessimistic rate: what is left of 84 MHz with the flash's wait states.
+const SLOW: u64 = 47_000_000;
+
+fn plant(driver: DriveMode) -> Plant {
+    Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), driver)
+}
+
+/// A minute of the default protocol's shapes, as one programme.
+fn minute() -> Programme {
+    let protocol = Programme::default_protocol(12.0);
+    let segments =
+        protocol.training.iter().chain([&protocol.held_out]).flat_map(|programme| programme.segments.clone());
+    let mut programme = Programme::sequence("minute", segments).unwrap();
+    let scale = 60.0 / programme.seconds();
+    programme.segments.iter_mut().for_each(|segment| segment.seconds *= scale);
+    programme
+}
+
+#[test]
+fn a_minute_at_a_kilohertz_is_captured_whole_with_the_plants_own_counts() {
+    for rate in [CORE_HZ, SLOW] {
+        let capture = Capture::new(Setup::default(), &minute(), 1);
+        let session = Session::new(capture, Duration::from_secs(70), Box::new(|_, _, _| ()));
+        let done = bench::run(
+            &machine::image(),
+            rate,
+            plant(DriveMode::SignMagnitudeBrake),
+            Cable::new(0.0, 1),
+            session,
+        );
+        machine::assert_clean(&done.session);
+        let run = done.remote.run();
+        assert_eq!(run.cause, Cause::Finished);
+        assert_eq!((run.samples.len(), run.holes.len()), (60_000, 0));
+        let counts: Vec<i64> = run.samples.iter().map(|(_, sample)| i64::from(sample.count)).collect();
+        assert_eq!(counts, done.scene.plant.run_counts(60_000), "at {rate} instructions a second");
+        assert!(run.samples.iter().all(|(_, sample)| (-5..=5).contains(&sample.late_us)));
+        println!(
+            "{rate} instructions/s: longest interrupt {} instructions, {} cycles by the board's own count",
+            done.scene.longest_interrupt, run.status.worst_cycles
+        );
+    }
+}

@@ -1,0 +1,130 @@
+//! What can go wrong, injected: each fault stops the motor with the bridge off, is told by its name, and leaves the log.
+
+use std::time::Duration;
+
+use motorlens::device::{Capture, Captured};
+use motorlens_bench::bench::{self, Done, Scene};
+use motorlens_bench::cable::Cable;
+use motorlens_bench::machine;
+use motorlens_bench::plant::Plant;
+use motorlens_bench::remote::{Hand, Session};
+use motorlens_shared::excitation::{Programme, Shape};
+use motorlens_shared::link::{Cause, DriveMode, Reset, Setup};
+use motorlens_virtual_motor::{Motor, VirtualMotor};
+
+fn multisine(seconds: f32) -> Programme {
+    let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.2, high_hz: 8.0, tones: 8, seed: 2 };
+    Programme::single("multisine", shape, seconds)
+}
+
+/// Rises to 8 V in a second and back in the next.
+fn rise() -> Programme {
+    Programme::single("rise", Shape::Triangle { amplitude_v: 8.0, period_s: 4.0 }, 20.0)
+}
+
+fn run(setup: Setup, programme: &Programme, cable: Cable, hand: Hand) -> Done<Session> {
+    let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), setup.drive);
+    let session = Session::new(Capture::new(setup, programme, 1), Duration::from_secs(40), hand);
+    let done = bench::run_at_full_rate(&machine::image(), plant, cable, session);
+    machine::assert_clean(&done.session);
+    done
+}
+
+/// Every sample of the log holds the plant's own count at its instant.
+fn assert_true_to_the_plant(done: &Done<Session>) {
+    let run = done.remote.run();
+    let counts = done.scene.plant.run_counts(run.status.next as usize);
+    for (index, sample) in &run.samples {
+        assert_eq!(i64::from(sample.count), counts[*index as usize], "sample {index}");
+    }
+}
+
+/// Does something to the scene, once, `after` the log has begun.
+fn once(after: usize, mut act: impl FnMut(&mut Scene) + Send + 'static) -> Hand {
+    let mut done = false;
+    Box::new(move |_, capture, scene| {
+        if !done && capture.samples() >= after {
+            done = true;
+            act(scene);
+        }
+    })
+}
+
+fn stopped_by(cause: Cause, setup: Setup, act: impl FnMut(&mut Scene) + Send + 'static) -> Captured {
+    let done = run(setup, &rise(), Cable::new(0.0, 1), once(500, act));
+    let run = done.remote.run().clone();
+    assert_eq!(run.cause, cause);
+    assert!(!done.scene.plant.driven(), "{cause:?}: the bridge is off");
+    assert!(run.holes.is_empty() && run.samples.len() >= 500, "{cause:?}: {} samples", run.samples.len());
+    run
+}
+
+#[test]
+fn one_byte_in_a_hundred_spoiled_and_the_log_is_still_whole() {
+    let done = run(Setup::default(), &multisine(20.0), Cable::new(0.01, 5), Box::new(|_, _, _| ()));
+    let run = done.remote.run();
+    assert!(done.scene.cable.spoiled > 2000, "{} bytes spoiled", done.scene.cable.spoiled);
+    assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, 20_000, 0));
+    assert_true_to_the_plant(&done);
+}
+
+#[test]
+fn with_the_cable_out_for_two_seconds_the_motor_stops_and_the_session_resumes() {
+    let mut out_at = None;
+    let hand: Hand = Box::new(move |now, capture, scene| {
+        if capture.samples() >= 3000 {
+            let since = *out_at.get_or_insert(now);
+            scene.cable.out = now - since < Duration::from_secs(2);
+        }
+    });
+    let done = run(Setup::default(), &multisine(20.0), Cable::new(0.0, 1), hand);
+    let run = done.remote.run();
+    assert_eq!(run.cause, Cause::LinkLoss);
+    assert!(!done.scene.plant.driven());
+    assert!(run.holes.is_empty());
+    // Half a second of timeout, counted from the last keep-alive before the cable went.
+    assert!((3400..3600).contains(&run.samples.len()), "{} samples", run.samples.len());
+    assert_true_to_the_plant(&done);
+}
+
+#[test]
+fn a_stall_an_over_current_and_the_emergency_input_each_stop_the_motor() {
+    let stall = stopped_by(Cause::Stall, Setup::default(), |scene| scene.plant.jammed = true);
+    assert!(stall.samples.len() < 1600, "{}", stall.samples.len());
+    let limited = Setup { current_limit_ma: 3000, ..Setup::default() };
+    let current = stopped_by(Cause::OverCurrent, limited, |scene| scene.plant.short_a = 5.0);
+    assert!(current.samples.len() < 560, "{}", current.samples.len());
+    let emergency = stopped_by(Cause::Emergency, Setup::default(), |scene| scene.plant.emergency = true);
+    assert!(emergency.samples.len() < 560, "{}", emergency.samples.len());
+    stopped_by(Cause::RunLimit, Setup { run_limit_ms: 900, ..Setup::default() }, |_| ());
+}
+
+#[test]
+fn a_dead_sampling_interrupt_brings_the_watchdog_and_the_log_survives_the_restart() {
+    let done = run(Setup::default(), &rise(), Cable::new(0.0, 1), once(700, |scene| scene.upset = true));
+    let run = done.remote.run();
+    assert_eq!((run.cause, run.status.reset), (Cause::Watchdog, Reset::Watchdog));
+    assert_eq!(done.session.resets().len(), 1);
+    assert!(!done.scene.plant.driven());
+    assert!(run.holes.is_empty() && run.samples.len() >= 700);
+    assert_true_to_the_plant(&done);
+}
+
+#[test]
+fn every_kind_of_driver_gives_the_voltage_that_the_log_says() {
+    for drive in [DriveMode::SignMagnitudeBrake, DriveMode::SignMagnitudeCoast, DriveMode::LockedAntiPhase] {
+        let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 1.0);
+        let done =
+            run(Setup { drive, ..Setup::default() }, &step, Cable::new(0.0, 1), Box::new(|_, _, _| ()));
+        let run = done.remote.run();
+        assert_true_to_the_plant(&done);
+        let volts = run.scaling.volts(&run.samples[900].1);
+        assert!((volts - 6.0).abs() < 0.01, "{drive:?}: {volts} V");
+        let mut twin = VirtualMotor::new(&Motor::paper(), &[], 3);
+        twin.advance(1.0, motorlens_virtual_motor::Bridge::Volts(6.0));
+        let (count, ideal) = (f64::from(run.samples[999].1.count), twin.counts() as f64);
+        // A motor that floats in the off part is driven only while the current lasts; the others follow the mean voltage.
+        let range = if drive == DriveMode::SignMagnitudeCoast { 0.05..0.95 } else { 0.99..1.01 };
+        assert!(range.contains(&(count / ideal)), "{drive:?}: {count} against {ideal}");
+    }
+}
