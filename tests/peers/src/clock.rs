@@ -1,12 +1,17 @@
-//! Time on a machine that others use too.
+//! Time on a machine that others use too: processor time, and the fastest of several runs.
 
-use std::time::Instant;
+use cpu_time::ProcessTime;
 
-/// Seconds of the fastest of `times` runs: what others take only ever adds.
+/// Processor seconds of this process, all threads together.
+pub fn processor_seconds() -> f64 {
+    ProcessTime::now().as_duration().as_secs_f64()
+}
+
+/// Wall seconds of the fastest of `times` runs: what others take only ever adds.
 pub fn fastest(times: u32, mut run: impl FnMut()) -> f64 {
     (0..times)
         .map(|_| {
-            let began = Instant::now();
+            let began = std::time::Instant::now();
             run();
             began.elapsed().as_secs_f64()
         })

@@ -1,8 +1,138 @@
-mod clock; mod peak; mod record;
-fn main(){
- for _ in 0..3 {
- let p=peak::multiply_adds(); 
- for rate in [100,1000] { let k=peak::linear_kernel(rate); println!("peak {:.2} G/s; kernel {rate} {:.4} ns share {:.3}",p/1e9,k*1e9, 6.0/k/p); }
- let (a,b)=peak::nonlinear_kernel(); println!("nonlinear {:.3} {:.3} ratio {:.2}",a*1e9,b*1e9,b/a);
- }
+//! The paper's search beside that of others, on the same records, in one go, one thread each.
+//!
+//! Arguments: a directory to work in, a Python with scipy, pygad, pymoo and DEAP, and Octave with its control
+//! package. `cargo xtask peers` provides all three.
+
+mod clock;
+mod outside;
+mod peak;
+mod peer;
+mod record;
+mod rust_ga;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use motorlens::search::dispatch::Level;
+use motorlens::search::{GaOptions, Records, STARTS, Start, fast_on, genetic_on};
+use peer::{FACTOR, Peer};
+
+/// Seeds that the fast search is held against the genetic one on.
+const SEEDS: u64 = 60;
+
+fn main() -> Result<()> {
+    let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [directory, python, octave] = &arguments[..] else {
+        anyhow::bail!("usage: motorlens-peers DIRECTORY PYTHON OCTAVE (see cargo xtask peers)");
+    };
+    println!("{}; {}", processor(), Level::best().name());
+    kernels();
+    for rate in [100, 1000] {
+        searches(rate, directory, python, octave)?;
+    }
+    Ok(())
+}
+
+fn processor() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown processor");
+    name.trim_start_matches(['\t', ' ', ':']).to_owned()
+}
+
+fn kernels() {
+    let peak = peak::multiply_adds();
+    println!("\nf32 multiply-adds, measured peak: {:.1} G/s", peak / 1e9);
+    for rate in [100, 1000] {
+        let seconds = peak::linear_kernel(rate);
+        let share = peak::LINEAR_MULTIPLY_ADDS / seconds / peak;
+        println!(
+            "linear kernel, 3 records at {rate} Hz: {:.4} ns per candidate and sample, {:.1} % of the peak",
+            seconds * 1e9,
+            100.0 * share
+        );
+    }
+    let (lanes, scalar) = peak::nonlinear_kernel();
+    println!(
+        "nonlinear kernel (dead zone, Stribeck friction, gravity): {:.2} ns in lanes, {:.1} ns as scalar f64: {:.1} x",
+        lanes * 1e9,
+        scalar * 1e9,
+        scalar / lanes
+    );
+}
+
+fn searches(rate: u32, directory: &Path, python: &Path, octave: &Path) -> Result<()> {
+    let records = record::paper(rate);
+    let prepared = Records::new(&records, Level::best())?;
+    let samples = prepared.samples();
+    let centre = record::motor();
+    let start = Start::Logarithmic { centre, factor: FACTOR };
+    println!("\n{samples} samples, 80 x 800");
+
+    let mut ours = ours(&prepared, &start, 1, "motorlens ga");
+    for seed in 2..=5 {
+        let again = self::ours(&prepared, &start, seed, "motorlens ga");
+        ours.seconds = ours.seconds.min(again.seconds);
+    }
+    let mut peers = vec![rust_ga::run(&records, &centre)];
+    let file = outside::write(directory, &records, &centre)?;
+    let file = file.to_str().context("the path is not UTF-8")?;
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let script = |name: &str| here.join(name).to_str().map(str::to_owned).context("the path is not UTF-8");
+    peers.extend(outside::run(python, &[&script("peers.py")?, file, "scipy,pygad,pymoo,deap"])?);
+    let few = if rate > 100 { "2" } else { "10" };
+    peers.extend(outside::run(octave, &["--no-gui", "--quiet", &script("lsim.m")?, file, few])?);
+
+    println!("| search | CPU s for the run | x | evaluations | IAE | |\n|---|---|---|---|---|---|");
+    for peer in std::iter::once(&ours).chain(&peers) {
+        println!(
+            "| {} | {:.3} | {:.1} | {} | {:.6} | {} |",
+            peer.name,
+            peer.seconds_of_the_run(),
+            peer.seconds_of_the_run() / ours.seconds_of_the_run(),
+            peer.evaluations,
+            peer.iae,
+            peer.remark
+        );
+    }
+    fast(&prepared, &start, &ours);
+    threads(&prepared, &start);
+    Ok(())
+}
+
+fn ours(records: &Records, start: &Start, seed: u64, name: &str) -> Peer {
+    let began = clock::processor_seconds();
+    let options = GaOptions { seed, ..GaOptions::default() };
+    let result = genetic_on(records, start, &options, &mut |_, _| ());
+    Peer {
+        name: name.to_owned(),
+        seconds: clock::processor_seconds() - began,
+        evaluations: result.evaluations,
+        iae: result.iae,
+        remark: String::new(),
+    }
+}
+
+fn fast(records: &Records, start: &Start, ga: &Peer) {
+    let results: Vec<_> = (0..SEEDS).map(|seed| fast_on(records, start, STARTS, seed)).collect();
+    let mut seconds: Vec<f64> = results.iter().map(|r| r.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let median = seconds[seconds.len() / 2];
+    let same = results.iter().filter(|r| (r.iae / ga.iae - 1.0).abs() < 1e-3).count();
+    println!(
+        "fast: {:.2} ms (median of {SEEDS} seeds), {:.0} x faster than ga; IAE within 0.1 % of ga's in {same} of {SEEDS}",
+        median * 1e3,
+        ga.seconds / median
+    );
+}
+
+fn threads(records: &Records, start: &Start) {
+    let seconds = |threads| {
+        let run = |seed| {
+            let options = GaOptions { seed, threads, ..GaOptions::default() };
+            genetic_on(records, start, &options, &mut |_, _| ()).seconds
+        };
+        (1..=5).map(run).fold(f64::INFINITY, f64::min)
+    };
+    let (one, two) = (seconds(1), seconds(2));
+    println!("two threads: {:.2} x one (wall time, fastest of 5 each)", one / two);
 }

@@ -75,9 +75,8 @@ impl<E: Scalar> Nonlinear<'_, E> {
     /// Sum of the magnitudes of all errors.
     #[inline(always)]
     fn sum<T: Scalar<Element = E>>(&self) -> T {
-        let typical = |kind: Effect| -> Vec<T> {
-            kind.spec().parameters.iter().map(|p| T::lit(p.typical)).collect()
-        };
+        let typical =
+            |kind: Effect| -> Vec<T> { kind.spec().parameters.iter().map(|p| T::lit(p.typical)).collect() };
         let kinds = [Effect::DeadZone, Effect::Stribeck, Effect::Gravity];
         let parameters = kinds.map(typical);
         let base = Base {
