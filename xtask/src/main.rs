@@ -3,7 +3,9 @@
 mod apt;
 mod arm;
 mod bench;
+mod instructions;
 mod licences;
+mod peers;
 mod process;
 mod report;
 mod sizes;
@@ -31,6 +33,10 @@ enum Task {
     Bench(bench::Options),
     /// Check that every dependency of every workspace has a permissive licence.
     Licences,
+    /// Run the paper's search beside that of others (scipy, pygad, pymoo, DEAP, genevo, Octave) and print the ratios.
+    Peers,
+    /// Count the instructions per sample of the host's kernels and hold them against docs/instructions.json.
+    Instructions(instructions::Options),
 }
 
 fn main() -> anyhow::Result<ExitCode> {
@@ -39,6 +45,8 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::Sizes => sizes::print()?,
         Task::Bench(options) => bench::serve(&options)?,
         Task::Licences => licences::check_all()?,
+        Task::Peers => peers::run()?,
+        Task::Instructions(options) => instructions::check(&options)?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, bench, licences, process, sizes};
+use crate::{arm, bench, instructions, licences, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 10] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -51,6 +51,9 @@ const PARTS: [Part; 9] = [
             "--locked",
             "--no-fail-fast",
         ]))
+    }),
+    ("instructions of the kernels", || {
+        one(instructions::check(&instructions::Options::default()))
     }),
     ("no_std on Cortex-M4F", || {
         one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))

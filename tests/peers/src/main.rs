@@ -3,11 +3,8 @@
 //! Arguments: a directory to work in, a Python with scipy, pygad, pymoo and DEAP, and Octave with its control
 //! package. `cargo xtask peers` provides all three.
 
-mod clock;
 mod outside;
 mod peak;
-mod peer;
-mod record;
 mod rust_ga;
 
 use std::path::{Path, PathBuf};
@@ -15,7 +12,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use motorlens::search::dispatch::Level;
 use motorlens::search::{GaOptions, Records, STARTS, Start, fast_on, genetic_on};
-use peer::{FACTOR, Peer};
+use motorlens_peers::clock;
+use motorlens_peers::peer::{FACTOR, Peer};
+use motorlens_peers::record;
 
 /// Seeds that the fast search is held against the genetic one on.
 const SEEDS: u64 = 60;
@@ -82,14 +81,18 @@ fn searches(rate: u32, directory: &Path, python: &Path, octave: &Path) -> Result
     let few = if rate > 100 { "2" } else { "10" };
     peers.extend(outside::run(octave, &["--no-gui", "--quiet", &script("lsim.m")?, file, few])?);
 
-    println!("| search | CPU s for the run | x | evaluations | IAE | |\n|---|---|---|---|---|---|");
+    println!(
+        "| search | CPU s, whole run | x | evaluations | x per evaluation | IAE | |\n|---|---|---|---|---|---|---|"
+    );
     for peer in std::iter::once(&ours).chain(&peers) {
+        // Octave does a few evaluations only: its run is extrapolated to as many as the others make.
+        let seconds = if peer.remark.is_empty() { peer.seconds } else { peer.seconds_of_the_run() };
         println!(
-            "| {} | {:.3} | {:.1} | {} | {:.6} | {} |",
+            "| {} | {seconds:.3} | {:.1} | {} | {:.1} | {:.6} | {} |",
             peer.name,
-            peer.seconds_of_the_run(),
-            peer.seconds_of_the_run() / ours.seconds_of_the_run(),
+            seconds / ours.seconds,
             peer.evaluations,
+            peer.seconds_of_the_run() / ours.seconds_of_the_run(),
             peer.iae,
             peer.remark
         );

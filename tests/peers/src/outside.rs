@@ -8,7 +8,7 @@ use motorlens::search::LinearRecord;
 use motorlens_shared::motor::PaperMotor;
 use serde_json::json;
 
-use crate::peer::{FACTOR, GENERATIONS, POPULATION, Peer};
+use motorlens_peers::peer::{FACTOR, GENERATIONS, POPULATION, Peer};
 
 /// Writes what the others need and returns the file.
 pub fn write(directory: &Path, records: &[LinearRecord], centre: &PaperMotor) -> Result<PathBuf> {

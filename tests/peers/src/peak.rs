@@ -1,16 +1,13 @@
 //! How many multiply-adds this processor does per second, measured, and what share of them the kernels use.
 
-use crate::clock::fastest;
-use crate::record;
 use motorlens::search::dispatch::{LANES, Level, Work};
 use motorlens::search::{Candidates, Records};
-use motorlens_shared::base::Base;
-use motorlens_shared::effects::{Kind as Effect, Rig};
+use motorlens_peers::clock::fastest;
+use motorlens_peers::nonlinear::Nonlinear;
+use motorlens_peers::record;
 use motorlens_shared::linear::Laned;
 use motorlens_shared::motor::PaperMotor;
 use motorlens_shared::scalar::Scalar;
-use motorlens_shared::simulator::Simulator;
-use motorlens_shared::step::State;
 use std::hint::black_box;
 
 /// Chains that do not wait for each other: enough to fill two units of four cycles' latency with 8-lane vectors.
@@ -64,60 +61,6 @@ pub fn linear_kernel(rate: u32) -> f64 {
 
 /// Linear kernel: multiply-adds per candidate and sample.
 pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
-
-/// A motor with stick, Stribeck friction, a dead zone and an unbalanced load: several candidates side by side.
-struct Nonlinear<'a, E> {
-    voltages: &'a [E],
-    measured: &'a [E],
-}
-
-impl<E: Scalar> Nonlinear<'_, E> {
-    /// Sum of the magnitudes of all errors.
-    #[inline(always)]
-    fn sum<T: Scalar<Element = E>>(&self) -> T {
-        let typical =
-            |kind: Effect| -> Vec<T> { kind.spec().parameters.iter().map(|p| T::lit(p.typical)).collect() };
-        let kinds = [Effect::DeadZone, Effect::Stribeck, Effect::Gravity];
-        let parameters = kinds.map(typical);
-        let base = Base {
-            gain: T::lit(0.57),
-            tau_m: T::lit(0.045),
-            tau_e: T::lit(6e-4),
-            viscous_share: T::lit(0.06),
-        };
-        let rig = Rig {
-            step_s: 1e-3,
-            gear_ratio: 104.0,
-            encoder_on_motor: false,
-            nominal_v: 12.0,
-            supply_v: 12.0,
-            reference_speed: 6.9,
-            count_rad: 1.26e-3,
-        };
-        let effects = kinds.into_iter().zip(parameters.iter().map(|p| &p[..]));
-        let simulator = Simulator::new(&base, effects, &rig);
-        let mut motion = simulator.start(State::rest());
-        let mut sum = T::zero();
-        for (index, measured) in self.measured.iter().enumerate() {
-            sum += (simulator.read(&motion) - T::splat(*measured)).abs();
-            simulator.advance(&mut motion, self.voltages, index);
-        }
-        sum
-    }
-}
-
-impl Work for Nonlinear<'_, f32> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<T: Laned<Element: bytemuck::Pod>>(self) -> f64 {
-        let same = Nonlinear::<T::Element> {
-            voltages: bytemuck::cast_slice(self.voltages),
-            measured: bytemuck::cast_slice(self.measured),
-        };
-        same.sum::<T>().lane(0)
-    }
-}
 
 /// Seconds per candidate and sample of the nonlinear model: in lanes, and as scalar `f64`.
 pub fn nonlinear_kernel() -> (f64, f64) {

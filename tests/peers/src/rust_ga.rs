@@ -10,8 +10,8 @@ use genevo::random::Rng;
 use motorlens::search::LinearRecord;
 use motorlens_shared::motor::PaperMotor;
 
-use crate::clock::processor_seconds;
-use crate::peer::{FACTOR, GENERATIONS, POPULATION, Peer};
+use motorlens_peers::clock::processor_seconds;
+use motorlens_peers::peer::{FACTOR, GENERATIONS, POPULATION, Peer};
 
 type Genes = Vec<f64>;
 
