@@ -19,7 +19,7 @@ pub fn run() -> Result<()> {
     process::run(
         process::cargo()
             .current_dir(crate_directory())
-            .args(["run", "--release", "--locked", "--bin", "motorlens-peers", "--"])
+            .args(["run", "--release", "--bin", "motorlens-peers", "--"])
             .arg(&directory)
             .arg(python)
             .arg("octave"),
