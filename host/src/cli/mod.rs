@@ -4,9 +4,11 @@
 //! To add a verb: a file with `Args` and `run`, its `mod` line, and its row in [`Verb`] and [`Verb::run`].
 
 mod add;
+mod capture;
 mod compare;
 mod console;
 mod demo;
+mod device;
 mod diagnose;
 mod discover;
 mod effects;
@@ -64,6 +66,10 @@ enum Verb {
     Effects(effects::Args),
     /// The loop by itself, told in one HTML file that opens without a network
     Report(report::Args),
+    /// Run programmes on the board and save the logs
+    Capture(capture::Args),
+    /// Ask the board, fit on it, stop it, flash it
+    Device(device::Args),
     /// The paper's run with one command, and what the paper does not say
     Paper(crate::paper::PaperArgs),
 }
@@ -81,6 +87,8 @@ impl Verb {
             Self::Discover(args) => discover::run(args, console),
             Self::Effects(args) => effects::run(args, console),
             Self::Report(args) => report::run(args, console),
+            Self::Capture(args) => capture::run(args, console),
+            Self::Device(args) => device::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }
     }

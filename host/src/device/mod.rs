@@ -8,12 +8,14 @@ mod capture;
 mod collector;
 mod exchange;
 mod inquiry;
+mod port;
 mod record;
 
 pub use capture::{Capture, Captured};
 pub use collector::Collector;
 pub use exchange::Exchange;
 pub use inquiry::Inquiry;
+pub use port::Port;
 pub use record::{Shaft, record};
 
 use motorlens_shared::link::Refusal;
@@ -30,6 +32,18 @@ pub enum Fault {
     Refused(Refusal),
     /// The board answered with something else than was asked for.
     Confused,
+}
+
+impl From<Fault> for crate::error::Error {
+    fn from(fault: Fault) -> Self {
+        let remedy = match &fault {
+            Fault::Silent => "check power, cable and port; the firmware runs at 921,600 baud",
+            Fault::Version(..) => "flash the firmware that belongs to this program: motorlens device flash",
+            Fault::Refused(_) => "change what the board names and try again",
+            Fault::Confused => "reset the board and try again",
+        };
+        Self::device(fault.to_string(), remedy)
+    }
 }
 
 impl fmt::Display for Fault {

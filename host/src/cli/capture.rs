@@ -1,0 +1,213 @@
+//! `capture`: runs programmes on the board and saves the logs.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use motorlens_shared::excitation::Programme;
+use motorlens_shared::link::{DriveMode, Setup};
+use serde::Serialize;
+
+use super::Console;
+use crate::device::{Capture, Captured, Port, Shaft, record};
+use crate::error::{BadInput, Error, Result};
+use crate::log::write_canonical;
+use crate::motor_file;
+use crate::simulate::{Excitation, Play, Role, plays};
+
+/// How the driver is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Drive {
+    /// Direction pins and PWM; the motor is shorted in the off part
+    Brake,
+    /// Direction pins and PWM; the motor floats in the off part
+    Coast,
+    /// The PWM reverses the bridge; half duty is no voltage
+    AntiPhase,
+}
+
+/// Options of `capture`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A serial port, or tcp://host:port
+    #[arg(long)]
+    pub port: String,
+    /// What to play: default, paper, sine, multisine, chirp, staircase, triangle, prbs, pulse, or a programme as JSON (FILE)
+    #[arg(long, value_name = "NAME|FILE.json", default_value = "default")]
+    pub programme: String,
+    /// Directory for the logs
+    #[arg(long, value_name = "DIR", default_value = "captured")]
+    pub out: PathBuf,
+    /// What is known of the motor; counts_per_rev turns counts into angles
+    #[arg(long, value_name = "motor.toml")]
+    pub motor: Option<PathBuf>,
+    /// Counts per turn of the output shaft, after x4 and gearing, where no motor file says it
+    #[arg(long, value_name = "COUNTS")]
+    pub counts_per_rev: Option<f64>,
+    /// Samples per second: 100 to 2000, a divisor of a million
+    #[arg(long, value_name = "HZ", default_value_t = 1000)]
+    pub rate: u16,
+    /// Length of every log in seconds [default: the programme's own]
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: Option<f32>,
+    /// Largest voltage of a single shape [default: three quarters of the supply]
+    #[arg(long, value_name = "VOLTS")]
+    pub amplitude: Option<f32>,
+    /// How the driver is driven
+    #[arg(long, value_enum, default_value = "brake")]
+    pub drive: Drive,
+    /// Supply of the driver in volts, where the board does not measure it
+    #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
+    pub supply: f32,
+    /// Largest share of the supply that is ever applied, 0.001 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    pub duty_limit: f32,
+    /// Stop above this current in amperes, where the board measures it
+    #[arg(long, value_name = "AMPERES", default_value_t = 0.0)]
+    pub current_limit: f32,
+    /// Keep one sample of so many for the fit on the board
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub keep_every: u16,
+    /// Picks phases and orders
+    #[arg(long, default_value_t = 1)]
+    pub seed: u32,
+}
+
+#[derive(Serialize)]
+struct Saved {
+    log: PathBuf,
+    ended: String,
+    samples: usize,
+    missing: u32,
+    finished: bool,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    logs: Vec<Saved>,
+    damaged_frames: u64,
+}
+
+/// Runs every programme; each log is saved whole before the next begins.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let shaft = shaft(args)?;
+    let setup = setup(args)?;
+    let plays = programmes(args)?;
+    for play in &plays {
+        let limit = args.supply * args.duty_limit;
+        play.programme.validate(limit).map_err(|error| {
+            Error::usage(
+                format!("{}: {error}", play.programme.name),
+                "lower --amplitude or raise --duty-limit",
+            )
+        })?;
+    }
+    std::fs::create_dir_all(&args.out)
+        .map_err(|source| Error::Io { doing: format!("cannot make {}", args.out.display()), source })?;
+    let mut port = Port::open(&args.port)?;
+    let mut document = Document { schema: 1, logs: Vec::new(), damaged_frames: 0 };
+    // Any number but the board's last one: the time is never the same again.
+    let first = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32);
+    for (index, play) in (0..).zip(&plays) {
+        let (captured, damaged) = capture(&mut port, setup, play, first.wrapping_add(index), console)?;
+        document.damaged_frames += damaged;
+        let log = args.out.join(format!("{}.csv", play.log_name()));
+        let record = record(&captured, &shaft, &play.programme)
+            .map_err(|why| Error::usage(why, "give the programme a name without line breaks"))?;
+        write_canonical(&record, &log)?;
+        let finished = captured.cause == motorlens_shared::link::Cause::Finished;
+        document.logs.push(Saved {
+            log,
+            ended: captured.cause.to_string(),
+            samples: captured.samples.len(),
+            missing: captured.holes.iter().map(|hole| hole.end - hole.start).sum(),
+            finished,
+        });
+        if !finished {
+            let why = format!("{}: {} (the log so far is saved)", play.programme.name, captured.cause);
+            console.say(format!("{} samples in {}", captured.samples.len(), args.out.display()));
+            return Err(Error::device(why, "clear the cause and capture again"));
+        }
+    }
+    console.answer(&document, || {
+        let lines = document.logs.iter().map(|saved| {
+            format!("{}: {} samples, {} missing", saved.log.display(), saved.samples, saved.missing)
+        });
+        lines.collect::<Vec<_>>().join("\n")
+    });
+    Ok(())
+}
+
+fn capture(
+    port: &mut Port,
+    setup: Setup,
+    play: &Play,
+    run: u32,
+    console: &Console,
+) -> Result<(Captured, u64)> {
+    let mut capture = Capture::new(setup, &play.programme, run);
+    let total = (play.programme.seconds() * f32::from(setup.rate_hz)).round() as u64;
+    let bar = if console.shows_progress() { ProgressBar::new(total) } else { ProgressBar::hidden() };
+    let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} samples");
+    bar.set_style(style.expect("the template is sound"));
+    bar.set_message(play.log_name());
+    let outcome = port.converse(|now, received, send| {
+        capture.receive(received, now);
+        capture.poll(now, send);
+        bar.set_position(capture.samples() as u64);
+        capture.take_outcome()
+    });
+    bar.finish_and_clear();
+    Ok((outcome??, capture.damaged()))
+}
+
+fn setup(args: &Args) -> Result<Setup> {
+    let setup = Setup {
+        rate_hz: args.rate,
+        drive: match args.drive {
+            Drive::Brake => DriveMode::SignMagnitudeBrake,
+            Drive::Coast => DriveMode::SignMagnitudeCoast,
+            Drive::AntiPhase => DriveMode::LockedAntiPhase,
+        },
+        supply_mv: (args.supply * 1000.0).round() as u16,
+        duty_limit: (args.duty_limit * 1000.0).round() as u16,
+        current_limit_ma: (args.current_limit * 1000.0).round() as u16,
+        keep_every: args.keep_every,
+        // Half a second, or less where the board's log would not last for twice that.
+        link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
+        ..Setup::default()
+    };
+    // The board checks again, with its own log and sensors.
+    setup
+        .check(1024, true)
+        .map_err(|fault| Error::usage(fault.to_string(), "see motorlens capture --help"))?;
+    Ok(setup)
+}
+
+fn programmes(args: &Args) -> Result<Vec<Play>> {
+    if let Ok(excitation) = Excitation::from_str(&args.programme, true) {
+        let amplitude = args.amplitude.unwrap_or(0.75 * args.supply);
+        return Ok(plays(excitation, amplitude, args.supply, args.seconds, args.seed));
+    }
+    let path = Path::new(&args.programme);
+    let remedy = "name one of default, paper, sine, multisine, chirp, staircase, triangle, prbs, pulse, or a JSON file";
+    let text =
+        std::fs::read_to_string(path).map_err(|error| BadInput::new(path, error.to_string(), remedy))?;
+    let programme: Programme =
+        serde_json::from_str(&text).map_err(|error| BadInput::new(path, error.to_string(), remedy))?;
+    Ok(vec![Play { role: Role::Training, programme }])
+}
+
+fn shaft(args: &Args) -> Result<Shaft> {
+    let motor = args.motor.as_deref().map_or_else(|| Ok(Default::default()), motor_file::read)?;
+    let counts = args.counts_per_rev.or(motor.counts_per_rev).filter(|counts| *counts > 0.0);
+    let counts_per_rev = counts.ok_or_else(|| {
+        Error::usage(
+            "how many encoder counts make a turn of the output shaft?",
+            "give --counts-per-rev N, or --motor motor.toml with counts_per_rev",
+        )
+    })?;
+    Ok(Shaft { counts_per_rev, gear_ratio: motor.gear_ratio, encoder: motor.encoder_shaft })
+}
