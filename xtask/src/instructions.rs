@@ -72,7 +72,6 @@ fn build() -> Result<PathBuf> {
         process::cargo().current_dir(peers::crate_directory()).env("CARGO_TARGET_DIR", &target).args([
             "build",
             "--release",
-            "--locked",
             "--no-default-features",
             "--bin",
             "instructions",
