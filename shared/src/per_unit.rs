@@ -2,7 +2,7 @@
 
 use crate::base::{Base, Coefficients, Units};
 use crate::scalar::Scalar;
-use crate::step::{Drive, State, step};
+use crate::step::{Drive, Laws, State, step};
 
 /// Base model and Coulomb friction in the numbers of `S`, scaled by [`Units`].
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ impl<S: Scalar> PerUnit<S> {
         let mut drive = Drive::plain(voltage);
         drive.friction_forward = self.friction;
         drive.friction_backward = self.friction;
-        step(&self.coefficients, state, &drive);
+        step(&self.coefficients, Laws { dry: true, ..Laws::default() }, state, &drive);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::base::{Base, Coefficients};
 use crate::effects::{Active, Effect, Kind, Memory, Now, Rig, Setting};
 use crate::scalar::Scalar;
-use crate::step::{Drive, State, step};
+use crate::step::{Drive, Laws, State, step};
 use heapless::Vec;
 
 /// Most effects that one model may hold.
@@ -20,6 +20,8 @@ pub struct Simulator<S> {
     coefficients: Coefficients<S>,
     setting: Setting<S>,
     active: Vec<Active<S>, MAX_EFFECTS>,
+    laws: Laws,
+    remembers: bool,
     parts: usize,
     load_share: S,
 }
@@ -38,6 +40,8 @@ impl<S: Scalar> Simulator<S> {
     /// At most [`MAX_EFFECTS`] are used, and the first transmission among them.
     pub fn new<'a>(base: &Base<S>, effects: impl IntoIterator<Item = (Kind, &'a [S])>, rig: &Rig) -> Self {
         let mut active = Vec::new();
+        let mut laws = Laws::default();
+        let mut remembers = false;
         let mut load_share = S::zero();
         let mut two_masses = false;
         let setting = Setting::new(base, rig);
@@ -46,13 +50,17 @@ impl<S: Scalar> Simulator<S> {
                 two_masses = true;
                 load_share = parameters[index];
             }
+            let needs = kind.spec().laws;
+            laws.resistive |= needs.resistive;
+            laws.dry |= needs.dry;
+            remembers |= kind.spec().remembers;
             // A seventh effect has no place: callers are held to MAX_EFFECTS by the model file.
             let _ = active.push(Active::new(kind, parameters, &setting));
         }
         let parts = if two_masses { TRANSMISSION_PARTS } else { 1 };
         let rotor = if two_masses { base.without_load(load_share) } else { *base };
         let coefficients = Coefficients::new(&rotor, S::lit(rig.step_s / parts as f64));
-        Self { coefficients, setting, active, parts, load_share }
+        Self { coefficients, setting, active, laws, remembers, parts, load_share }
     }
 
     /// Starts from `state`, with every effect's own memory empty.
@@ -69,22 +77,41 @@ impl<S: Scalar> Simulator<S> {
     /// Advances over cell `index` of the grid, whose mean voltages are `voltages`.
     #[inline(always)]
     pub fn advance(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize) {
-        for _ in 0..self.parts {
+        if self.parts == 1 {
             let now = self.now(&motion.state, voltages, index);
-            let mut drive = Drive::plain(now.command);
-            for (effect, memory) in self.active.iter().zip(&motion.memory) {
-                effect.drive(&now, memory, &mut drive);
+            let mut drive = self.drive(&now, motion);
+            drive.torque += drive.load_torque;
+            let mut state = now.state;
+            step(&self.coefficients, self.laws, &mut state, &drive);
+            state.load_speed = state.speed;
+            state.load_angle = state.angle;
+            self.settle(&now, state, motion);
+        } else {
+            for _ in 0..TRANSMISSION_PARTS {
+                let now = self.now(&motion.state, voltages, index);
+                let drive = self.drive(&now, motion);
+                let mut state = now.state;
+                self.advance_two_masses(&mut state, &drive);
+                self.settle(&now, state, motion);
             }
-            if self.parts == 1 {
-                drive.torque += drive.load_torque;
-                step(&self.coefficients, &mut motion.state, &drive);
-                motion.state.load_speed = motion.state.speed;
-                motion.state.load_angle = motion.state.angle;
-            } else {
-                self.advance_two_masses(&mut motion.state, &drive);
-            }
+        }
+    }
+
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, motion: &Motion<S>) -> Drive<S> {
+        let mut drive = Drive::plain(now.command);
+        for (effect, memory) in self.active.iter().zip(&motion.memory) {
+            effect.drive(now, memory, &mut drive);
+        }
+        drive
+    }
+
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, state: State<S>, motion: &mut Motion<S>) {
+        motion.state = state;
+        if self.remembers {
             for (effect, memory) in self.active.iter().zip(&mut motion.memory) {
-                effect.settle(&now, &motion.state, memory);
+                effect.settle(now, &state, memory);
             }
         }
     }
@@ -93,7 +120,7 @@ impl<S: Scalar> Simulator<S> {
     #[inline(always)]
     fn advance_two_masses(&self, state: &mut State<S>, drive: &Drive<S>) {
         let part = self.coefficients.half_step + self.coefficients.half_step;
-        step(&self.coefficients, state, drive);
+        step(&self.coefficients, self.laws, state, drive);
         state.load_speed += part * self.setting.acceleration * drive.load_torque / self.load_share;
         for effect in &self.active {
             effect.couple(part, state);

@@ -71,12 +71,21 @@ impl<S: Scalar> Drive<S> {
     }
 }
 
+/// Which laws at the end of a step are needed at all: the others are skipped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Laws {
+    /// Something sets [`Drive::drop`] or [`Drive::series`].
+    pub resistive: bool,
+    /// Something sets [`Drive::friction_forward`] or [`Drive::friction_backward`].
+    pub dry: bool,
+}
+
 /// Advances the rotor by one step under `drive`; the load is left to the transmission.
 ///
 /// Order: linear map; series resistance and drop on the new current; friction on the new speed. The friction
 /// torque is the smallest that brings the new speed to zero, or the largest that the surface can give.
 #[inline(always)]
-pub fn step<S: Scalar>(c: &Coefficients<S>, s: &mut State<S>, drive: &Drive<S>) {
+pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive: &Drive<S>) {
     let weakened = drive.field - S::one();
     let mut f = weakened.mul_add(s.current, drive.torque);
     let mut v = drive.voltage - weakened * c.back_emf * s.speed;
@@ -84,17 +93,20 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, s: &mut State<S>, drive: &Drive<S>) 
     let mut u2 = c.uu.mul_add(u, c.uw.mul_add(w, c.uv.mul_add(v, c.uf * f)));
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, c.wv.mul_add(v, c.wf * f)));
 
-    let lost = (-(u2 * c.inverse_uv)).clamp(-drive.drop, drive.drop);
-    let after_drop = c.uv.mul_add(lost, u2);
-    let dv = lost - drive.series * after_drop / drive.series.mul_add(c.uv, S::one());
-    u2 = c.uv.mul_add(dv, u2);
-    w2 = c.wv.mul_add(dv, w2);
-
-    let g = (-(w2 * c.inverse_wf)).clamp(-drive.friction_forward, drive.friction_backward);
-    u2 = c.uf.mul_add(g, u2);
-    w2 = c.wf.mul_add(g, w2);
-    (v, f) = (v + dv, f + g);
-
+    if laws.resistive {
+        let lost = (-(u2 * c.inverse_uv)).clamp(-drive.drop, drive.drop);
+        let after_drop = c.uv.mul_add(lost, u2);
+        let dv = lost - drive.series * after_drop / drive.series.mul_add(c.uv, S::one());
+        u2 = c.uv.mul_add(dv, u2);
+        w2 = c.wv.mul_add(dv, w2);
+        v += dv;
+    }
+    if laws.dry {
+        let g = (-(w2 * c.inverse_wf)).clamp(-drive.friction_forward, drive.friction_backward);
+        u2 = c.uf.mul_add(g, u2);
+        w2 = c.wf.mul_add(g, w2);
+        f += g;
+    }
     let curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv.mul_add(v, c.xf * f)));
     s.angle += c.half_step.mul_add(w + w2, curve);
     s.current = u2;

@@ -1,6 +1,6 @@
 //! A gap in the gear.
 
-use super::spec::{Port, Scale, Spec, shape, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
 use super::{Effect, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -20,6 +20,8 @@ pub(super) const SPEC: Spec = Spec {
         &[0.3, 0.3], &[0.8, 0.3], &[1.6, 0.3], &[3.2, 0.3],
         &[0.3, 0.6], &[0.8, 0.6], &[1.6, 0.6], &[3.2, 0.6],
     ],
+    laws: EXPLICIT,
+    remembers: false,
     contains: &[],
 };
 

@@ -1,6 +1,6 @@
 //! A driver that lets the motor float in the off part of the PWM.
 
-use super::spec::{Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "no electrical braking at zero command; speed is far from proportional to duty",
     parameters: &[strength("share", "1", "1: floats fully; 0: brakes", Scale::One, [0.0, 0.5, 1.0])],
     probes: &[&[0.3], &[0.6], &[1.0]],
+    laws: EXPLICIT,
+    remembers: false,
     contains: &[],
 };
 

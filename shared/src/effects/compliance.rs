@@ -1,6 +1,6 @@
 //! A springy shaft or belt between motor and load.
 
-use super::spec::{Port, Scale, Spec, shape};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shape};
 use super::{Effect, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -21,6 +21,8 @@ pub(super) const SPEC: Spec = Spec {
         &[3.5, 0.45, 0.05], &[5.0, 0.45, 0.05], &[7.0, 0.45, 0.05], &[10.0, 0.45, 0.05],
         &[14.0, 0.45, 0.05], &[20.0, 0.45, 0.05], &[28.0, 0.45, 0.05], &[40.0, 0.45, 0.05],
     ],
+    laws: EXPLICIT,
+    remembers: false,
     contains: &[],
 };
 

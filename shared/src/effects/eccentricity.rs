@@ -1,6 +1,6 @@
 //! An encoder disc that sits off centre.
 
-use super::spec::{Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -20,6 +20,8 @@ pub(super) const SPEC: Spec = Spec {
         &[1.0, 0.0], &[0.0, 1.0], &[-1.0, 0.0], &[0.0, -1.0],
         &[5.0, 0.0], &[0.0, 5.0], &[-5.0, 0.0], &[0.0, -5.0],
     ],
+    laws: EXPLICIT,
+    remembers: false,
     contains: &[],
 };
 

@@ -1,6 +1,6 @@
 //! Friction in the gear teeth that grows with the torque they pass.
 
-use super::spec::{Port, Scale, Spec, strength};
+use super::spec::{DRY, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "acceleration is weaker and braking stronger than the model's, in proportion to the current",
     parameters: &[strength("share", "1", "share of the motor torque lost", Scale::One, [0.0, 0.1, 0.95])],
     probes: &[&[0.04], &[0.12], &[0.3]],
+    laws: DRY,
+    remembers: false,
     contains: &[],
 };
 

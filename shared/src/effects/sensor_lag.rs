@@ -1,6 +1,6 @@
 //! A filtered or stale reading.
 
-use super::spec::{Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -14,6 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "the reading trails in proportion to speed; jumps of speed are rounded",
     parameters: &[strength("time", "s", "time constant of the filter", Scale::Millisecond, [0.0, 5.0, 200.0])],
     probes: &[&[1.5], &[5.0], &[15.0], &[50.0]],
+    laws: EXPLICIT,
+    remembers: true,
     contains: &[],
 };
 

@@ -1,6 +1,7 @@
 //! The registry row of an effect.
 
 use super::Rig;
+use crate::step::Laws;
 
 /// Where an effect enters the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -108,6 +109,10 @@ pub struct Spec {
     pub parameters: &'static [Parameter],
     /// Finite trial values for the diagnosis, in each parameter's scale.
     pub probes: &'static [&'static [f64]],
+    /// Laws at the end of a step that it needs.
+    pub laws: Laws,
+    /// Has something to remember from step to step.
+    pub remembers: bool,
     /// Simpler effects that this one contains.
     pub contains: &'static [&'static str],
 }
@@ -141,3 +146,10 @@ pub(super) const fn shape(
 ) -> Parameter {
     Parameter { name, unit, meaning, scale, low, high, typical, strength: false }
 }
+
+/// Acts through voltage, torque or geometry alone.
+pub(super) const EXPLICIT: Laws = Laws { resistive: false, dry: false };
+/// Acts through a drop or a resistance.
+pub(super) const RESISTIVE: Laws = Laws { resistive: true, dry: false };
+/// Acts through dry friction.
+pub(super) const DRY: Laws = Laws { resistive: false, dry: true };

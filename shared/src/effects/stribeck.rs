@@ -1,6 +1,6 @@
 //! Dry friction that falls as the lubricant begins to carry.
 
-use super::spec::{Port, Scale, Spec, shape, strength};
+use super::spec::{DRY, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -18,6 +18,8 @@ pub(super) const SPEC: Spec = Spec {
         shape("speed", "rad/s", "where the excess has fallen to 40 %", Scale::Speed, [0.002, 0.02, 0.2]),
     ],
     probes: &[&[0.2, 0.14, 0.01], &[0.2, 0.14, 0.035], &[0.7, 0.5, 0.01], &[0.7, 0.5, 0.035]],
+    laws: DRY,
+    remembers: false,
     contains: &["coulomb"],
 };
 

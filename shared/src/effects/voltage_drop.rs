@@ -1,6 +1,6 @@
 //! Brushes and transistors that take a fixed voltage from any current.
 
-use super::spec::{Port, Scale, Spec, strength};
+use super::spec::{RESISTIVE, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual voltage steps with the sign of the current, not of the speed",
     parameters: &[strength("drop", "V", "voltage lost", Scale::Volt, [0.0, 0.3, 5.0])],
     probes: &[&[0.1], &[0.4], &[1.0], &[2.0]],
+    laws: RESISTIVE,
+    remembers: false,
     contains: &[],
 };
 

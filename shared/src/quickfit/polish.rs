@@ -4,7 +4,7 @@ use super::Kept;
 use crate::base::{Base, Coefficients};
 use crate::lanes::Lanes;
 use crate::scalar::Scalar;
-use crate::step::{Drive, State, step};
+use crate::step::{Drive, Laws, State, step};
 use nalgebra::{SMatrix, SVector};
 
 /// The motor's parameters: logarithms of gain, tau_m, tau_e; Coulomb friction in V.
@@ -176,7 +176,7 @@ fn sweep(samples: &[Kept], step_s: f32, model: &Model, friction_step: f32, coulo
                 friction_backward: Lanes(friction),
                 ..Drive::plain(Wide::splat(*voltage))
             };
-            step(&coefficients, &mut state, &drive);
+            step(&coefficients, Laws { dry: true, ..Laws::default() }, &mut state, &drive);
         }
         for row in 0..PARAMETERS {
             total.gradient[row] += f64::from(gradient[row]);

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::{Base, Coefficients};
 use crate::excitation::{Player, Programme, Shape};
-use crate::step::{Drive, State, step};
+use crate::step::{Drive, Laws, State, step};
 use std::vec::Vec;
 
 const STEP: f32 = 2e-3;
@@ -24,7 +24,7 @@ fn record(gain: f64, coulomb: f64) -> Vec<Kept> {
                 friction_backward: coulomb,
                 ..Drive::plain(f64::from(volts))
             };
-            step(&coefficients, &mut state, &drive);
+            step(&coefficients, Laws { dry: true, ..Laws::default() }, &mut state, &drive);
             kept
         })
         .collect()
