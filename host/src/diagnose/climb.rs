@@ -3,13 +3,18 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::candidate::{Candidate, Evidence};
+use super::candidate::{Candidate, Errors, Evidence};
 use super::stage::{self, Effort};
 
-/// An effect must lower the increments' error to this share, on the records fitted and on those kept out.
+/// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
 const WORTH: f64 = 0.97;
-/// Models within this much merit (6 % in error) of the best count as equal: the one with fewer parameters wins.
+/// A further effect must do more on the mean of both: what a slightly wrong law leaves over looks like a small
+/// effect.
+const WORTH_MORE: f64 = 0.85;
+/// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
+/// ... unless its error itself is that many times larger: the increments do not see slow drift.
+const DRIFT: f64 = 2.0;
 /// Nothing is left to find below this many noise units.
 const AT_THE_FLOOR: f64 = 1.02;
 
@@ -33,19 +38,30 @@ impl Climb {
 
 /// Whether `more` is worth its parameters over `less`: better on both sets of records.
 pub fn worth(more: &Candidate, less: &Candidate) -> bool {
-    let better = |m: f64, l: f64| m < l * WORTH;
-    better(more.train.increments, less.train.increments)
-        && better(more.unseen.increments, less.unseen.increments)
+    let train = more.train.increments / less.train.increments;
+    let unseen = more.unseen.increments / less.unseen.increments;
+    let mean = if less.kinds().is_empty() { WORTH } else { WORTH_MORE };
+    train < WORTH
+        && unseen < WORTH
+        && (train * unseen).sqrt() < mean
         && more.merit() < less.merit() + WORTH.ln()
 }
 
 /// The simplest of those that are as good as the best.
 pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
-    let best = candidates.iter().map(Candidate::merit).fold(f64::MAX, f64::min);
+    let best = candidates.iter().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
     candidates
         .iter()
-        .filter(|c| c.merit() <= best + EQUAL)
+        .filter(|c| as_good(c, best))
         .min_by(|a, b| a.size().cmp(&b.size()).then(a.merit().total_cmp(&b.merit())))
+}
+
+/// Whether the two cannot be told apart by their errors.
+fn as_good(c: &Candidate, best: &Candidate) -> bool {
+    let log =
+        |f: fn(&Errors) -> f64, c: &Candidate| 0.5 * (f(&c.train).max(0.7).ln() + f(&c.unseen).max(0.7).ln());
+    log(|e| e.increments, c) <= log(|e| e.increments, best) + EQUAL
+        && log(|e| e.position, c) <= log(|e| e.position, best) + DRIFT.ln()
 }
 
 /// Climbs from `base` with at most `most` effects of `library`.
@@ -75,7 +91,7 @@ pub fn run(
             found.extend(stage::run(evidence, &rival, library, Effort::FULL, &mut |k| tick(depth, k)));
         }
         found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-        let Some(next) = simplest(&found).cloned() else { break };
+        let Some(next) = next_rung(&found, &model).cloned() else { break };
         if !worth(&next, &model) {
             climb.refused = found;
             break;
@@ -86,6 +102,14 @@ pub fn run(
         climb.rungs.push(next);
     }
     climb
+}
+
+/// The simplest of the best; of equals, one that keeps what was accepted before.
+fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candidate> {
+    let next = simplest(found)?;
+    let keeps = |c: &&Candidate| model.kinds().iter().all(|k| c.kinds().contains(k));
+    let kept = found.iter().filter(keeps).find(|c| c.size() <= next.size() && as_good(c, next));
+    Some(kept.unwrap_or(next))
 }
 
 fn same(a: &Candidate, b: &Candidate) -> bool {
@@ -105,7 +129,7 @@ fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
             .kinds()
             .iter()
             .map(|k| evidence.fit(&model.values().without(*k), 10))
-            .filter(|c| c.merit() <= model.merit() + EQUAL * 0.5)
+            .filter(|c| c.merit() <= model.merit() + EQUAL * 0.5 && as_good(c, &model))
             .collect();
         match simplest(&fewer) {
             Some(c) => model = c.clone(),

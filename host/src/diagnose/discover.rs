@@ -308,9 +308,7 @@ pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem)
         .into_iter()
         .filter_map(|(a, b)| repeats::noise_floor(&all[a], &all[b]))
         .collect();
-    if floors.is_empty() {
-        problem.sigma
-    } else {
-        (floors.iter().map(|f| f * f).sum::<f64>() / floors.len() as f64).sqrt().max(problem.sigma)
-    }
+    let square = |x: &[f64]| (x.iter().map(|f| f * f).sum::<f64>() / x.len() as f64).sqrt();
+    let counting = square(&problem.grids.iter().map(|g| g.sigma).collect::<Vec<_>>());
+    if floors.is_empty() { counting } else { square(&floors).max(counting) }
 }

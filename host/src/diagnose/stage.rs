@@ -143,7 +143,7 @@ impl Tangent {
         problem.simulations.set(problem.simulations.get() + xs.len() as u64);
         for (grid, rows) in problem.grids.iter().zip(&self.rows) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
-            residuals(grid, Objective::Increments, problem.sigma, &mut series);
+            residuals(grid, Objective::Increments, &mut series);
             for (r, row) in series.iter().zip(rows) {
                 for l in 0..LANES {
                     cost[l] += r.0[l] * r.0[l];

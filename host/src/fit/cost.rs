@@ -23,26 +23,26 @@ const STRIDE_S: f64 = 0.002;
 /// Beyond this many noise units the loss grows linearly.
 pub const HUBER: f64 = 6.0;
 
-/// Turns predictions into residuals in units of `sigma`, in place.
-pub fn residuals(grid: &Grid, objective: Objective, sigma: f64, series: &mut Vec<Block>) {
+/// Turns predictions into residuals in units of the record's noise, in place.
+pub fn residuals(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
         // SAFETY: the processor has the features that the function was compiled for.
-        unsafe { residuals_avx2(grid, objective, sigma, series) };
+        unsafe { residuals_avx2(grid, objective, series) };
         return;
     }
-    residuals_body(grid, objective, sigma, series);
+    residuals_body(grid, objective, series);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn residuals_avx2(grid: &Grid, objective: Objective, sigma: f64, series: &mut Vec<Block>) {
-    residuals_body(grid, objective, sigma, series);
+fn residuals_avx2(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
+    residuals_body(grid, objective, series);
 }
 
 #[inline(always)]
-fn residuals_body(grid: &Grid, objective: Objective, sigma: f64, series: &mut Vec<Block>) {
-    let scale = 1.0 / sigma;
+fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
+    let scale = 1.0 / grid.sigma;
     series.drain(..grid.skip);
     for (prediction, y) in series.iter_mut().zip(&grid.measured[grid.skip..]) {
         for l in 0..LANES {

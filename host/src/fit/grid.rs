@@ -60,6 +60,8 @@ pub struct Grid {
     pub start_speed: f64,
     /// Smallest step of the measured column (0: none was found).
     pub quantum: f64,
+    /// Standard deviation of one reading: the unit in which errors count.
+    pub sigma: f64,
     /// Median time between samples, s.
     pub interval_s: f64,
     /// The first samples only lead in: they are simulated but not judged.
@@ -91,6 +93,7 @@ impl Grid {
             start_angle: record.angle_rad.as_ref().map_or(0.0, |a| a[0]),
             start_speed: 0.0,
             quantum,
+            sigma: reading_noise(column, quantum),
             interval_s: interval * thin as f64,
             skip: 0,
         };
@@ -191,6 +194,20 @@ fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
         add(last, end, held, held);
     }
     voltages
+}
+
+/// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
+///
+/// The scatter is a robust one of second differences, which smooth motion does not have.
+fn reading_noise(y: &[f64], quantum: f64) -> f64 {
+    if quantum > 0.0 {
+        return quantum / 12.0_f64.sqrt();
+    }
+    let mut d: Vec<f64> = y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    d.sort_by(f64::total_cmp);
+    let range = y.iter().fold(f64::MIN, |a, b| a.max(*b)) - y.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let median = d.get(d.len() / 2).copied().unwrap_or(0.0);
+    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-5 * range).max(1e-9)
 }
 
 fn median3(a: f64, b: f64, c: f64) -> f64 {

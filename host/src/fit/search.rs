@@ -22,8 +22,6 @@ pub struct Problem {
     pub rig: Rig,
     /// Beliefs about the base.
     pub prior: Prior,
-    /// Noise unit: standard deviation of one reading, in the measured unit.
-    pub sigma: f64,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
 }
@@ -66,7 +64,7 @@ impl Problem {
         self.count_passes(xs.len());
         for grid in &self.grids {
             predict_block(layout, xs, &self.rig, grid, &mut series);
-            residuals(grid, objective, self.sigma, &mut series);
+            residuals(grid, objective, &mut series);
             for r in &series {
                 for (sum, v) in sums.iter_mut().zip(r.0) {
                     *sum += v * v;
@@ -84,7 +82,7 @@ impl Problem {
         self.count_passes(1);
         for grid in &self.grids {
             predict_block(layout, &point, &self.rig, grid, &mut series);
-            residuals(grid, objective, self.sigma, &mut series);
+            residuals(grid, objective, &mut series);
             sum += series.iter().map(|r| r.0[0] * r.0[0]).sum::<f64>();
             count += series.len();
         }
@@ -123,7 +121,7 @@ impl Problem {
                     .map(|chunk| {
                         let mut series = Vec::with_capacity(grid.len());
                         predict_block(layout, chunk, &self.rig, grid, &mut series);
-                        residuals(grid, objective, self.sigma, &mut series);
+                        residuals(grid, objective, &mut series);
                         series
                     })
                     .collect()

@@ -12,7 +12,7 @@ use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
 
 /// Electrical time constant of small motors where nothing is known, s, and how sure that is.
-const USUAL_TAU_E: (f64, f64) = (7e-4, 0.8);
+const USUAL_TAU_E: (f64, f64) = (8e-4, 0.5);
 /// Standard deviation of the logarithm of a time constant from a nameplate.
 const NAMEPLATE_WIDTH: f64 = 0.4;
 /// Viscous share of the damping of small geared motors, and its spread.
@@ -60,25 +60,6 @@ pub fn quantum(record: &Record, rig: &Rig, counts_known: bool) -> f64 {
     }
 }
 
-/// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
-pub fn reading_noise(grids: &[Grid]) -> f64 {
-    let each = grids
-        .iter()
-        .map(|g| if g.quantum > 0.0 { g.quantum / 12.0_f64.sqrt() } else { scatter(&g.measured) });
-    let mut all: Vec<f64> = each.collect();
-    all.sort_by(f64::total_cmp);
-    all[all.len() / 2].max(1e-9)
-}
-
-/// Robust scatter of second differences, which smooth motion does not have.
-fn scatter(y: &[f64]) -> f64 {
-    let mut d: Vec<f64> = y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    d.sort_by(f64::total_cmp);
-    let range = y.iter().fold(f64::MIN, |a, b| a.max(*b)) - y.iter().fold(f64::MAX, |a, b| a.min(*b));
-    let median = d.get(d.len() / 2).copied().unwrap_or(0.0);
-    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-5 * range)
-}
-
 /// The problem of fitting `records`, and a base model to start from.
 ///
 /// The rig's reference speed is set from the data, so that bounds and sizes fit this motor.
@@ -92,11 +73,10 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
             rig.count_rad = g.quantum * g.interval_s;
         }
     }
-    let sigma = reading_noise(&grids);
     let prior = prior(motor);
     let base = first_base(&grids, &rig, &prior);
     rig.reference_speed = base.gain * rig.nominal_v;
-    let mut problem = Problem { grids, rig, prior, sigma, simulations: std::cell::Cell::new(0) };
+    let mut problem = Problem { grids, rig, prior, simulations: std::cell::Cell::new(0) };
     let start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
     (problem, start)
@@ -106,13 +86,7 @@ impl Problem {
     /// The same rig and noise, other records.
     #[must_use]
     pub fn on(&self, grids: Vec<Grid>) -> Self {
-        Self {
-            grids,
-            rig: self.rig,
-            prior: self.prior,
-            sigma: self.sigma,
-            simulations: std::cell::Cell::new(0),
-        }
+        Self { grids, rig: self.rig, prior: self.prior, simulations: std::cell::Cell::new(0) }
     }
 
     /// The same problem with its count of passes at zero.
@@ -155,10 +129,11 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
             for k in 0..series.len().saturating_sub(span) {
                 let speed = grid.quantity != Quantity::Angle;
                 let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
-                let y = y - before;
+                let y = (y - before) / grid.sigma;
                 yy += y * y;
                 for l in 0..LANES {
                     let p = series[k + span].0[l] - if speed { 0.0 } else { series[k].0[l] };
+                    let p = p / grid.sigma;
                     yp[l] += y * p;
                     pp[l] += p * p;
                 }

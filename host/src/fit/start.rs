@@ -54,7 +54,7 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
     let moved = grid.measured[k] - grid.measured[0];
-    (moved - expected).abs() > COUNTS * problem.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
+    (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
 }
 
 /// Least squares over the first time constants; the angle's offset is free.

@@ -13,8 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "slot ripple of permanent-magnet motors; n is the gear ratio",
     signature: "residual torque against the motor's angle repeats a whole number of times a revolution; slow motion is jerky",
     parameters: &[
-        strength("sine", "V", "ripple torque, sine part", Scale::Volt, [-6.0, 0.15, 6.0]),
-        strength("cosine", "V", "ripple torque, cosine part", Scale::Volt, [-6.0, 0.15, 6.0]),
+        strength("sine", "V", "ripple torque, sine part", Scale::Volt, [-12.0, 0.15, 12.0]),
+        strength("cosine", "V", "ripple torque, cosine part", Scale::Volt, [-12.0, 0.15, 12.0]),
         shape("order", "1", "periods per motor revolution", Scale::One, [1.0, 0.002, 64.0]),
     ],
     // The order comes from the data (a periodogram over the angle); these are fallbacks.

@@ -13,8 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "pendulum; two components because the log's zero is not the hanging position",
     signature: "residual torque against the output angle, folded once a revolution, is a sine",
     parameters: &[
-        strength("sine", "V", "torque at a quarter turn", Scale::Volt, [-6.0, 0.15, 6.0]),
-        strength("cosine", "V", "torque at the log's zero", Scale::Volt, [-6.0, 0.15, 6.0]),
+        strength("sine", "V", "torque at a quarter turn", Scale::Volt, [-12.0, 0.15, 12.0]),
+        strength("cosine", "V", "torque at the log's zero", Scale::Volt, [-12.0, 0.15, 12.0]),
     ],
     probes: &[
         &[0.1, 0.0], &[0.0, 0.1], &[-0.1, 0.0], &[0.0, -0.1],
