@@ -11,12 +11,15 @@ const WORTH: f64 = 0.97;
 /// A further effect must do more on the mean of both: what a slightly wrong law leaves over looks like a small
 /// effect.
 const WORTH_MORE: f64 = 0.85;
+/// The error itself on unseen records must not rise by more than this, whatever its increments do.
+const NO_WORSE: f64 = 1.1;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
 const DRIFT: f64 = 2.0;
-/// Nothing is left to find below this many noise units.
+/// Nothing is left to find below this many noise units: the base model, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
+const NEAR_THE_FLOOR: f64 = 1.15;
 
 /// What the climb found.
 #[derive(Debug)]
@@ -44,16 +47,37 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     train < WORTH
         && unseen < WORTH
         && (train * unseen).sqrt() < mean
+        && more.unseen.position < less.unseen.position * NO_WORSE
         && more.merit() < less.merit() + WORTH.ln()
 }
 
 /// The simplest of those that are as good as the best.
 pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
     let best = candidates.iter().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
-    candidates
-        .iter()
-        .filter(|c| as_good(c, best))
-        .min_by(|a, b| a.size().cmp(&b.size()).then(a.merit().total_cmp(&b.merit())))
+    let good = || candidates.iter().filter(|c| as_good(c, best));
+    let size = good().map(Candidate::size).min()?;
+    let of_size = || good().filter(|c| c.size() == size);
+    let merit = of_size().map(Candidate::merit).fold(f64::MAX, f64::min);
+    of_size().filter(|c| c.merit() <= merit + TIE).min_by_key(|c| rarity(c))
+}
+
+/// Below this difference of merit two laws of the same size fit alike, and the commoner one is meant.
+const TIE: f64 = 0.02;
+
+/// How seldom one meets the last effect of `c`: asked only where the data do not decide.
+fn rarity(c: &Candidate) -> usize {
+    const COMMON: [Kind; 9] = [
+        Kind::Coulomb,
+        Kind::DeadZone,
+        Kind::Gravity,
+        Kind::Backlash,
+        Kind::Delay,
+        Kind::Cogging,
+        Kind::SensorLag,
+        Kind::VoltageDrop,
+        Kind::ConstantLoad,
+    ];
+    c.kinds().last().and_then(|k| COMMON.iter().position(|c| c == k)).unwrap_or(COMMON.len())
 }
 
 /// Whether the two cannot be told apart by their errors.
@@ -80,15 +104,17 @@ pub fn run(
     while climb.rungs.len() <= most.min(MAX_EFFECTS) {
         let depth = climb.rungs.len() - 1;
         let model = climb.model().clone();
-        if model.train.increments < AT_THE_FLOOR && model.unseen.increments < AT_THE_FLOOR {
+        let (floor, effort) =
+            if depth == 0 { (AT_THE_FLOOR, Effort::FIRST) } else { (NEAR_THE_FLOOR, Effort::LATER) };
+        if model.train.increments.max(model.unseen.increments) < floor {
             break;
         }
-        let mut found = stage::run(evidence, &model, library, Effort::FULL, &mut |k| tick(depth, k));
+        let mut found = stage::run(evidence, &model, library, effort, &mut |k| tick(depth, k));
         if depth == 0 {
             climb.first.clone_from(&found);
         }
         if let Some(rival) = rival.take() {
-            found.extend(stage::run(evidence, &rival, library, Effort::FULL, &mut |k| tick(depth, k)));
+            found.extend(stage::run(evidence, &rival, library, effort, &mut |k| tick(depth, k)));
         }
         found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
         let Some(next) = next_rung(&found, &model).cloned() else { break };
@@ -96,7 +122,7 @@ pub fn run(
             climb.refused = found;
             break;
         }
-        rival = found.iter().find(|c| c.size() <= next.size() + 1 && !same(c, &next)).cloned();
+        rival = found.iter().find(|c| rivals(c, &next)).cloned();
         let next = prune(evidence, next);
         rung(&next);
         climb.rungs.push(next);
@@ -111,6 +137,14 @@ fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candid
     let kept = found.iter().filter(keeps).find(|c| c.size() <= next.size() && as_good(c, next));
     Some(kept.unwrap_or(next))
 }
+
+/// Whether `c` is another model about as large and not much worse than `next`.
+fn rivals(c: &Candidate, next: &Candidate) -> bool {
+    c.size() <= next.size() + 1 && !same(c, next) && c.merit() < next.merit() + RIVAL
+}
+
+/// A model this much worse (a factor of two in error and more) has lost.
+const RIVAL: f64 = 0.9;
 
 fn same(a: &Candidate, b: &Candidate) -> bool {
     let sorted = |c: &Candidate| {

@@ -18,6 +18,8 @@ use crate::fit::simulate::{Block, LANES, predict_block};
 /// How much work a stage does.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
+    /// Effects that leave the probing.
+    pub starters: usize,
     /// Starts of each effect that are searched.
     pub starts: usize,
     /// Steps of the race.
@@ -29,8 +31,10 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// The first stage, and those after.
-    pub const FULL: Self = Self { starts: 2, race: 3, finalists: 7, last: 14 };
+    /// On the base model.
+    pub const FIRST: Self = Self { starters: 14, starts: 2, race: 3, finalists: 6, last: 12 };
+    /// On a model with effects.
+    pub const LATER: Self = Self { starters: 9, starts: 2, race: 3, finalists: 4, last: 10 };
 }
 
 /// Tries every effect of `library` that `model` lacks; best first.
@@ -44,18 +48,24 @@ pub fn run(
     let lacking = |kind: &&Kind| {
         let has = model.kinds();
         let two_masses = has.iter().any(|k| k.spec().load_share().is_some());
-        !has.contains(kind) && !(two_masses && kind.spec().load_share().is_some())
+        let second_gap = two_masses && kind.spec().load_share().is_some();
+        !(has.contains(kind) || second_gap)
     };
     let tangent = Tangent::new(&evidence.train, model);
-    let mut raced: Vec<(Layout, Found)> = Vec::new();
+    let mut probed: Vec<(Kind, Vec<Start>)> = Vec::new();
     for kind in library.iter().filter(lacking) {
         tick(*kind);
-        let starts = probe(&evidence.train, model, &tangent, *kind);
-        let layout = evidence.train.layout(&[model.kinds(), &[*kind]].concat());
+        probed.push((*kind, probe(&evidence.train, model, &tangent, *kind)));
+    }
+    let left = |starts: &[Start]| starts.first().map_or(f64::MAX, |s| s.0);
+    probed.sort_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
+    let mut raced: Vec<(Layout, Found)> = Vec::new();
+    for (kind, starts) in probed.into_iter().take(effort.starters) {
+        let layout = evidence.train.layout(&[model.kinds(), &[kind]].concat());
         let best = starts
             .iter()
             .take(effort.starts)
-            .map(|x| evidence.train.search(&layout, Objective::Increments, x, effort.race, 1e-3))
+            .map(|(_, x)| evidence.train.search(&layout, Objective::Increments, x, effort.race, 1e-3))
             .min_by(|a, b| a.cost.total_cmp(&b.cost));
         raced.extend(best.map(|found| (layout, found)));
     }
@@ -69,8 +79,11 @@ pub fn run(
     finals
 }
 
-/// Search vectors for `model` with `kind` added, most promising first.
-fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> Vec<Vec<f64>> {
+/// Cost left after the old parameters gave way, and the search vector.
+type Start = (f64, Vec<f64>);
+
+/// Starts for `model` with `kind` added, most promising first.
+fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> Vec<Start> {
     let spec = kind.spec();
     let values = model.values();
     let layout = problem.layout(&[model.kinds(), &[kind]].concat());
@@ -83,7 +96,7 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         tries.extend(ripple::starts(problem, &values.base).into_iter().map(|p| values.with(kind, p)));
     }
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
-    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
+    let mut ranked: Vec<Start> = Vec::new();
     for chunk in xs.chunks(LANES) {
         for (x, (left, give_way)) in chunk.iter().zip(tangent.project(problem, &layout, chunk)) {
             let mut moved = x.clone();
@@ -95,7 +108,7 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked.into_iter().map(|r| r.1).collect()
+    ranked
 }
 
 /// The model's residuals and Jacobian on every record: what its own parameters could still absorb.

@@ -88,7 +88,7 @@ pub fn add(
     let evidence = Evidence::new(problem, validation, motor);
 
     let old = evidence.fit(&values, 12);
-    let new = stage::run(&evidence, &old, &[effect], Effort::FULL, &mut |_| ()).into_iter().next();
+    let new = stage::run(&evidence, &old, &[effect], Effort::FIRST, &mut |_| ()).into_iter().next();
     let new = new.ok_or_else(|| Error::usage(format!("{effect} cannot be added"), "take another effect"))?;
     let better = worth(&new, &old);
 

@@ -16,7 +16,7 @@ pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Sear
     let evidence = all_of(problem);
     let mut model: Candidate = evidence.fit(base, LAST);
     for kind in effects {
-        let found = stage::run(&evidence, &model, &[*kind], Effort::FULL, &mut |_| ());
+        let found = stage::run(&evidence, &model, &[*kind], Effort::FIRST, &mut |_| ());
         model = found.into_iter().next().unwrap_or(model);
     }
     if !effects.is_empty() {

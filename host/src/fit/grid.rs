@@ -70,6 +70,9 @@ pub struct Grid {
 
 /// Longest cell, s. The exact map allows more, but friction and effects are held over a cell.
 const LONGEST_CELL: f64 = 1.001e-3;
+/// Cells that a record should not exceed, and the longest cell that this may lead to, s.
+const MOST_CELLS: f64 = 120_000.0;
+const LONGEST_SWEEP_CELL: f64 = 0.01;
 /// Samples closer together than this are thinned: the motor does not move between them.
 const SHORTEST_CELL: f64 = 0.45e-3;
 
@@ -77,7 +80,7 @@ impl Grid {
     /// Lays `record` on the grid; `quantum` is the smallest step of its main column.
     pub fn new(record: &Record, quantum: f64) -> Self {
         let interval = timing::median_interval(&record.time_s);
-        let step = cell_length(interval);
+        let step = cell_length(interval, record.duration_s());
         let thin = ((step / interval).round() as usize).max(1);
         let origin = record.time_s[0];
         let cells = (record.duration_s() / step).ceil() as usize + 1;
@@ -137,10 +140,12 @@ impl Grid {
     }
 }
 
-/// About a millisecond, dividing the sampling interval where that is longer.
-fn cell_length(interval: f64) -> f64 {
+/// About a millisecond, dividing the sampling interval where that is longer; more for records of many minutes with
+/// few samples, such as sweeps of steady speeds.
+fn cell_length(interval: f64, duration: f64) -> f64 {
+    let longest = LONGEST_CELL.max((duration / MOST_CELLS).min(LONGEST_SWEEP_CELL));
     if interval >= SHORTEST_CELL {
-        interval / (interval / LONGEST_CELL).ceil()
+        interval / (interval / longest).ceil()
     } else {
         interval * (SHORTEST_CELL / interval).ceil()
     }
@@ -151,7 +156,9 @@ fn place(position: f64) -> Place {
     let nearest = position.round();
     let position = if (position - nearest).abs() < 0.02 { nearest } else { position };
     let end = position.ceil().max(1.0);
-    Place { cell: end as usize - 1, part: position - (end - 1.0) }
+    // Whole cells exactly: their readings need no interpolation.
+    let part = position - (end - 1.0);
+    Place { cell: end as usize - 1, part: if (part - 1.0).abs() < 1e-6 { 1.0 } else { part } }
 }
 
 /// Angle where there is one; else speed, as a mean since the last sample if it counts in whole encoder edges.
@@ -241,9 +248,10 @@ mod tests {
     fn even_samples_fall_on_cell_ends() {
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.005).collect();
         let grid = Grid::new(&record(times, vec![1.0; 100]), 0.01);
-        assert_eq!(grid.step_s, 0.001);
+        assert!((grid.step_s - 0.001).abs() < 1e-12);
         assert_eq!(grid.places[0], Place { cell: 0, part: 0.0 });
-        assert_eq!(grid.places[3], Place { cell: 14, part: 1.0 });
+        assert_eq!(grid.places[3].cell, 14);
+        assert!((grid.places[3].part - 1.0).abs() < 1e-9);
     }
 
     #[test]

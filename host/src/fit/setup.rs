@@ -12,7 +12,7 @@ use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
 
 /// Electrical time constant of small motors where nothing is known, s, and how sure that is.
-const USUAL_TAU_E: (f64, f64) = (8e-4, 0.5);
+const USUAL_TAU_E: (f64, f64) = (8e-4, 0.4);
 /// Standard deviation of the logarithm of a time constant from a nameplate.
 const NAMEPLATE_WIDTH: f64 = 0.4;
 /// Viscous share of the damping of small geared motors, and its spread.
@@ -68,10 +68,9 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
     let grids: Vec<Grid> = records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
-    if let Some(g) = grids.iter().find(|g| g.quantity == Quantity::MeanSpeed) {
-        if !counts_known {
-            rig.count_rad = g.quantum * g.interval_s;
-        }
+    let counted = grids.iter().find(|g| g.quantity == Quantity::MeanSpeed && !counts_known);
+    if let Some(g) = counted {
+        rig.count_rad = g.quantum * g.interval_s;
     }
     let prior = prior(motor);
     let base = first_base(&grids, &rig, &prior);
