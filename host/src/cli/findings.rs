@@ -7,6 +7,7 @@ use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
 use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
@@ -54,6 +55,12 @@ pub struct NextExperiment {
     pub programme: Programme,
 }
 
+impl From<Plan> for NextExperiment {
+    fn from(plan: Plan) -> Self {
+        Self { why: plan.why(), programme: plan.programme }
+    }
+}
+
 impl Findings {
     /// What a discovery on `records` found.
     pub fn new(found: &Discovery, records: &[Record]) -> Self {
@@ -66,7 +73,7 @@ impl Findings {
             ladder: found.ladder.clone(),
             candidates: found.candidates.clone(),
             rivals: found.rivals.clone(),
-            next_experiment: None,
+            next_experiment: next_experiment(found),
             data_faults: data_faults(records),
             parameters: estimates(&found.evidence.whole, &values),
             combinations: combinations(&found.evidence.whole, &values),
@@ -105,6 +112,12 @@ impl Findings {
             error: error.to_json().get("error").cloned(),
         }
     }
+}
+
+/// The programme for the rivals, within the voltages that the logs reached.
+fn next_experiment(found: &Discovery) -> Option<NextExperiment> {
+    let limits = Limits { volts: found.highest_voltage(), seconds: 8.0 };
+    found.plan(limits).map(NextExperiment::from)
 }
 
 /// What reader and judge of the logs found odd.

@@ -16,6 +16,7 @@ mod findings;
 mod fit;
 mod input;
 mod paper;
+mod plan;
 mod prose;
 mod report;
 mod simulate;
@@ -62,6 +63,8 @@ enum Verb {
     Add(add::Args),
     /// The loop by itself: fit, diagnose, add, until nothing is worth adding
     Discover(discover::Args),
+    /// Choose the excitation that would tell apart what these logs cannot
+    Plan(plan::Args),
     /// List the effects: equations, parameters, units, signatures
     Effects(effects::Args),
     /// The loop by itself, told in one HTML file that opens without a network
@@ -85,6 +88,7 @@ impl Verb {
             Self::Diagnose(args) => diagnose::run(args, console),
             Self::Add(args) => add::run(args, console),
             Self::Discover(args) => discover::run(args, console),
+            Self::Plan(args) => plan::run(args, console),
             Self::Effects(args) => effects::run(args, console),
             Self::Report(args) => report::run(args, console),
             Self::Capture(args) => capture::run(args, console),

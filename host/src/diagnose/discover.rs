@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::candidate::{Candidate, Evidence};
 use super::climb::{self, Climb};
+use super::plan::{self, Limits, Plan};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
@@ -276,6 +277,23 @@ fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
             }
         })
         .collect()
+}
+
+impl Discovery {
+    /// The programme that would best tell the rivals of the first diagnosis apart.
+    pub fn plan(&self, limits: Limits) -> Option<Plan> {
+        let set = self.rivals.first()?;
+        let rivals: Vec<&Candidate> =
+            self.climb.first.iter().filter(|c| c.kinds().last().is_some_and(|k| set.contains(k))).collect();
+        plan::choose(&self.evidence.whole, &rivals, limits)
+    }
+
+    /// The highest voltage that the rig has shown to bear, V.
+    pub fn highest_voltage(&self) -> f64 {
+        let whole = &self.evidence.whole;
+        let peak = whole.grids.iter().flat_map(|g| &g.voltages).fold(0.0_f64, |p, v| p.max(v.abs()));
+        peak.max(0.5 * whole.rig.nominal_v)
+    }
 }
 
 /// Effects of the first stage within this much merit of the accepted one are its rivals.

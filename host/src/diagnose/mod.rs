@@ -3,5 +3,6 @@
 pub mod candidate;
 pub mod climb;
 pub mod discover;
+pub mod plan;
 mod ripple;
 pub mod stage;

@@ -1,0 +1,68 @@
+//! `plan`: the excitation that would tell rivals apart.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::Console;
+use super::discover::{or_bad_data, search};
+use super::findings::NextExperiment;
+use super::input::LogArgs;
+use crate::atomic_file;
+use crate::diagnose::discover::Options;
+use crate::diagnose::plan::Limits;
+use crate::error::Result;
+
+/// Options of `plan`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    input: LogArgs,
+    /// Highest voltage that may be played, V (what the logs reached, if not given)
+    #[arg(long, value_name = "VOLTS")]
+    volts: Option<f64>,
+    /// Longest programme, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 8.0)]
+    seconds: f64,
+    /// Write the programme here, for motorlens capture --programme
+    #[arg(long, value_name = "PROGRAMME.json")]
+    out: Option<PathBuf>,
+}
+
+/// The answer in JSON.
+#[derive(Debug, Serialize)]
+struct Answer {
+    schema: u32,
+    rivals: Vec<Vec<motorlens_shared::effects::Kind>>,
+    next_experiment: Option<NextExperiment>,
+}
+
+/// Diagnoses the logs and chooses the programme.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let logs = or_bad_data(args.input.load(), &[], console)?;
+    let options = Options { most: 1, ..Options::default() };
+    let (found, _) = or_bad_data(search(&logs, &options, console), &logs.records, console)?;
+    let volts = args.volts.unwrap_or_else(|| found.highest_voltage());
+    let plan = found.plan(Limits { volts, seconds: args.seconds });
+    let answer =
+        Answer { schema: 1, rivals: found.rivals.clone(), next_experiment: plan.map(NextExperiment::from) };
+    if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {
+        let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
+        atomic_file::write(path, text + "\n")?;
+    }
+    console.answer(&answer, || story(&answer));
+    Ok(())
+}
+
+fn story(answer: &Answer) -> String {
+    match &answer.next_experiment {
+        Some(next) => {
+            let programme = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
+            format!(
+                "{}\n{programme}\nRun it with motorlens capture --programme, and diagnose again with both logs.",
+                next.why
+            )
+        }
+        None => "These data leave no rivals: no further experiment is needed to name the effect.".into(),
+    }
+}

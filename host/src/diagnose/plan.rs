@@ -1,0 +1,197 @@
+//! The next experiment: which programme would tell the rivals apart.
+//!
+//! Every programme that the firmware can play is run through every rival model. What counts is the difference
+//! that is left between two rivals after the first one's parameters have given way as far as they can, to first
+//! order: a programme is as good as the pair that it separates least.
+
+use motorlens_shared::effects::Kind;
+use motorlens_shared::excitation::{Player, Programme, Segment, Shape};
+use nalgebra::{DMatrix, DVector};
+
+use super::candidate::Candidate;
+use crate::fit::grid::Grid;
+use crate::fit::search::Problem;
+use crate::fit::simulate::{LANES, predict_block};
+use crate::log::Record;
+
+/// What the rig allows.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Highest voltage, V.
+    pub volts: f64,
+    /// Longest programme, s.
+    pub seconds: f64,
+}
+
+/// A programme, and what it is expected to show.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What to play.
+    pub programme: Programme,
+    /// Effects that it separates.
+    pub rivals: Vec<Kind>,
+    /// rms difference, in encoder counts or noise units, that is left between the two most alike of them.
+    pub separation: f64,
+    /// The two most alike.
+    pub closest: (Kind, Kind),
+}
+
+/// Rate at which programmes are tried, Hz.
+const RATE_HZ: u32 = 500;
+/// Increments over 50 ms, every 4 ms.
+const SPAN: usize = 25;
+const STRIDE: usize = 2;
+
+/// The programme that best separates `rivals`; none with fewer than two of them.
+pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Option<Plan> {
+    if rivals.len() < 2 {
+        return None;
+    }
+    let kinds: Vec<Kind> = rivals.iter().filter_map(|c| c.kinds().last().copied()).collect();
+    menu(limits)
+        .into_iter()
+        .filter_map(|programme| {
+            let grid = played(&programme, problem)?;
+            let seen: Vec<View> = rivals.iter().map(|c| View::new(problem, c, &grid)).collect();
+            let mut least = (f64::MAX, (kinds[0], kinds[1]));
+            for (a, view) in seen.iter().enumerate() {
+                for b in 0..seen.len() {
+                    let left = if a == b { f64::MAX } else { view.left_of(&seen[b].centre) };
+                    if left < least.0 {
+                        least = (left, (kinds[a], kinds[b]));
+                    }
+                }
+            }
+            let separation = least.0 / problem.grids[0].sigma;
+            Some(Plan { programme, rivals: kinds.clone(), separation, closest: least.1 })
+        })
+        .max_by(|a, b| a.separation.total_cmp(&b.separation))
+}
+
+/// Programmes within the limits.
+fn menu(limits: Limits) -> Vec<Programme> {
+    let volts = limits.volts as f32;
+    let seconds = limits.seconds.min(8.0) as f32;
+    let share = |part: f32| part * volts;
+    let triangle = |part: f32| Shape::Triangle { amplitude_v: share(part), period_s: seconds / 2.0 };
+    let slow = [triangle(0.1), triangle(0.2)].map(|shape| Segment { shape, seconds: seconds / 2.0 });
+    let mut menu: Vec<Programme> = Programme::sequence("slow-triangles", slow).into_iter().collect();
+    let multisine = |part: f32| Shape::Multisine {
+        amplitude_v: share(part),
+        low_hz: 0.2,
+        high_hz: 8.0,
+        tones: 14,
+        seed: 7,
+    };
+    let single = [
+        ("pulse-and-coast", Shape::PulseAndCoast { amplitude_v: share(0.9) }),
+        ("multisine", multisine(0.7)),
+        ("small-multisine", multisine(0.25)),
+        ("prbs", Shape::Prbs { amplitude_v: share(0.8), chip_s: 0.06, seed: 7 }),
+        ("staircase", Shape::Staircase { amplitude_v: share(0.9), hold_s: 0.6, seed: 7 }),
+        ("one-way-sine", Shape::Sine { amplitude_v: share(0.3), frequency_hz: 1.0, offset_v: share(0.5) }),
+        ("sine", Shape::Sine { amplitude_v: share(0.6), frequency_hz: 0.5, offset_v: 0.0 }),
+    ];
+    menu.extend(single.map(|(name, shape)| Programme::single(name, shape, seconds)));
+    menu.retain(|p| p.validate(volts).is_ok());
+    menu
+}
+
+/// The programme laid on the model's grid, from rest; nothing is measured yet.
+fn played(programme: &Programme, problem: &Problem) -> Option<Grid> {
+    let voltage_v: Vec<f64> = Player::new(programme, RATE_HZ).ok()?.map(f64::from).collect();
+    let n = voltage_v.len();
+    let record = Record {
+        name: programme.name.as_str().into(),
+        time_s: (0..n).map(|k| k as f64 / f64::from(RATE_HZ)).collect(),
+        angle_rad: Some(vec![0.0; n]),
+        voltage_v,
+        ..Record::default()
+    };
+    Some(Grid::new(&record, problem.rig.count_rad))
+}
+
+/// What one rival expects to see, and how its parameters could bend that.
+struct View {
+    centre: DVector<f64>,
+    tangent: DMatrix<f64>,
+}
+
+impl View {
+    fn new(problem: &Problem, c: &Candidate, grid: &Grid) -> Self {
+        let (layout, x) = (&c.layout, &c.found.x);
+        let mut points = vec![x.clone()];
+        let mut deltas = Vec::new();
+        for k in 0..layout.len() {
+            let d = layout.step(k, x[k]);
+            let mut moved = x.clone();
+            moved[k] += d;
+            points.push(moved);
+            deltas.push(d);
+        }
+        let mut seen: Vec<DVector<f64>> = Vec::new();
+        let mut series = Vec::new();
+        for chunk in points.chunks(LANES) {
+            predict_block(layout, chunk, &problem.rig, grid, &mut series);
+            for l in 0..chunk.len() {
+                let n = series.len().saturating_sub(SPAN) / STRIDE;
+                let step = |k: usize| series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l];
+                seen.push(DVector::from_fn(n, |k, _| step(k)));
+            }
+        }
+        let centre = seen.remove(0);
+        let columns: Vec<DVector<f64>> = seen.iter().zip(&deltas).map(|(p, d)| (p - &centre) / *d).collect();
+        Self { tangent: DMatrix::from_columns(&columns), centre }
+    }
+
+    /// rms of what this rival could not imitate of `other`.
+    fn left_of(&self, other: &DVector<f64>) -> f64 {
+        let difference = other - &self.centre;
+        let mut h = self.tangent.tr_mul(&self.tangent);
+        for k in 0..h.nrows() {
+            h[(k, k)] += 1e-9 * h[(k, k)] + 1e-15;
+        }
+        let g = self.tangent.tr_mul(&difference);
+        let bend = h.cholesky().map_or_else(|| DVector::zeros(g.len()), |f| f.solve(&g));
+        let left = difference - &self.tangent * bend;
+        (left.norm_squared() / left.len().max(1) as f64).sqrt()
+    }
+}
+
+impl Plan {
+    /// What it would show, in a sentence.
+    pub fn why(&self) -> String {
+        let names: Vec<&str> = self.rivals.iter().map(|k| k.name()).collect();
+        format!(
+            "{} plays what {} answer differently: even {} and {}, the most alike, would be {:.1} noise units apart",
+            self.programme.name,
+            names.join(", "),
+            self.closest.0,
+            self.closest.1,
+            self.separation
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::discover::prepare;
+    use crate::diagnose::stage::{self, Effort};
+    use crate::exam::case::{Case, Conditions};
+
+    #[test]
+    fn a_programme_that_stays_within_its_limits_separates_friction_from_a_dead_zone() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let library = [Kind::Coulomb, Kind::DeadZone];
+        let found = stage::run(&evidence, &base, &library, Effort::LATER, &mut |_| ());
+        let rivals: Vec<&Candidate> = found.iter().collect();
+        let limits = Limits { volts: 6.0, seconds: 5.0 };
+        let plan = choose(&evidence.train, &rivals, limits).unwrap();
+        assert!(plan.programme.peak_v() <= 6.0 && plan.programme.seconds() <= 5.01);
+        assert!(plan.separation > 1.0, "{}", plan.why());
+        assert!(choose(&evidence.train, &rivals[..1], limits).is_none());
+    }
+}
