@@ -14,4 +14,5 @@ pub mod motor_file;
 pub mod paper;
 pub mod report;
 pub mod search;
+pub mod serve;
 pub mod simulate;

@@ -19,6 +19,7 @@ mod paper;
 mod plan;
 mod prose;
 mod report;
+mod serve;
 mod simulate;
 mod watch;
 
@@ -73,6 +74,8 @@ enum Verb {
     Capture(capture::Args),
     /// Ask the board, fit on it, stop it, flash it
     Device(device::Args),
+    /// The five steps of the work, live in a browser on this machine
+    Serve(serve::Args),
     /// The paper's run with one command, and what the paper does not say
     Paper(crate::paper::PaperArgs),
 }
@@ -93,6 +96,7 @@ impl Verb {
             Self::Report(args) => report::run(args, console),
             Self::Capture(args) => capture::run(args, console),
             Self::Device(args) => device::run(args, console),
+            Self::Serve(args) => serve::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }
     }

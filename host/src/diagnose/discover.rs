@@ -250,7 +250,7 @@ fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
 }
 
 /// The first stage in order, with the share of the base model's error that each takes away.
-fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
+pub(crate) fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
     let base = &climb.rungs[0];
     let mut first: Vec<&Candidate> = climb.first.iter().collect();
     // The simplest of equals comes first, as it does when one is added.
@@ -299,7 +299,7 @@ impl Discovery {
 /// Effects of the first stage within this much merit of the accepted one are its rivals.
 const RIVAL: f64 = 0.10;
 
-fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
+pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
     let Some(best) = climb::simplest(&climb.first) else { return Vec::new() };
     if climb.rungs.len() < 2 {
         return Vec::new();

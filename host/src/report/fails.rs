@@ -70,10 +70,10 @@ impl Side {
     }
 
     /// What the bins of the model say, in one line.
-    fn reading(self, seen: &Binned) -> String {
+    fn reading(self, base: &Binned, seen: &Binned) -> String {
         let share = 100.0 * seen.explained;
-        let swing = swing(seen);
-        let span = in_words(swing, "V");
+        let (before, after) = (swing(base), swing(seen));
+        let span = in_words(after, "V");
         let depends = match self {
             Self::Speed => "speed and direction",
             Self::Voltage => "the voltage",
@@ -82,12 +82,16 @@ impl Side {
             Self::Reversal => "the time since a reversal",
         };
         let verdict = match share {
+            _ if after < 0.1 * before => "the effects in the model have taken it away".to_owned(),
             s if s >= 30.0 => format!("this is where it fails: {depends} accounts for {s:.0} % of it"),
             s if s >= 8.0 => format!("{depends} accounts for {s:.0} % of it"),
             s => format!("hardly any of it ({s:.0} %) follows {depends}"),
         };
         let step = if self == Self::Speed { step_in_words(seen) } else { String::new() };
-        format!("The model's residual torque swings by {span} here; {verdict}.{step}")
+        format!(
+            "The residual torque swings by {span} along this axis ({} with the base model); {verdict}.{step}",
+            in_words(before, "V")
+        )
     }
 }
 
@@ -135,7 +139,7 @@ pub fn view(side: Side, id: &str, base: &Binned, model: &Binned, names: [&str; 2
     Figure {
         id: id.into(),
         title: side.title().into(),
-        reading: side.reading(model),
+        reading: side.reading(base, model),
         data: vec![edge(-1.0), upper, curve("base", names[0], base), curve("model", names[1], model)],
         layout,
         height: 320,

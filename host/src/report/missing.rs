@@ -62,17 +62,22 @@ pub fn cards(story: &Story) -> (Vec<Card>, Vec<Figure>) {
 fn evidence(story: &Story, suspect: &Suspect) -> Option<Figure> {
     let with = suspect.torques.as_ref()?;
     let gear = story.model.rig.gear_ratio;
+    let (before, name_before) = if story.diagnosed_model {
+        (&story.model_torques, "model")
+    } else {
+        (&story.base_torques, "base model")
+    };
     let square = |seen: &crate::compare::residual_views::Binned| {
         seen.mean_v.iter().map(|m| m * m).sum::<f64>() / seen.mean_v.len().max(1) as f64
     };
     let sides = Side::ALL.into_iter().map(|side| {
-        let (base, candidate) = (side.binned(&story.base_torques, gear), side.binned(with, gear));
+        let (base, candidate) = (side.binned(before, gear), side.binned(with, gear));
         (square(&base) - square(&candidate), side, base, candidate)
     });
     let (_, side, base, candidate) = sides.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let name = suspect.ranked.effect.spec().name;
     let mut figure =
-        view(side, &format!("evidence-{name}"), &base, &candidate, ["base model", &format!("with {name}")]);
+        view(side, &format!("evidence-{name}"), &base, &candidate, [name_before, &format!("with {name}")]);
     figure.reading = format!("What {name} takes away, seen {}.", figure.title.to_lowercase());
     figure.height = 260;
     Some(figure)

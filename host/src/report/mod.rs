@@ -60,7 +60,7 @@ pub struct Figures {
 pub fn figures(story: &Story) -> (Figures, Vec<missing::Card>) {
     let compare = story.records.iter().enumerate().map(|(k, shown)| {
         let torques = [&story.base_torques.records[k], &story.model_torques.records[k]];
-        records::figure(&format!("record-{k}"), shown, torques, story.floor, None, None)
+        records::figure(&format!("record-{k}"), shown, torques, story.floor, None)
     });
     let (cards, missing) = missing::cards(story);
     let figures = Figures {

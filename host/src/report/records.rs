@@ -23,9 +23,8 @@ pub fn figure(
     torques: [&ResidualTorque; 2],
     floor: f64,
     window: Option<Window>,
-    points: Option<usize>,
 ) -> Figure {
-    let points = points.unwrap_or(POINTS);
+    let points = POINTS;
     let run = &shown.model;
     let unit = run.quantity.unit();
     let of_angle = run.quantity == Quantity::Angle;
@@ -46,13 +45,13 @@ pub fn figure(
     let mut data = vec![
         trace("measured", "measured", &run.measured, 0),
         trace("base", "base model", &shown.base.simulated, 0),
-        trace("model", "model", &run.simulated, 0),
+        slid("run", trace("model", "model", &run.simulated, 0)),
     ];
     if of_angle {
         data.extend(speeds(torques, window, points));
     }
     data.push(trace("base", "base model", &base_left, residual_row));
-    data.push(trace("model", "model", &left, residual_row));
+    data.push(slid("left", trace("model", "model", &left, residual_row)));
     let volts = trace("voltage", "voltage", &run.voltage_v, rows - 1);
     data.push(with(volts, json!({ "line": { "shape": "hv" }, "showlegend": false })));
     let main = if of_angle { "Angle" } else { "Speed" };
@@ -84,6 +83,12 @@ pub fn figure(
     }
 }
 
+/// Names a trace for the sliders of the live page, which replace its points.
+fn slid(name: &str, mut trace: Value) -> Value {
+    trace["meta"]["slide"] = name.into();
+    trace
+}
+
 /// The smoothed speeds, on the second row.
 fn speeds(torques: [&ResidualTorque; 2], window: Option<Window>, points: usize) -> Vec<Value> {
     let [base, model] = torques;
@@ -97,7 +102,7 @@ fn speeds(torques: [&ResidualTorque; 2], window: Option<Window>, points: usize) 
     vec![
         trace("measured", "measured", &model.speed_rad_s),
         trace("base", "base model", &base.simulated_speed_rad_s),
-        trace("model", "model", &model.simulated_speed_rad_s),
+        slid("speed", trace("model", "model", &model.simulated_speed_rad_s)),
     ]
 }
 

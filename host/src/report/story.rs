@@ -58,6 +58,8 @@ pub struct Story {
     pub ladder: Vec<Rung>,
     /// First diagnosis, best first.
     pub suspects: Vec<Suspect>,
+    /// Whether the suspects were tried on the model (else on the base model).
+    pub diagnosed_model: bool,
     /// Sets that these records cannot tell apart.
     pub rivals: Vec<Vec<Kind>>,
     /// How the search for effects ended; none while nothing was searched for.
@@ -102,6 +104,7 @@ impl Story {
             floor: discovery.noise_floor,
             ladder: discovery.ladder.clone(),
             suspects: suspects.collect(),
+            diagnosed_model: false,
             rivals: discovery.rivals.clone(),
             verdict: Some(discovery.verdict),
             faults: records.iter().chain(validation).flat_map(faults).collect(),

@@ -26,7 +26,8 @@ const Plots = (() => {
     const layout = {
       ...figure.layout, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", height: figure.height,
       font: { family: "system-ui, sans-serif", size: narrow ? 11 : 13, color: colour("ink") },
-      margin: { l: narrow ? 44 : 60, r: 12, t: 12, b: 40 }, dragmode: "zoom",
+      margin: { l: narrow ? 44 : 60, r: 12, t: 44, b: 40 }, dragmode: "zoom",
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("quiet"), activecolor: colour("accent") },
       hoverlabel: { bgcolor: colour("surface"), font: { color: colour("ink") }, bordercolor: colour("line") },
       legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, ...figure.layout.legend },
     };

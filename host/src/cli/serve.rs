@@ -1,0 +1,37 @@
+//! `serve`: the live page.
+
+use std::path::PathBuf;
+
+use super::Console;
+use crate::error::Result;
+use crate::log::{self, ReadArgs};
+use crate::serve::{self, Session};
+
+/// Options of `serve`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Log files; without any, the demo's
+    #[arg(value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: ReadArgs,
+    /// Port on this machine; 0 takes any free one
+    #[arg(long, value_name = "PORT", default_value_t = 7878)]
+    port: u16,
+}
+
+/// Serves until interrupted.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let session = if args.logs.is_empty() {
+        serve::demo()?
+    } else {
+        let records = log::load(&args.logs, &args.reading)?;
+        Session::new(records, log::load_validation(&args.reading)?, args.reading.motor_file()?)?
+    };
+    serve::serve(session, args.port, |address| {
+        let url = format!("http://{address}");
+        let document = serde_json::json!({ "schema": 1, "url": url });
+        console.list(&document, || url.clone());
+        console.say("The page is open to this machine only. Ctrl-C ends it.");
+    })
+}

@@ -1,0 +1,113 @@
+//! The live page: the five steps of the work in a browser, on this machine only.
+//!
+//! The server listens on the loopback address, and answers only requests that name it by that address and come
+//! from its own page, so that no other page open in the browser can drive it. One [`session::Session`] holds
+//! records and models; long work runs in one thread at a time and tells of itself in server-sent events.
+
+mod answers;
+mod guard;
+mod jobs;
+mod puzzle;
+mod session;
+mod slide;
+mod steps;
+mod upload;
+
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use axum::extract::DefaultBodyLimit;
+use axum::routing::{get, post};
+use axum::{Router, middleware};
+use serde_json::Value;
+use tokio::sync::broadcast;
+
+pub use puzzle::demo;
+pub use session::Session;
+
+use crate::error::{Error, Result};
+
+/// Largest log that the page takes, bytes.
+const LARGEST_UPLOAD: usize = 200_000_000;
+
+/// What all requests share.
+#[derive(Debug)]
+pub struct App {
+    session: Mutex<Session>,
+    events: broadcast::Sender<Value>,
+    /// The running job's wish to stop.
+    job: Mutex<Option<Arc<AtomicBool>>>,
+}
+
+impl App {
+    fn session(&self) -> MutexGuard<'_, Session> {
+        self.session.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn tell(&self, event: Value) {
+        // Nobody may be listening; then nobody needs to know.
+        let _ = self.events.send(event);
+    }
+}
+
+/// Serves `session` until the process ends; `ready` gets the address once it listens. Port 0 takes any free one.
+///
+/// # Errors
+/// The port is taken, or the machine refuses to listen.
+pub fn serve(session: Session, port: u16, ready: impl FnOnce(SocketAddr)) -> Result<()> {
+    let io = |doing: &str| {
+        let doing = doing.to_owned();
+        move |source| Error::Io { doing, source }
+    };
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(4)
+        .enable_all()
+        .build()
+        .map_err(io("cannot start the server"))?;
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port))
+            .await
+            .map_err(io(&format!("cannot listen on port {port}; try --port 0")))?;
+        let address = listener.local_addr().map_err(io("cannot listen"))?;
+        ready(address);
+        let stop = async {
+            let _ = tokio::signal::ctrl_c().await;
+        };
+        tokio::select! {
+            served = axum::serve(listener, router(session, address.port())) => served.map_err(io("the server failed")),
+            () = stop => Ok(()),
+        }
+    })
+}
+
+fn router(session: Session, port: u16) -> Router {
+    let app = Arc::new(App {
+        session: Mutex::new(session),
+        events: broadcast::channel(256).0,
+        job: Mutex::new(None),
+    });
+    Router::new()
+        .route("/", get(answers::page))
+        .route("/plotly.js", get(answers::library))
+        .route("/plots.js", get(answers::plots))
+        .route("/page.js", get(answers::script))
+        .route("/style.css", get(answers::style))
+        .route("/api/state", get(answers::state))
+        .route("/api/figures/{step}", get(answers::figures))
+        .route("/api/record/{number}", get(answers::record))
+        .route("/api/events", get(answers::events))
+        .route("/api/slide", post(slide::slide))
+        .route("/api/diagnose", post(jobs::diagnose))
+        .route("/api/add", post(jobs::add))
+        .route("/api/remove", post(jobs::remove))
+        .route("/api/stop", post(jobs::stop))
+        .route("/api/upload", post(upload::upload))
+        .route("/api/puzzle", post(puzzle::start))
+        .route("/api/reveal", post(puzzle::reveal))
+        .route("/export/model.json", get(answers::model))
+        .route("/export/report.html", get(answers::report))
+        .layer(DefaultBodyLimit::max(LARGEST_UPLOAD))
+        .layer(middleware::from_fn_with_state(port, guard::same_page_only))
+        .with_state(app)
+}

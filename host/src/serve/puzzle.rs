@@ -1,0 +1,79 @@
+//! Records of a virtual motor with effects that nobody chose: the demo's, and the puzzle's.
+
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use clap::{Args, FromArgMatches};
+use serde::Deserialize;
+use serde_json::json;
+
+use super::App;
+use super::jobs::{self, Answer, End, refused};
+use super::session::{Puzzle, Session};
+use crate::error::{Error, Result};
+use crate::motor_file::MotorFile;
+use crate::simulate::{self, Role, SimulateArgs};
+
+/// The seed of the demo.
+const DEMO: u64 = 7;
+
+/// The session of the demo's records.
+///
+/// # Errors
+/// None that a user can cause.
+pub fn demo() -> Result<Session> {
+    hidden(DEMO)
+}
+
+/// A session of records with the effects that `seed` picks.
+fn hidden(seed: u64) -> Result<Session> {
+    let command = SimulateArgs::augment_args(clap::Command::new("simulate"));
+    let args = command
+        .try_get_matches_from(["simulate", "--hidden", &seed.to_string()])
+        .and_then(|m| SimulateArgs::from_arg_matches(&m))
+        .map_err(|e| Error::usage(e.to_string(), "take another seed"))?;
+    let scenario = args.scenario()?;
+    let plays = args.plays(scenario.motor.nominal_v)?;
+    let (mut records, mut validation) = (Vec::new(), Vec::new());
+    for (play, record) in plays.iter().zip(scenario.records(&plays)?) {
+        if play.role == Role::HeldOut { validation.push(record) } else { records.push(record) }
+    }
+    let mut session = Session::new(records, validation, MotorFile::default())?;
+    session.puzzle = Some(Puzzle { answer: simulate::Answer::of(&scenario), revealed: false });
+    Ok(session)
+}
+
+/// A puzzle's number, where one is wished for.
+#[derive(Debug, Deserialize)]
+pub struct Wish {
+    seed: Option<u64>,
+}
+
+/// Replaces the records by those of a new puzzle.
+pub async fn start(State(app): State<Arc<App>>, Json(wish): Json<Wish>) -> Answer {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |d| d.subsec_nanos());
+    let seed = wish.seed.unwrap_or_else(|| u64::from(now) % 100_000);
+    jobs::start(&app, &format!("Hiding effects, puzzle {seed}"), move |app, _| match hidden(seed) {
+        Ok(session) => {
+            *app.session() = session;
+            End::Done(format!("Puzzle {seed}: what is this motor's model missing?"))
+        }
+        Err(error) => End::Failed(error.to_json()),
+    })
+}
+
+/// Shows what is hidden.
+pub async fn reveal(State(app): State<Arc<App>>) -> Answer {
+    let mut session = app.session();
+    let found: Vec<String> = session.current.kinds().iter().map(ToString::to_string).collect();
+    match &mut session.puzzle {
+        Some(puzzle) => {
+            puzzle.revealed = true;
+            Ok(Json(json!({ "answer": puzzle.answer, "found": found })))
+        }
+        None => Err(refused(StatusCode::CONFLICT, "these records are no puzzle")),
+    }
+}
