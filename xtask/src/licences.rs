@@ -30,14 +30,12 @@ const PERMISSIVE: [&str; 14] = [
 /// Crates under another licence, each with the licence that was looked at and accepted.
 const EXCEPTIONS: [(&str, &str); 0] = [];
 
-/// Checks the host's workspace, the board image's and the bench's.
+/// Checks the host's workspace, the board image's, the bench's and the browser tests'.
 pub fn check_all() -> Result<()> {
     let root = process::root();
-    for manifest in [
-        "Cargo.toml",
-        "firmware/stm32f4/Cargo.toml",
-        "tests/bench/Cargo.toml",
-    ] {
+    for manifest in
+        ["Cargo.toml", "firmware/stm32f4/Cargo.toml", "tests/bench/Cargo.toml", "tests/browser/Cargo.toml"]
+    {
         let path = root.join(manifest);
         if path.is_file() {
             let count = check(&path)?;
@@ -59,10 +57,7 @@ fn check(manifest: &Path) -> Result<usize> {
         ])
         .exec()
         .or_else(|_| {
-            MetadataCommand::new()
-                .manifest_path(manifest)
-                .other_options(vec!["--locked".to_owned()])
-                .exec()
+            MetadataCommand::new().manifest_path(manifest).other_options(vec!["--locked".to_owned()]).exec()
         })
         .with_context(|| format!("cargo metadata for {}", manifest.display()))?;
     let used = metadata
@@ -73,11 +68,7 @@ fn check(manifest: &Path) -> Result<usize> {
         .flatten();
     let used: std::collections::HashSet<_> = used.collect();
     let mut offenders = Vec::new();
-    for package in metadata
-        .packages
-        .iter()
-        .filter(|package| used.contains(&package.id))
-    {
+    for package in metadata.packages.iter().filter(|package| used.contains(&package.id)) {
         let licence = package.license.as_deref().unwrap_or("no licence stated");
         let excepted = EXCEPTIONS.contains(&(package.name.as_str(), licence));
         if !excepted && !permissive(licence) {
@@ -85,10 +76,7 @@ fn check(manifest: &Path) -> Result<usize> {
         }
     }
     if !offenders.is_empty() {
-        bail!(
-            "not permissive: {}; replace them, or give a reason in EXCEPTIONS",
-            offenders.join(", ")
-        );
+        bail!("not permissive: {}; replace them, or give a reason in EXCEPTIONS", offenders.join(", "));
     }
     Ok(used.len())
 }
@@ -99,10 +87,7 @@ fn permissive(licence: &str) -> bool {
         return false;
     };
     expression.evaluate(|requirement: &LicenseReq| {
-        requirement
-            .license
-            .id()
-            .is_some_and(|id| PERMISSIVE.contains(&id.name))
+        requirement.license.id().is_some_and(|id| PERMISSIVE.contains(&id.name))
     })
 }
 

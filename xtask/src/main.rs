@@ -3,6 +3,7 @@
 mod apt;
 mod arm;
 mod bench;
+mod browser;
 mod instructions;
 mod licences;
 mod peers;

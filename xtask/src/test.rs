@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, bench, instructions, licences, process, sizes};
+use crate::{arm, bench, browser, instructions, licences, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 10] = [
+const PARTS: [Part; 11] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -63,6 +63,7 @@ const PARTS: [Part; 10] = [
     }),
     ("image and its sizes", || one(sizes::print())),
     ("virtual bench", bench::tests),
+    ("browser", browser::tests),
 ];
 
 /// Runs the parts, prints a summary, fails when anything failed.
@@ -86,7 +87,7 @@ pub fn run(options: &Options) -> ExitCode {
 
 /// The workspaces beside the host's are formatted like it.
 fn format() -> Result<()> {
-    for directory in [process::root(), arm::image_directory(), bench::directory()] {
+    for directory in [process::root(), arm::image_directory(), bench::directory(), browser::directory()] {
         process::run(
             process::cargo()
                 .current_dir(directory)

@@ -54,8 +54,8 @@ pub async fn upload(State(app): State<Arc<App>>, Query(dropped): Query<Dropped>,
             }
             Err(error) => End::Failed(error.to_json()),
         }
-    })?;
-    Ok(Json(json!({ "records": count })))
+    })
+    .map(|_| Json(json!({ "records": count })))
 }
 
 /// The records in `content`, judged.

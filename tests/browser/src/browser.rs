@@ -1,0 +1,159 @@
+//! A headless Chromium, driven over its DevTools protocol.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use base64::Engine;
+use serde_json::{Value, json};
+use tungstenite::{Message, WebSocket, stream::MaybeTlsStream};
+
+/// A browser with one page; ends with this value.
+pub struct Browser {
+    child: Child,
+    socket: WebSocket<MaybeTlsStream<TcpStream>>,
+    session: String,
+    last: u64,
+    /// Errors and exceptions of the page so far.
+    pub complaints: Vec<String>,
+    _profile: tempfile::TempDir,
+}
+
+/// Longest wait for anything.
+pub const PATIENCE: Duration = Duration::from_secs(180);
+
+impl Browser {
+    /// Starts a browser whose page is `width` x `height`.
+    pub fn start(width: u32, height: u32) -> Self {
+        let profile = tempfile::tempdir().expect("a directory for the profile");
+        let name = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".into());
+        let mut child = Command::new(name)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"])
+            .args(["--remote-debugging-port=0", "--no-first-run", "--hide-scrollbars"])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg(format!("--window-size={width},{height}"))
+            .arg("about:blank")
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("chromium starts");
+        let lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+        let address = lines
+            .map_while(Result::ok)
+            .find_map(|line| line.strip_prefix("DevTools listening on ").map(str::to_owned))
+            .expect("chromium tells its address");
+        let (socket, _) = tungstenite::connect(address).expect("chromium answers");
+        let mut browser = Self {
+            child,
+            socket,
+            session: String::new(),
+            last: 0,
+            complaints: Vec::new(),
+            _profile: profile,
+        };
+        let targets = browser.call("Target.getTargets", json!({}));
+        let page = targets["targetInfos"].as_array().into_iter().flatten().find(|t| t["type"] == "page");
+        let page = page.expect("a page")["targetId"].clone();
+        let attached = browser.call("Target.attachToTarget", json!({ "targetId": page, "flatten": true }));
+        browser.session = attached["sessionId"].as_str().expect("a session").into();
+        browser.call("Page.enable", json!({}));
+        browser.call("Runtime.enable", json!({}));
+        browser.size(width, height, false);
+        browser
+    }
+
+    /// Calls a method of the protocol.
+    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.last += 1;
+        let id = self.last;
+        let mut request = json!({ "id": id, "method": method, "params": parameters });
+        if !self.session.is_empty() {
+            request["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(request.to_string())).expect("chromium listens");
+        loop {
+            let Message::Text(text) = self.socket.read().expect("chromium answers") else { continue };
+            let answer: Value = serde_json::from_str(&text).expect("JSON");
+            if answer["method"] == "Runtime.exceptionThrown" {
+                self.complaints.push(answer["params"]["exceptionDetails"].to_string());
+            }
+            if answer["id"] == id {
+                assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
+                return answer["result"].clone();
+            }
+        }
+    }
+
+    /// Opens an address.
+    pub fn open(&mut self, url: &str) {
+        self.call("Page.navigate", json!({ "url": url }));
+    }
+
+    /// The value of an expression in the page, promises awaited.
+    pub fn value(&mut self, expression: &str) -> Value {
+        let how = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.call("Runtime.evaluate", how);
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {}", answer["exceptionDetails"]);
+        answer["result"]["value"].clone()
+    }
+
+    /// Waits until an expression is true.
+    pub fn wait(&mut self, expression: &str) {
+        let begun = Instant::now();
+        while self.value(&format!("Boolean({expression})")) != true {
+            let so_far = begun.elapsed();
+            assert!(so_far < PATIENCE, "waited {so_far:?} for {expression}\n{:?}", self.complaints);
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Clicks the element of a selector.
+    pub fn click(&mut self, selector: &str) {
+        self.wait(&format!("document.querySelector('{selector}')"));
+        self.value(&format!("document.querySelector('{selector}').click()"));
+    }
+
+    /// Gives a file to a file input.
+    pub fn give_file(&mut self, selector: &str, file: &Path) {
+        let input = self.call(
+            "Runtime.evaluate",
+            json!({ "expression": format!("document.querySelector('{selector}')") }),
+        );
+        let id = input["result"]["objectId"].clone();
+        self.call("DOM.setFileInputFiles", json!({ "files": [file], "objectId": id }));
+    }
+
+    /// Sets the size of the page.
+    pub fn size(&mut self, width: u32, height: u32, mobile: bool) {
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
+        self.call("Emulation.setDeviceMetricsOverride", metrics);
+    }
+
+    /// Lets the page think that the user likes `scheme`, light or dark.
+    pub fn prefer(&mut self, scheme: &str) {
+        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
+    }
+
+    /// Keeps a picture of what a selector's element shows.
+    pub fn screenshot(&mut self, selector: &str, name: &str) {
+        self.value(&format!(
+            "document.querySelector('{selector}').scrollIntoView({{ behavior: 'instant' }})"
+        ));
+        // Figures are drawn when they come near; then the picture is taken.
+        std::thread::sleep(Duration::from_millis(900));
+        let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        let data = picture["data"].as_str().expect("a picture");
+        let bytes = base64::engine::general_purpose::STANDARD.decode(data).expect("base64");
+        std::fs::write(crate::screenshots().join(name).with_extension("png"), bytes).expect("written");
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
