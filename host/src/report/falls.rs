@@ -56,12 +56,12 @@ pub fn figure(ladder: &[Rung], floor: f64, unit: &str) -> Figure {
         "xaxis": { "title": { "text": "Model" }, "type": "category" },
         "yaxis": { "title": { "text": format!("Error, rms ({unit})") }, "type": "log" },
         "shapes": [{ "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": floor, "y1": floor, "role": "floor" }],
-        "annotations": [{ "xref": "paper", "x": 1, "xanchor": "right", "y": floor.max(1e-300).log10(),
-            "yanchor": "top", "showarrow": false, "text": format!("noise floor {}", in_words(floor, unit)) }],
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0 },
         "meta": { "last_over_floor": last / floor.max(1e-300) },
     });
-    let data = if unseen { vec![bars, train] } else { vec![bars] };
+    let at_floor = json!({ "type": "scatter", "mode": "lines", "name": format!("noise floor, {}", in_words(floor, unit)),
+        "x": labels, "y": vec![floor; labels.len()], "line": { "dash": "dash" }, "meta": { "role": "floor" } });
+    let data = if unseen { vec![bars, train, at_floor] } else { vec![bars, at_floor] };
     Figure { id: "ladder".into(), title: "The error falls".into(), reading, data, layout, height: 380 }
 }
 

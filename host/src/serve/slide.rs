@@ -25,7 +25,7 @@ pub struct Sliders {
 }
 
 /// Points of a curve while a slider moves.
-const POINTS: usize = 500;
+const POINTS: usize = 400;
 /// Half the span over which a simulated speed is taken, s; as for the figures.
 const HALF_SPAN_S: f64 = 0.025;
 

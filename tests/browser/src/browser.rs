@@ -102,7 +102,9 @@ impl Browser {
     /// Waits until an expression is true.
     pub fn wait(&mut self, expression: &str) {
         let begun = Instant::now();
-        while self.value(&format!("Boolean({expression})")) != true {
+        // While a page loads it has no body yet; that is no fault.
+        let asked = format!("(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()");
+        while self.value(&asked) != true {
             let so_far = begun.elapsed();
             assert!(so_far < PATIENCE, "waited {so_far:?} for {expression}\n{:?}", self.complaints);
             std::thread::sleep(Duration::from_millis(50));

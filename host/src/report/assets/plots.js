@@ -36,17 +36,17 @@ const Plots = (() => {
       ...shape, layer: "below", line: { color: colour(shape.role), width: shape.type === "line" ? 2 : 0, dash: "dash" },
       fillcolor: fade(colour(shape.role), 0.18),
     }));
-    for (const note of layout.annotations || []) note.font = { color: colour("floor") };
     return { data: figure.data.map(trace), layout };
   }
 
   function draw(div) {
     const figure = known.get(div.dataset.figure);
     if (!figure || div.closest("[hidden]")) return Promise.resolve();
-    const { data, layout } = dress(figure, div.clientWidth < 480);
+    const narrow = div.clientWidth < 480;
+    const { data, layout } = dress(figure, narrow);
     div.style.height = figure.height + "px";
     div.dataset.drawn = "yes";
-    return Plotly.react(div, data, layout, { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] });
+    return Plotly.react(div, data, layout, { responsive: true, displaylogo: false, displayModeBar: narrow ? false : "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] });
   }
 
   // Only what is on the screen, or nearly, is drawn.

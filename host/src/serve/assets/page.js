@@ -21,6 +21,7 @@ function element(name, properties = {}, ...children) {
   e.append(...children);
   return e;
 }
+const named = (unit) => (unit === "1" ? "" : " " + unit);
 const short = (x) => Number(x.toPrecision(4)).toString();
 function size(x, unit) {
   if (unit.startsWith("rad") && Math.abs(x) < 0.1 && x !== 0) return short(x * 1e3) + " m" + unit;
@@ -58,16 +59,17 @@ function slidersOf(parameters) {
   $("ranges").replaceChildren(...parameters.map((given, k) => {
     const p = reach(given);
     const input = element("input", { type: "range", min: 0, max: 1, step: 0.001, value: place(p, p.value), id: "slider-" + k });
-    const output = element("output", { textContent: short(p.value) + " " + p.unit });
+    const output = element("output", { textContent: short(p.value) + named(p.unit) });
     input.value_ = p.value;
     input.setAttribute("aria-valuetext", output.textContent);
     input.addEventListener("input", () => {
       const x = Number(input.value);
       input.value_ = p.log ? p.low * (p.high / p.low) ** x : p.low + x * (p.high - p.low);
-      output.textContent = short(input.value_) + " " + p.unit;
+      output.textContent = short(input.value_) + named(p.unit);
       input.setAttribute("aria-valuetext", output.textContent);
       slide();
     });
+    input.addEventListener("change", () => { if (!window_) Plotly.relayout($("record-plot"), { "yaxis.autorange": true, "yaxis2.autorange": true, "yaxis3.autorange": true }); });
     return element("label", {}, p.name + " ", output, input);
   }));
 }
@@ -82,7 +84,9 @@ async function slide() {
     const plot = $("record-plot");
     const of = (name) => plot.data.findIndex((t) => t.meta && t.meta.slide === name);
     const places = answer.curves.map((c) => of(c.slide));
-    await Plotly.restyle(plot, { x: answer.curves.map((c) => c.x), y: answer.curves.map((c) => c.y) }, places);
+    // Only the model's lines are drawn again; the axes follow when the slider is let go.
+    const still = { transition: { duration: 0 }, frame: { duration: 0, redraw: false }, mode: "immediate" };
+    await Plotly.animate(plot, { data: answer.curves.map(({ x, y }) => ({ x, y })), traces: places }, still);
     $("slid").textContent = "Error " + size(answer.error, answer.unit) + (answer.unseen_error === null ? "" : ", unseen " + size(answer.unseen_error, answer.unit));
     plot.dataset.slideMs = (performance.now() - begun).toFixed(1);
   } catch (error) { alarm(error); }
