@@ -15,7 +15,7 @@ pub struct Binned {
     pub mean_v: Vec<f64>,
     /// Standard deviation within the bin, V.
     pub spread_v: Vec<f64>,
-    /// Share of the residual torque's mean square that the bins' means account for, 0 ..= 1.
+    /// Share of the residual torque's variance that the bins' means account for, 0 ..= 1.
     pub explained: f64,
 }
 
@@ -39,7 +39,7 @@ pub fn binned<'a>(
         sums[bin].2 += f * f;
     }
     let mut out = Binned::default();
-    let (mut all, mut by_means) = (0.0, 0.0);
+    let (mut all, mut by_means, mut total, mut samples) = (0.0, 0.0, 0.0, 0.0);
     for (bin, (n, sum, square)) in sums.into_iter().enumerate() {
         if n < FEWEST_IN_BIN {
             continue;
@@ -51,8 +51,12 @@ pub fn binned<'a>(
         out.spread_v.push((square / count - mean * mean).max(0.0).sqrt());
         all += square;
         by_means += count * mean * mean;
+        total += sum;
+        samples += count;
     }
-    out.explained = if all > 0.0 { by_means / all } else { 0.0 };
+    // A constant is seen from every side alike, so it speaks for none of them.
+    let constant = if samples > 0.0 { total * total / samples } else { 0.0 };
+    out.explained = if all > constant { ((by_means - constant) / (all - constant)).max(0.0) } else { 0.0 };
     out
 }
 
