@@ -103,7 +103,8 @@ impl Browser {
     pub fn wait(&mut self, expression: &str) {
         let begun = Instant::now();
         // While a page loads it has no body yet; that is no fault.
-        let asked = format!("(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()");
+        let asked =
+            format!("(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()");
         while self.value(&asked) != true {
             let so_far = begun.elapsed();
             assert!(so_far < PATIENCE, "waited {so_far:?} for {expression}\n{:?}", self.complaints);
