@@ -104,7 +104,8 @@ fn tried(
     library: &[Kind],
 ) -> Vec<Candidate> {
     let mut count = 0;
-    stage::run(evidence, model, library, Effort::FULL, &mut |effect| {
+    let effort = if model.kinds().is_empty() { Effort::FIRST } else { Effort::LATER };
+    stage::run(evidence, model, library, effort, &mut |effect| {
         if stop.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Stopped));
         }
