@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::compare::problem_of;
 use crate::error::Result;
+use crate::fit::fixed;
 use crate::fit::search::Problem;
 use crate::log::{self, ReadArgs, Record};
 use crate::model_file::Model;
@@ -33,10 +34,14 @@ pub struct Logs {
 impl LogArgs {
     /// Reads all logs.
     pub fn load(&self) -> Result<Logs> {
+        let motor = self.reading.motor_file()?;
+        if let Some(path) = &self.reading.motor {
+            fixed::check(path, &motor.fixed)?;
+        }
         Ok(Logs {
             records: log::load(&self.logs, &self.reading)?,
             validation: log::load_validation(&self.reading)?,
-            motor: self.reading.motor_file()?,
+            motor,
         })
     }
 }
@@ -44,6 +49,8 @@ impl LogArgs {
 /// A model, and records laid out for it.
 pub fn model_and_problem(model: &Path, records: &[Record], motor: &MotorFile) -> Result<(Model, Problem)> {
     let model = Model::read(model)?;
-    let problem = problem_of(&model, records, motor)?;
+    let mut problem = problem_of(&model, records, motor)?;
+    // Nothing is fitted here: the model's own values stand.
+    problem.fixed.clear();
     Ok((model, problem))
 }

@@ -3,6 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use crate::fit::cost::Objective;
+use crate::fit::fixed;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
 
@@ -102,7 +103,9 @@ impl Evidence {
 impl Problem {
     /// The search axes of a set of effects on this rig, with what the motor file fixes held.
     pub fn layout(&self, kinds: &[Kind]) -> Layout {
-        Layout::new(kinds, &self.rig, &self.prior)
+        let mut layout = Layout::new(kinds, &self.rig, &self.prior);
+        fixed::hold(&mut layout, &self.fixed);
+        layout
     }
 
     /// Errors of search numbers `x` on these records.

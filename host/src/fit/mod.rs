@@ -5,6 +5,7 @@
 //! [`search`] makes them small.
 
 pub mod cost;
+pub mod fixed;
 pub mod grid;
 pub mod layout;
 pub mod search;

@@ -9,6 +9,7 @@ use motorlens_shared::effects::Rig;
 use nalgebra::{DMatrix, DVector};
 
 use super::cost::{Objective, accumulate, residuals};
+use super::fixed::Fixed;
 use super::grid::Grid;
 use super::layout::{Layout, Prior};
 use super::simulate::{Block, LANES, predict_block};
@@ -22,6 +23,8 @@ pub struct Problem {
     pub rig: Rig,
     /// Beliefs about the base.
     pub prior: Prior,
+    /// Parameters that are known.
+    pub fixed: Fixed,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
 }

@@ -75,7 +75,8 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let prior = prior(motor);
     let base = first_base(&grids, &rig, &prior);
     rig.reference_speed = base.gain * rig.nominal_v;
-    let mut problem = Problem { grids, rig, prior, simulations: std::cell::Cell::new(0) };
+    let fixed = motor.fixed.clone();
+    let mut problem = Problem { grids, rig, prior, fixed, simulations: std::cell::Cell::new(0) };
     let start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
     (problem, start)
@@ -85,7 +86,13 @@ impl Problem {
     /// The same rig and noise, other records.
     #[must_use]
     pub fn on(&self, grids: Vec<Grid>) -> Self {
-        Self { grids, rig: self.rig, prior: self.prior, simulations: std::cell::Cell::new(0) }
+        Self {
+            grids,
+            rig: self.rig,
+            prior: self.prior,
+            fixed: self.fixed.clone(),
+            simulations: std::cell::Cell::new(0),
+        }
     }
 
     /// The same problem with its count of passes at zero.
@@ -96,7 +103,7 @@ impl Problem {
 
     /// Fits the base alone: increments first, then the error itself.
     pub fn fit_base(&self, start: &Values) -> (Layout, Vec<f64>) {
-        let layout = Layout::new(&[], &self.rig, &self.prior);
+        let layout = self.layout(&[]);
         let x = layout.pack(start);
         let rough = self.search(&layout, Objective::Position, &x, 8, 1e-4);
         let fine = self.search(&layout, Objective::Increments, &rough.x, 12, 1e-5);

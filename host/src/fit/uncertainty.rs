@@ -21,6 +21,9 @@ const USEFUL: f64 = 0.5;
 /// Where the data leave more than this share of the prior's width, the prior speaks.
 const PRIOR_SPEAKS: f64 = 0.7;
 
+/// A combination known to this share is known, whatever made it so.
+const SHARP: f64 = 0.02;
+
 /// A parameter with its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
@@ -143,7 +146,8 @@ impl Spread {
             unit: unit.into(),
             low: value * (-half).exp(),
             high: value * half.min(700.0).exp(),
-            identifiable: half < USEFUL && (believed == 0.0 || half < WIDTH * PRIOR_SPEAKS * believed),
+            identifiable: half < USEFUL
+                && (half < SHARP || believed == 0.0 || half < WIDTH * PRIOR_SPEAKS * believed),
         }
     }
 }

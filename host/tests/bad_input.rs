@@ -1,0 +1,142 @@
+//! Input that cannot be used: each is named with its place, cause and remedy, ends with 3, and leaves no file.
+
+mod program;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use program::{Ran, files, run};
+
+/// 4 s at 100 Hz; `angle` and `voltage` of the time.
+fn table(header: &str, voltage: impl Fn(f64) -> f64, angle: impl Fn(f64) -> f64) -> String {
+    let mut text = format!("{header}\n");
+    for k in 0..400 {
+        let t = f64::from(k) * 0.01;
+        let _ = writeln!(text, "{t},{},{}", voltage(t), angle(t));
+    }
+    text
+}
+
+const HEADER: &str = "time_s,voltage_v,angle_rad";
+
+fn square(t: f64) -> f64 {
+    if (t * 2.0) as i64 % 2 == 0 { 6.0 } else { -6.0 }
+}
+
+/// What a motor without inertia does under [`square`].
+fn follows(t: f64) -> f64 {
+    let phase = (t * 2.0) % 2.0;
+    1.5 * if phase < 1.0 { phase } else { 2.0 - phase }
+}
+
+fn refused(content: &[u8], wanted: &[&str]) {
+    for verb in ["fit", "discover"] {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("log.csv"), content).unwrap();
+        let ran = run(directory.path(), &format!("{verb} log.csv --out model.json --json")).ends(3);
+        for text in wanted {
+            assert!(ran.err.contains(text), "{text:?} in {}", ran.err);
+        }
+        assert!(ran.err.contains("log.csv") && ran.err.contains("  do: "), "{}", ran.err);
+        assert_document(&ran, verb);
+        assert_eq!(files(directory.path()), [directory.path().join("log.csv")], "no half-written file");
+    }
+}
+
+fn assert_document(ran: &Ran, verb: &str) {
+    let document = ran.json();
+    assert_eq!(document["error"]["exit"], 3, "{document}");
+    if verb == "discover" {
+        assert_eq!(document["verdict"], "bad_data");
+        let fault = &document["data_faults"][0];
+        for key in ["fault", "where", "fix"] {
+            assert!(fault[key].as_str().is_some_and(|s| !s.is_empty()), "{key} in {document}");
+        }
+    }
+}
+
+#[test]
+fn empty_files_headers_without_rows_and_single_rows_are_named() {
+    refused(b"", &["empty"]);
+    refused(format!("{HEADER}\n").as_bytes(), &["row"]);
+    refused(format!("{HEADER}\n0,1,0\n").as_bytes(), &["line 2"]);
+}
+
+#[test]
+fn fields_that_are_no_numbers_and_time_that_goes_backwards_are_named_with_line_and_column() {
+    let good = table(HEADER, square, follows);
+    let nan = good.replacen("0.1,6,", "0.1,NaN,", 1);
+    refused(nan.as_bytes(), &["line 12", "column voltage_v"]);
+    let backwards = good.replacen("\n0.2,", "\n0.05,", 1);
+    refused(backwards.as_bytes(), &["line 22", "column time_s"]);
+}
+
+#[test]
+fn motors_that_teach_nothing_are_named_with_the_column() {
+    refused(table(HEADER, |_| 5.0, |t| 4.0 * t).as_bytes(), &["column voltage_v", "5 V"]);
+    refused(table(HEADER, square, |_| 1.0).as_bytes(), &["column angle_rad", "never moves"]);
+    refused(table(HEADER, square, |t| -follows(t)).as_bytes(), &["column angle_rad", "sign"]);
+}
+
+#[test]
+fn wrong_units_are_recognised() {
+    let milliseconds = table(HEADER, square, follows)
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match line.split_once(',') {
+            Some((t, rest)) if k > 0 => format!("{},{rest}\n", t.parse::<f64>().unwrap() * 1000.0),
+            _ => format!("{line}\n"),
+        })
+        .collect::<String>();
+    refused(milliseconds.as_bytes(), &["time_s"]);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_named() {
+    let mut bytes = table(HEADER, square, follows).into_bytes();
+    bytes[200] = 0xff;
+    refused(&bytes, &["UTF-8"]);
+}
+
+#[test]
+fn a_directory_an_absent_file_and_models_of_another_schema_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    std::fs::create_dir(here.join("folder")).unwrap();
+    std::fs::write(here.join("log.csv"), table(HEADER, square, follows)).unwrap();
+    for (words, wanted) in [("fit folder", "directory"), ("fit absent.csv", "absent.csv")] {
+        let ran = run(here, words).ends(3);
+        assert!(ran.err.contains(wanted) && ran.err.contains("  do: "), "{}", ran.err);
+    }
+    model_refused(here, "{\"schema\": 99}", "schema 99");
+    model_refused(here, "{\"schema\": 1}", "missing field");
+    model_refused(here, "{", "line 1");
+    model_refused(here, "{}", "no schema");
+}
+
+fn model_refused(directory: &Path, model: &str, wanted: &str) {
+    std::fs::write(directory.join("m.json"), model).unwrap();
+    for words in
+        ["compare m.json log.csv", "diagnose m.json log.csv", "add m.json coulomb log.csv --out n.json"]
+    {
+        let ran = run(directory, words).ends(3);
+        assert!(ran.err.contains("m.json") && ran.err.contains(wanted), "{}", ran.err);
+    }
+    assert!(!directory.join("n.json").exists());
+}
+
+#[test]
+fn fixed_parameters_are_held_and_a_slip_in_their_name_is_answered() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let logs = program::logs(here);
+    let logs = logs.replace("s/motor.toml", "m.toml");
+    std::fs::write(here.join("m.toml"), "[fixed]\ntau_e = 0.0009\n").unwrap();
+    let fit = run(here, &format!("fit {logs} --json")).ends(0).json();
+    let tau_e = &fit["parameters"][2];
+    assert_eq!((&tau_e["value"], &tau_e["low"]), (&tau_e["high"], &tau_e["value"]));
+    assert!((tau_e["value"].as_f64().unwrap() - 0.0009).abs() < 1e-12);
+    std::fs::write(here.join("m.toml"), "[fixed]\ntau_x = 0.0009\n").unwrap();
+    let slip = run(here, &format!("fit {logs}")).ends(3);
+    assert!(slip.err.contains("m.toml") && slip.err.contains("did you mean tau_"), "{}", slip.err);
+}

@@ -1,0 +1,179 @@
+//! Every verb through the built program: exit status, the document, the files.
+
+mod program;
+
+use program::{command, files, logs, run};
+use serde_json::Value;
+use std::io::Read;
+use std::process::Stdio;
+
+const MEASURES: [&str; 6] = ["rmse", "ae", "me", "iae", "nrmse_fit_percent", "samples"];
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is a number"))
+}
+
+fn assert_has(value: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(value.get(key).is_some(), "{key} in {value}");
+    }
+}
+
+#[test]
+fn fit_gives_the_published_document_and_a_model_that_compare_reads() {
+    let directory = tempfile::tempdir().unwrap();
+    let logs = logs(directory.path());
+    let fit =
+        run(directory.path(), &format!("fit {logs} --effects coulomb --out m.json --json")).ends(0).json();
+    assert_has(
+        &fit,
+        &[
+            "parameters",
+            "combinations",
+            "train",
+            "validation",
+            "objective_history",
+            "seed",
+            "evaluations",
+            "seconds",
+        ],
+    );
+    assert_has(&fit["train"], &MEASURES);
+    assert_has(&fit["validation"], &MEASURES);
+    let level = &fit["parameters"].as_array().unwrap()[4];
+    assert_has(level, &["name", "value", "unit", "low", "high", "identifiable"]);
+    assert_eq!(level["name"], "coulomb.level");
+    assert!((number(&level["value"]) - 0.4).abs() < 0.02, "{level}");
+    assert!(
+        number(&level["low"]) < number(&level["value"]) && number(&level["value"]) < number(&level["high"])
+    );
+    assert_eq!(level["identifiable"], true);
+
+    let compared =
+        run(directory.path(), &format!("compare m.json {logs} --trace t.csv --json")).ends(0).json();
+    assert_has(&compared["pooled"], &MEASURES);
+    assert_eq!(compared["records"].as_array().unwrap().len(), 4);
+    let by: Vec<&str> =
+        compared["failures"].as_array().unwrap().iter().map(|s| s["by"].as_str().unwrap()).collect();
+    for wanted in ["speed", "since_reversal", "standstill", "voltage", "time"] {
+        assert!(by.contains(&wanted), "{by:?}");
+    }
+    let trace = std::fs::read_to_string(directory.path().join("t.csv")).unwrap();
+    let mut lines = trace.lines();
+    assert_eq!(lines.next(), Some("record,time_s,measured,simulated"));
+    assert_eq!(lines.count() as u64, compared["pooled"]["samples"].as_u64().unwrap());
+}
+
+#[test]
+fn the_same_seed_gives_the_same_genetic_fit_and_the_history_never_rises() {
+    let directory = tempfile::tempdir().unwrap();
+    let logs = logs(directory.path());
+    let words =
+        format!("fit {logs} --method ga --effects coulomb --population 24 --generations 30 --seed 7 --json");
+    let (one, two) =
+        (run(directory.path(), &words).ends(0).json(), run(directory.path(), &words).ends(0).json());
+    assert_eq!(one["parameters"], two["parameters"]);
+    let history: Vec<f64> = one["objective_history"].as_array().unwrap().iter().map(number).collect();
+    assert_eq!(history.len(), 30);
+    assert!(history.is_sorted_by(|a, b| a >= b));
+    assert_eq!(one["seed"], 7);
+    assert_eq!(one["evaluations"], 24 + 29 * 23);
+}
+
+#[test]
+fn discover_finds_what_simulate_put_in_and_diagnose_and_add_agree() {
+    let directory = tempfile::tempdir().unwrap();
+    let logs = logs(directory.path());
+    let found = run(directory.path(), &format!("discover {logs} --out d.json --json")).ends(0).json();
+    assert_has(
+        &found,
+        &[
+            "schema",
+            "effects",
+            "verdict",
+            "noise_floor_rad",
+            "ladder",
+            "candidates",
+            "rivals",
+            "next_experiment",
+            "data_faults",
+            "parameters",
+            "combinations",
+            "seconds",
+            "simulations",
+        ],
+    );
+    assert_eq!(found["effects"][0], "coulomb");
+    let ladder = found["ladder"].as_array().unwrap();
+    assert_eq!(ladder[0]["effects"], Value::Array(vec![]));
+    let unseen = |rung: &Value| number(&rung["validation"]["rmse"]);
+    assert!(unseen(&ladder[ladder.len() - 1]) < 0.1 * unseen(&ladder[0]));
+
+    run(directory.path(), &format!("fit {logs} --out base.json")).ends(0);
+    let diagnosed = run(directory.path(), &format!("diagnose base.json {logs} --json")).ends(0).json();
+    assert_eq!(diagnosed["candidates"][0]["effect"], "coulomb");
+    let added =
+        run(directory.path(), &format!("add base.json coulomb {logs} --out c.json --json")).ends(0).json();
+    assert_eq!(added["worth_adding"], true);
+    assert!(number(&added["after"]["train"]["rmse"]) < 0.1 * number(&added["before"]["train"]["rmse"]));
+    let idle = run(directory.path(), &format!("add c.json eccentricity {logs} --json")).ends(0).json();
+    assert_eq!(idle["worth_adding"], false);
+    assert_eq!(run(directory.path(), &format!("add c.json coulomb {logs}")).status, 2);
+}
+
+#[test]
+fn effects_lists_the_registry_and_explains_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let all = run(directory.path(), "effects --json").ends(0).json();
+    assert_eq!(all["effects"].as_array().unwrap().len(), motorlens_shared::effects::Kind::ALL.len());
+    let one = run(directory.path(), "effects backlash").ends(0);
+    assert!(one.out.contains("width") || one.out.contains("gap"), "{}", one.out);
+    let slip = run(directory.path(), "effects backlsh").ends(2);
+    assert!(slip.err.contains("did you mean backlash?"), "{}", slip.err);
+}
+
+#[test]
+fn simulate_hides_and_reveal_tells() {
+    let directory = tempfile::tempdir().unwrap();
+    let made = run(directory.path(), "simulate --hidden 5 --rate 100 --seconds 2 --json").ends(0).json();
+    assert!(made.get("effects").is_none());
+    assert_has(&run(directory.path(), "reveal --json").ends(0).json(), &["effects", "sizes"]);
+    assert_eq!(run(directory.path(), "reveal nowhere").status, 3);
+}
+
+#[test]
+fn quiet_says_nothing_and_prose_never_goes_to_standard_output() {
+    let directory = tempfile::tempdir().unwrap();
+    let logs = logs(directory.path());
+    let quiet = run(directory.path(), &format!("fit {logs} --quiet")).ends(0);
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+    let loud = run(directory.path(), &format!("fit {logs}")).ends(0);
+    assert!(loud.out.is_empty() && loud.err.contains("gain"), "{}", loud.out);
+}
+
+#[test]
+fn wrong_usage_ends_with_2_and_a_document_for_programs() {
+    let directory = tempfile::tempdir().unwrap();
+    for words in
+        ["fit", "fit --generations 0 a.csv", "levitate", "fit a.csv --method magic", "add m.json coulomb"]
+    {
+        assert!(!run(directory.path(), words).ends(2).err.is_empty(), "{words}");
+        let document = run(directory.path(), &format!("{words} --json")).ends(2).json();
+        assert_eq!(document["error"]["kind"], "usage", "{words}");
+    }
+    assert!(files(directory.path()).is_empty());
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut child = command(directory.path(), "effects --json")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut err = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
+    assert_eq!((child.wait().unwrap().code(), err.as_str()), (Some(0), ""));
+}
