@@ -7,6 +7,7 @@ pub mod diagnose;
 pub mod error;
 pub mod estimate;
 pub mod exam;
+pub mod export;
 pub mod fit;
 pub mod log;
 pub mod model_file;

@@ -12,6 +12,7 @@ mod device;
 mod diagnose;
 mod discover;
 mod effects;
+mod export;
 mod findings;
 mod fit;
 mod input;
@@ -76,6 +77,8 @@ enum Verb {
     Device(device::Args),
     /// The five steps of the work, live in a browser on this machine
     Serve(serve::Args),
+    /// Write a model for MuJoCo, Modelica, Python or C
+    Export(export::Args),
     /// The paper's run with one command, and what the paper does not say
     Paper(crate::paper::PaperArgs),
 }
@@ -97,6 +100,7 @@ impl Verb {
             Self::Capture(args) => capture::run(args, console),
             Self::Device(args) => device::run(args, console),
             Self::Serve(args) => serve::run(args, console),
+            Self::Export(args) => export::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }
     }
