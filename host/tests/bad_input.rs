@@ -58,17 +58,27 @@ fn assert_document(ran: &Ran, verb: &str) {
 #[test]
 fn empty_files_headers_without_rows_and_single_rows_are_named() {
     refused(b"", &["empty"]);
-    refused(format!("{HEADER}\n").as_bytes(), &["row"]);
+    refused(format!("{HEADER}\n").as_bytes(), &["no sample"]);
     refused(format!("{HEADER}\n0,1,0\n").as_bytes(), &["line 2"]);
 }
 
 #[test]
 fn fields_that_are_no_numbers_and_time_that_goes_backwards_are_named_with_line_and_column() {
     let good = table(HEADER, square, follows);
-    let nan = good.replacen("0.1,6,", "0.1,NaN,", 1);
-    refused(nan.as_bytes(), &["line 12", "column voltage_v"]);
+    refused(good.replace("1,6,", "1,NaN,").as_bytes(), &["line 3", "column voltage_v", "NaN"]);
     let backwards = good.replacen("\n0.2,", "\n0.05,", 1);
     refused(backwards.as_bytes(), &["line 22", "column time_s"]);
+}
+
+#[test]
+fn one_bad_field_is_left_out_and_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = table(HEADER, square, follows).replacen("0.1,6,", "0.1,NaN,", 1);
+    std::fs::write(directory.path().join("log.csv"), text).unwrap();
+    let ran = run(directory.path(), "fit log.csv").ends(0);
+    assert!(ran.err.contains("line 12") && ran.err.contains("voltage_v"), "{}", ran.err);
+    let found = run(directory.path(), "discover log.csv --most 0 --json").ends(0).json();
+    assert!(found["data_faults"][0]["where"].as_str().unwrap().contains("line 12"), "{found}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod instructions;
 mod licences;
 mod peers;
 mod process;
+mod real_logs;
 mod report;
 mod sizes;
 mod test;
@@ -32,6 +33,8 @@ enum Task {
     Sizes,
     /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
     Bench(bench::Options),
+    /// Run `motorlens discover` on published logs of real motors and print a table.
+    RealLogs(real_logs::Options),
     /// Check that every dependency of every workspace has a permissive licence.
     Licences,
     /// Run the paper's search beside that of others (scipy, pygad, pymoo, DEAP, genevo, Octave) and print the ratios.
@@ -45,6 +48,7 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::Test(options) => return Ok(test::run(&options)),
         Task::Sizes => sizes::print()?,
         Task::Bench(options) => bench::serve(&options)?,
+        Task::RealLogs(options) => real_logs::print(&options)?,
         Task::Licences => licences::check_all()?,
         Task::Peers => peers::run()?,
         Task::Instructions(options) => instructions::check(&options)?,

@@ -47,6 +47,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let effect = effect_by_name(&args.effect)?;
     let model = Model::read(&args.model)?;
     let logs = args.input.load()?;
+    logs.warn(console);
     let done = add(&model, effect, &logs.records, &logs.validation, &logs.motor)?;
     if let Some(path) = &args.out {
         done.model.write(path)?;

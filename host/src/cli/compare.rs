@@ -46,6 +46,7 @@ struct OfRecord {
 /// Runs the model over every log, those of `--validate` too: nothing is fitted here.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
+    logs.warn(console);
     let all: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
     let (model, problem) = model_and_problem(&args.model, &all, &logs.motor)?;
     let runs = free_runs(&problem, &model.values());

@@ -69,6 +69,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         seed: args.seed,
     };
     let logs = args.input.load()?;
+    logs.warn(console);
     let bar = watch::bar(console, u64::from(args.generations), "generations");
     let fitted = fit(&logs.records, &logs.validation, &logs.motor, &options, &mut |generation, iae| {
         bar.set_position(u64::from(generation));

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Console;
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::fixed;
@@ -43,6 +44,15 @@ impl LogArgs {
             validation: log::load_validation(&self.reading)?,
             motor,
         })
+    }
+}
+
+impl Logs {
+    /// Tells what is odd about the logs.
+    pub fn warn(&self, console: &Console) {
+        for warning in self.records.iter().chain(&self.validation).flat_map(|r| &r.warnings) {
+            console.say(format!("data: {}: {}\n  do: {}", warning.place, warning.what, warning.fix));
+        }
     }
 }
 

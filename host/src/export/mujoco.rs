@@ -34,7 +34,8 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
             _ => left_out.push(not_expressed(kind, "a MuJoCo joint")),
         }
     }
-    let comment: String = left_out.iter().map(|s| format!("\n       {s}")).collect();
+    // Two hyphens would end an XML comment.
+    let comment: String = left_out.iter().map(|s| format!("\n       {}", s.replace("--", ""))).collect();
     let text = format!(
         r#"<mujoco model="motorlens">
   <!-- Written by motorlens. Control: volts at the driver's output; joint: the output shaft.{comment} -->
