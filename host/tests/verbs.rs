@@ -81,6 +81,26 @@ fn the_same_seed_gives_the_same_genetic_fit_and_the_history_never_rises() {
 }
 
 #[test]
+fn all_methods_agree_on_a_motor_without_effects() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), "simulate --motor paper --rate 100 --out s --quiet").ends(0);
+    let gain = |method: &str| {
+        let words =
+            format!("fit s/multisine.csv s/staircase.csv --motor s/motor.toml --method {method} --json");
+        let fit = run(directory.path(), &words).ends(0).json();
+        assert_eq!(fit["parameters"][0]["name"], "gain");
+        number(&fit["parameters"][0]["value"])
+    };
+    let fast = gain("fast");
+    for method in ["ga", "conventional", "paper"] {
+        let other = gain(method);
+        assert!((other / fast - 1.0).abs() < 0.02, "{method}: {other} {fast}");
+    }
+    let refused = "fit s/prbs.csv --method paper --effects coulomb";
+    assert!(run(directory.path(), refused).ends(2).err.contains("linear"));
+}
+
+#[test]
 fn discover_finds_what_simulate_put_in_and_diagnose_and_add_agree() {
     let directory = tempfile::tempdir().unwrap();
     let logs = logs(directory.path());

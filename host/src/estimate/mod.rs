@@ -4,6 +4,7 @@ mod added;
 mod combinations;
 mod fast;
 mod genetic;
+mod linear;
 mod start;
 
 use std::time::Instant;
@@ -103,12 +104,17 @@ pub fn fit(
     let begun = Instant::now();
     let searched = match options.method {
         Method::Fast => fast::search(&problem, &base, &options.effects),
-        Method::Ga => genetic::search(&problem, &base, options, progress),
-        Method::Conventional | Method::Paper => {
-            return Err(Error::usage(
-                format!("--method {:?} has no effects yet", options.method),
-                "use --method fast or ga",
-            ));
+        Method::Conventional if !options.effects.is_empty() => fast::textbook(&problem, &options.effects),
+        // The linear search takes motors that rest at the start of every record.
+        Method::Ga if !options.effects.is_empty() || problem.grids.iter().any(|g| g.start_speed != 0.0) => {
+            genetic::search(&problem, &base, options, progress)
+        }
+        Method::Paper if !options.effects.is_empty() => {
+            let why = "--method paper knows the linear model only";
+            return Err(Error::usage(why, "leave out --effects, or use --method ga"));
+        }
+        Method::Ga | Method::Conventional | Method::Paper => {
+            linear::search(&problem, records, motor, options, progress)?
         }
     };
     let seconds = begun.elapsed().as_secs_f64();

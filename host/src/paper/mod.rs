@@ -2,7 +2,7 @@
 //! and then what the paper leaves out.
 
 mod choices;
-mod data;
+pub(crate) mod data;
 mod figures;
 mod missing;
 mod tables;
