@@ -9,11 +9,7 @@ use crate::process;
 /// Installs the packages that are not installed yet. Needs Debian (or a relative) and root; otherwise the error says
 /// which packages to install by hand.
 pub fn ensure_apt(packages: &[&str]) -> Result<()> {
-    let missing: Vec<&str> = packages
-        .iter()
-        .copied()
-        .filter(|package| !installed(package))
-        .collect();
+    let missing: Vec<&str> = packages.iter().copied().filter(|package| !installed(package)).collect();
     if missing.is_empty() {
         return Ok(());
     }
@@ -21,11 +17,7 @@ pub fn ensure_apt(packages: &[&str]) -> Result<()> {
     println!("installing {}", missing.join(" "));
     // The lists of a fresh machine are empty or old; an update that fails in part may still do.
     let updated = process::run(apt_get().arg("update"));
-    let install = process::run(
-        apt_get()
-            .args(["install", "-y", "--no-install-recommends"])
-            .args(&missing),
-    );
+    let install = process::run(apt_get().args(["install", "-y", "--no-install-recommends"]).args(&missing));
     if let Err(error) = install {
         updated.with_context(remedy)?;
         return Err(error).with_context(remedy);

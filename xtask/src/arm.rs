@@ -30,35 +30,21 @@ impl Compiler {
         let sysroot = process::output(Command::new("rustc").args(["--print", "sysroot"]))?;
         let libraries = Path::new(sysroot.trim()).join("lib/rustlib");
         if libraries.join(target).join("lib").is_dir() {
-            return Ok(Compiler {
-                target,
-                debian_linker: None,
-            });
+            return Ok(Compiler { target, debian_linker: None });
         }
         apt::ensure_apt(&["rustc-web", "rust-web-src"]).with_context(|| {
             format!("no compiler for {target}: neither `rustup target add {target}` nor Debian's rustc-web is here")
         })?;
-        Ok(Compiler {
-            target,
-            debian_linker: Some(linker(&libraries)?),
-        })
+        Ok(Compiler { target, debian_linker: Some(linker(&libraries)?) })
     }
 
     /// A cargo command (`build`, `clippy`, ...) in `directory` for the target.
     pub fn cargo(&self, subcommand: &str, directory: &Path) -> Command {
         let mut command = process::cargo();
-        command
-            .current_dir(directory)
-            .arg(subcommand)
-            .args(["--target", self.target]);
-        command
-            .env("CARGO_TARGET_DIR", target_directory())
-            .env_remove("RUSTFLAGS");
+        command.current_dir(directory).arg(subcommand).args(["--target", self.target]);
+        command.env("CARGO_TARGET_DIR", target_directory()).env_remove("RUSTFLAGS");
         if let Some(linker) = &self.debian_linker {
-            let variable = format!(
-                "CARGO_TARGET_{}_LINKER",
-                self.target.to_uppercase().replace('-', "_")
-            );
+            let variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
             command
                 .arg("-Zbuild-std=core,alloc")
                 .env("RUSTC", DEBIAN_RUSTC)
@@ -70,10 +56,7 @@ impl Compiler {
 
     /// Where a release build puts the program `name`.
     pub fn artifact(&self, name: &str) -> PathBuf {
-        target_directory()
-            .join(self.target)
-            .join("release")
-            .join(name)
+        target_directory().join(self.target).join("release").join(name)
     }
 }
 
@@ -84,8 +67,8 @@ fn target_directory() -> PathBuf {
 
 /// `rust-lld`, which rustup's own tool chain carries; else Debian's `ld.lld`.
 fn linker(libraries: &Path) -> Result<PathBuf> {
-    let hosts = std::fs::read_dir(libraries)
-        .with_context(|| format!("cannot list {}", libraries.display()))?;
+    let hosts =
+        std::fs::read_dir(libraries).with_context(|| format!("cannot list {}", libraries.display()))?;
     for host in hosts {
         let candidate = host?.path().join("bin/rust-lld");
         if candidate.is_file() {
@@ -95,10 +78,7 @@ fn linker(libraries: &Path) -> Result<PathBuf> {
     apt::ensure_apt(&["lld"])?;
     let debian = PathBuf::from("/usr/bin/ld.lld");
     if !debian.is_file() {
-        bail!(
-            "no linker for Cortex-M: neither rust-lld in the tool chain nor {}",
-            debian.display()
-        );
+        bail!("no linker for Cortex-M: neither rust-lld in the tool chain nor {}", debian.display());
     }
     Ok(debian)
 }
@@ -111,11 +91,7 @@ pub fn image_directory() -> PathBuf {
 /// Builds the board image as it is flashed and returns its ELF.
 pub fn build_image() -> Result<PathBuf> {
     let compiler = Compiler::find_or_install(CORTEX_M4F)?;
-    process::run(
-        compiler
-            .cargo("build", &image_directory())
-            .args(["--release", "--locked"]),
-    )?;
+    process::run(compiler.cargo("build", &image_directory()).arg("--release"))?;
     Ok(compiler.artifact("motorlens-stm32f4"))
 }
 
@@ -123,11 +99,7 @@ pub fn build_image() -> Result<PathBuf> {
 pub fn build_no_std(target: &'static str, packages: &[&str]) -> Result<()> {
     let compiler = Compiler::find_or_install(target)?;
     for package in packages {
-        process::run(compiler.cargo("build", &process::root()).args([
-            "--release",
-            "--package",
-            package,
-        ]))?;
+        process::run(compiler.cargo("build", &process::root()).args(["--release", "--package", package]))?;
     }
     Ok(())
 }

@@ -20,13 +20,7 @@ pub struct Options {
 /// Builds the image and the bench, then serves until interrupted.
 pub fn serve(options: &Options) -> Result<()> {
     let image = arm::build_image()?;
-    process::run(
-        bench_cargo("run")
-            .arg("--")
-            .arg("--image")
-            .arg(image)
-            .args(&options.arguments),
-    )
+    process::run(bench_cargo("run").arg("--").arg("--image").arg(image).args(&options.arguments))
 }
 
 /// Runs the bench's own tests on the image.
@@ -38,11 +32,7 @@ pub fn tests() -> Result<Count> {
 /// A cargo command in the bench's workspace. The emulator declares a newer compiler than it needs.
 fn bench_cargo(subcommand: &str) -> Command {
     let mut command = process::cargo();
-    command.current_dir(directory()).arg(subcommand).args([
-        "--release",
-        "--locked",
-        "--ignore-rust-version",
-    ]);
+    command.current_dir(directory()).arg(subcommand).args(["--release", "--ignore-rust-version"]);
     command
 }
 

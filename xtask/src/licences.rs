@@ -50,15 +50,9 @@ fn check(manifest: &Path) -> Result<usize> {
     let metadata = MetadataCommand::new()
         .manifest_path(manifest)
         .features(CargoOpt::AllFeatures)
-        .other_options(vec![
-            "--locked".to_owned(),
-            "--filter-platform".to_owned(),
-            "x86_64-unknown-linux-gnu".to_owned(),
-        ])
+        .other_options(vec!["--filter-platform".to_owned(), "x86_64-unknown-linux-gnu".to_owned()])
         .exec()
-        .or_else(|_| {
-            MetadataCommand::new().manifest_path(manifest).other_options(vec!["--locked".to_owned()]).exec()
-        })
+        .or_else(|_| MetadataCommand::new().manifest_path(manifest).exec())
         .with_context(|| format!("cargo metadata for {}", manifest.display()))?;
     let used = metadata
         .resolve

@@ -21,12 +21,7 @@ pub fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root()).env("CARGO_TERM_COLOR", "never");
     // Set by the `cargo run` that started this program; they describe xtask, not what is built next.
-    for name in [
-        "CARGO_MANIFEST_DIR",
-        "CARGO_MANIFEST_PATH",
-        "CARGO_PKG_NAME",
-        "CARGO_PKG_VERSION",
-    ] {
+    for name in ["CARGO_MANIFEST_DIR", "CARGO_MANIFEST_PATH", "CARGO_PKG_NAME", "CARGO_PKG_VERSION"] {
         command.env_remove(name);
     }
     command
@@ -35,9 +30,7 @@ pub fn cargo() -> Command {
 /// Runs a command with its output passed through. Fails with the command line when its status is not zero.
 pub fn run(command: &mut Command) -> Result<()> {
     let line = describe(command);
-    let status = command
-        .status()
-        .with_context(|| format!("cannot start: {line}"))?;
+    let status = command.status().with_context(|| format!("cannot start: {line}"))?;
     if !status.success() {
         bail!("{status}: {line}");
     }
@@ -47,10 +40,8 @@ pub fn run(command: &mut Command) -> Result<()> {
 /// Runs a command, keeps its standard output, lets its standard error through.
 pub fn output(command: &mut Command) -> Result<String> {
     let line = describe(command);
-    let output = command
-        .stderr(Stdio::inherit())
-        .output()
-        .with_context(|| format!("cannot start: {line}"))?;
+    let output =
+        command.stderr(Stdio::inherit()).output().with_context(|| format!("cannot start: {line}"))?;
     if !output.status.success() {
         bail!("{}: {line}", output.status);
     }
@@ -61,10 +52,8 @@ pub fn output(command: &mut Command) -> Result<String> {
 /// A failing status with no failed test counted (a build error, say) is itself one failure.
 pub fn run_tests(command: &mut Command) -> Result<Count> {
     let line = describe(command);
-    let mut child = command
-        .stdout(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("cannot start: {line}"))?;
+    let mut child =
+        command.stdout(Stdio::piped()).spawn().with_context(|| format!("cannot start: {line}"))?;
     let mut count = Count::default();
     let out = child.stdout.take().expect("piped above");
     for text in BufReader::new(out).split(b'\n') {
@@ -83,10 +72,6 @@ pub fn run_tests(command: &mut Command) -> Result<Count> {
 
 fn describe(command: &Command) -> String {
     let mut words = vec![command.get_program().to_string_lossy().into_owned()];
-    words.extend(
-        command
-            .get_args()
-            .map(|word| word.to_string_lossy().into_owned()),
-    );
+    words.extend(command.get_args().map(|word| word.to_string_lossy().into_owned()));
     words.join(" ")
 }

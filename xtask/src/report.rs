@@ -16,10 +16,7 @@ pub struct Count {
 
 impl Count {
     /// One check that passed.
-    pub const ONE: Count = Count {
-        passed: 1,
-        failed: 0,
-    };
+    pub const ONE: Count = Count { passed: 1, failed: 0 };
 
     /// What a line such as `test result: ok. 3 passed; 0 failed; ...` reports; nothing for any other line.
     pub fn from_test_line(line: &str) -> Count {
@@ -28,16 +25,9 @@ impl Count {
         };
         let number_before = |word: &str| {
             let before = rest.split(word).next().unwrap_or_default();
-            before
-                .rsplit([' ', ';', '.'])
-                .find(|s| !s.is_empty())
-                .and_then(|s| s.parse().ok())
-                .unwrap_or(0)
+            before.rsplit([' ', ';', '.']).find(|s| !s.is_empty()).and_then(|s| s.parse().ok()).unwrap_or(0)
         };
-        Count {
-            passed: number_before(" passed"),
-            failed: number_before(" failed"),
-        }
+        Count { passed: number_before(" passed"), failed: number_before(" failed") }
     }
 }
 
@@ -63,19 +53,10 @@ impl Report {
         let (count, verdict) = match part() {
             Ok(count) if count.failed == 0 => (count, "ok".to_owned()),
             Ok(count) => (count, "FAILED".to_owned()),
-            Err(error) => (
-                Count {
-                    passed: 0,
-                    failed: 1,
-                },
-                format!("FAILED: {error:#}"),
-            ),
+            Err(error) => (Count { passed: 0, failed: 1 }, format!("FAILED: {error:#}")),
         };
         self.total += count;
-        let line = format!(
-            "{:>8.1} s  {name}: {verdict}",
-            start.elapsed().as_secs_f64()
-        );
+        let line = format!("{:>8.1} s  {name}: {verdict}", start.elapsed().as_secs_f64());
         println!("---- {line}");
         self.lines.push(line);
     }
@@ -100,13 +81,7 @@ mod tests {
     #[test]
     fn counts_come_from_result_lines_only() {
         let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.1s";
-        assert_eq!(
-            Count::from_test_line(line),
-            Count {
-                passed: 12,
-                failed: 3
-            }
-        );
+        assert_eq!(Count::from_test_line(line), Count { passed: 12, failed: 3 });
         assert_eq!(Count::from_test_line("test a::b ... ok"), Count::default());
     }
 
@@ -115,13 +90,7 @@ mod tests {
         let mut report = Report::default();
         report.part("good", || Ok(Count::ONE));
         report.part("no tool", || bail!("not installed"));
-        assert_eq!(
-            report.total,
-            Count {
-                passed: 1,
-                failed: 1
-            }
-        );
+        assert_eq!(report.total, Count { passed: 1, failed: 1 });
         assert!(!report.finish());
     }
 }

@@ -22,24 +22,14 @@ pub fn print() -> Result<()> {
     let elf = arm::build_image()?;
     let bytes = std::fs::read(&elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let sizes = measure(&bytes)?;
-    println!(
-        "flash {:>7} of {FLASH_LIMIT} bytes ({:.1} KiB)",
-        sizes.flash,
-        sizes.flash as f64 / 1024.0
-    );
+    println!("flash {:>7} of {FLASH_LIMIT} bytes ({:.1} KiB)", sizes.flash, sizes.flash as f64 / 1024.0);
     println!(
         "RAM   {:>7} of {RAM_LIMIT} bytes ({:.1} KiB), without the stack",
         sizes.ram,
         sizes.ram as f64 / 1024.0
     );
-    ensure!(
-        sizes.flash <= FLASH_LIMIT,
-        "the image takes more flash than it may"
-    );
-    ensure!(
-        sizes.ram <= RAM_LIMIT,
-        "the image takes more RAM than it may"
-    );
+    ensure!(sizes.flash <= FLASH_LIMIT, "the image takes more flash than it may");
+    ensure!(sizes.ram <= RAM_LIMIT, "the image takes more RAM than it may");
     Ok(())
 }
 

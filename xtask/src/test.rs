@@ -23,44 +23,28 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 11] = [
+const PARTS: [Part; 12] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
-        let lint = [
-            "clippy",
-            "--workspace",
-            "--all-targets",
-            "--locked",
-            "--",
-            "-D",
-            "warnings",
-        ];
+        let lint = ["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"];
         one(process::run(process::cargo().args(lint)))
     }),
     ("documents", || {
         let mut doc = process::cargo();
-        doc.args(["doc", "--workspace", "--no-deps", "--locked"])
-            .env("RUSTDOCFLAGS", "-D warnings");
+        doc.args(["doc", "--workspace", "--no-deps", "--locked"]).env("RUSTDOCFLAGS", "-D warnings");
         one(process::run(&mut doc))
     }),
     ("host tests", || {
-        process::run_tests(process::cargo().args([
-            "test",
-            "--workspace",
-            "--locked",
-            "--no-fail-fast",
-        ]))
+        process::run_tests(process::cargo().args(["test", "--workspace", "--locked", "--no-fail-fast"]))
     }),
-    ("instructions of the kernels", || {
-        one(instructions::check(&instructions::Options::default()))
+    ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
+    ("decoder on ten million inputs", || {
+        let test = ["test", "--release", "-p", "motorlens-shared", "--test", "link_any_bytes"];
+        process::run_tests(process::cargo().args(test))
     }),
-    ("no_std on Cortex-M4F", || {
-        one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))
-    }),
-    ("no_std on Cortex-M0", || {
-        one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))
-    }),
+    ("no_std on Cortex-M4F", || one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))),
+    ("no_std on Cortex-M0", || one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))),
     ("image and its sizes", || one(sizes::print())),
     ("virtual bench", bench::tests),
     ("browser", browser::tests),
@@ -70,29 +54,17 @@ const PARTS: [Part; 11] = [
 pub fn run(options: &Options) -> ExitCode {
     let mut report = Report::default();
     for (name, part) in PARTS {
-        if options
-            .only
-            .as_deref()
-            .is_none_or(|wanted| name.contains(wanted))
-        {
+        if options.only.as_deref().is_none_or(|wanted| name.contains(wanted)) {
             report.part(name, part);
         }
     }
-    if report.finish() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+    if report.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// The workspaces beside the host's are formatted like it.
 fn format() -> Result<()> {
     for directory in [process::root(), arm::image_directory(), bench::directory(), browser::directory()] {
-        process::run(
-            process::cargo()
-                .current_dir(directory)
-                .args(["fmt", "--all", "--check"]),
-        )?;
+        process::run(process::cargo().current_dir(directory).args(["fmt", "--all", "--check"]))?;
     }
     Ok(())
 }
