@@ -1,7 +1,7 @@
 //! The command line: one file a verb, each thin. A verb reads its options, calls the library and hands the
 //! answer to the [`Console`], which knows whether a person or a program listens.
 //!
-//! To add a verb: a file with `Args` and `run`, its `mod` line, and its row in [`Verb`] and [`Verb::run`].
+//! To add a verb: a file with `Args` and `run`, its `mod` line, and its rows in `Verb`.
 
 mod add;
 mod capture;

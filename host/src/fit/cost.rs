@@ -98,7 +98,7 @@ fn robust(d: f64) -> f64 {
 /// Sums over a record's residuals of centre (lane 0 of the first block) and neighbours.
 ///
 /// `blocks[b]` holds lanes 8 b ..; lane f > 0 is the neighbour along axis f - 1, `inverse_delta[f]` apart. The
-/// result is the upper part of M = sum c c^T with c = (r, J): M[0][0] the cost, M[0][k] the gradient.
+/// result is the upper part of M = sum c c^T with c = (r, J): `M[0][0]` the cost, `M[0][k]` the gradient.
 pub fn accumulate(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec<f64>]) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
