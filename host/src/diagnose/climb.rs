@@ -123,7 +123,7 @@ pub fn run(
             break;
         }
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
-        let next = prune(evidence, next);
+        let next = evidence.finish(prune(evidence, next));
         rung(&next);
         climb.rungs.push(next);
     }
