@@ -83,7 +83,7 @@ mod tests {
     fn names_are_those_of_results_and_a_slip_is_answered() {
         let good = [("tau_e", 1e-3), ("coulomb.level", 0.2), ("coulomb", 0.2), ("stribeck.excess", 0.1)];
         check(Path::new("m"), &good.map(|(n, v)| (n.to_owned(), v)).into()).unwrap();
-        assert!(refused("tau_me", 1.0).contains("did you mean tau_m?"));
+        assert!(refused("tau_mm", 1.0).contains("did you mean tau_m?"));
         assert!(refused("stribeck", 1.0).contains("is no parameter"));
         assert!(refused("gain", -1.0).contains("not positive"));
     }

@@ -13,6 +13,8 @@ use super::simulate::{Block, LANES, predict_block};
 const FIRST_LOOK_S: f64 = 8e-3;
 /// Displacements below this many counts are counting.
 const COUNTS: f64 = 3.0;
+/// Twice the time brings less than this times the way, if the motor was turning already.
+const STEADY: f64 = 2.6;
 /// The model may be wrong by this share of its own displacement.
 const MODEL_ERROR: f64 = 0.4;
 
@@ -54,7 +56,10 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
     let moved = grid.measured[k] - grid.measured[0];
-    (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
+    let later = grid.measured.get(2 * k).map_or(moved, |y| y - grid.measured[0]);
+    // From rest the way grows with the square of time and more, in motion in proportion to it.
+    let steady = later.abs() < STEADY * moved.abs();
+    steady && (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
 }
 
 /// Least squares over the first time constants; the angle's offset is free.
@@ -93,4 +98,24 @@ fn first_samples(grid: &Grid, n: usize) -> Grid {
     part.measured.truncate(n);
     part.skip = 0;
     part
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::exam::case::{Case, Conditions};
+    use crate::fit::setup;
+    use motorlens_virtual_motor::Kind;
+
+    /// A load pulls a resting motor at once, which is not a motion at the start.
+    #[test]
+    fn a_motor_pulled_from_rest_does_not_begin_in_motion() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        for seed in 0..6 {
+            let case = Case::new(seed, &[Kind::ConstantLoad], ideal);
+            let (problem, _) = setup::problem(&case.records, &case.motor);
+            for grid in &problem.grids {
+                assert_eq!(grid.start_speed, 0.0, "seed {seed}, {}", grid.name);
+            }
+        }
+    }
 }
