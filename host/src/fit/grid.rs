@@ -115,11 +115,17 @@ impl Grid {
     /// The beginning of the record, for fitting: `share` of its samples.
     #[must_use]
     pub fn beginning(&self, share: f64) -> Self {
-        let n = (self.len() as f64 * share) as usize;
+        self.first((self.len() as f64 * share) as usize)
+    }
+
+    /// The first `n` samples, all judged.
+    #[must_use]
+    pub fn first(&self, n: usize) -> Self {
         let mut part = self.clone();
         part.time_s.truncate(n);
         part.places.truncate(n);
         part.measured.truncate(n);
+        part.skip = 0;
         part
     }
 

@@ -51,7 +51,7 @@ impl Problem {
 
 fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
     let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
-    let still = Grid { start_speed: 0.0, ..first_samples(grid, k + 1) };
+    let still = Grid { start_speed: 0.0, ..grid.first(k + 1) };
     let mut series = Vec::new();
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
@@ -67,7 +67,7 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
     let tau = layout.plain(1, x[1]);
     let until = grid.time_s[0] + (2.0 * tau).clamp(0.06, 0.6);
     let n = grid.time_s.iter().take_while(|t| **t <= until).count().max(4).min(grid.len());
-    let part = first_samples(grid, n);
+    let part = grid.first(n);
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
@@ -89,15 +89,6 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
     let change = if below > 0.0 { above / below } else { 0.0 };
     let limit = 2.0 * problem.rig.reference_speed;
     (grid.start_speed + change).clamp(-limit, limit)
-}
-
-fn first_samples(grid: &Grid, n: usize) -> Grid {
-    let mut part = grid.clone();
-    part.time_s.truncate(n);
-    part.places.truncate(n);
-    part.measured.truncate(n);
-    part.skip = 0;
-    part
 }
 
 #[cfg(test)]
