@@ -32,19 +32,39 @@ fn model(effects: &[(Kind, &[f64])]) -> Model {
     Model::new(&Values { base, effects }, &rig(), &prior, Origin::default())
 }
 
-/// Sets that together hold every effect that a program can express.
+/// Sets that together hold every effect of the library.
 fn sets() -> Vec<Model> {
-    vec![
-        model(&[]),
-        model(&[(Kind::DeadZone, &[0.3, 0.05]), (Kind::Coulomb, &[0.2]), (Kind::Gravity, &[0.4, -0.2])]),
-        model(&[(Kind::SupplySag, &[0.3]), (Kind::Stribeck, &[0.2, 0.3, 0.2]), (Kind::Spring, &[0.05, 0.1])]),
-        model(&[(Kind::VoltageDrop, &[0.4]), (Kind::LoadFriction, &[0.1]), (Kind::ConstantLoad, &[-0.3])]),
-        model(&[
+    let sets: Vec<Vec<(Kind, &[f64])>> = vec![
+        vec![],
+        vec![(Kind::DeadZone, &[0.3, 0.05]), (Kind::Coulomb, &[0.2]), (Kind::Gravity, &[0.4, -0.2])],
+        vec![(Kind::SupplySag, &[0.3]), (Kind::Stribeck, &[0.2, 0.3, 0.2]), (Kind::Spring, &[0.05, -0.1])],
+        vec![(Kind::VoltageDrop, &[0.4]), (Kind::LoadFriction, &[0.1]), (Kind::ConstantLoad, &[-0.3])],
+        vec![
             (Kind::CoulombAsymmetric, &[0.3, 0.1]),
             (Kind::QuadraticDrag, &[0.01]),
-            (Kind::Cogging, &[0.2, 0.1, 3.0]),
-        ]),
-    ]
+            (Kind::Cogging, &[0.2, -0.1, 3.0]),
+        ],
+        vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6]), (Kind::Saturation, &[0.5])],
+        vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],
+        vec![(Kind::LostCounts, &[0.05, 3.0]), (Kind::SensorLag, &[0.012])],
+        vec![
+            (Kind::Backlash, &[0.05, 0.4]),
+            (Kind::Gravity, &[0.2, 0.1]),
+            (Kind::WindingHeating, &[0.2, 20.0]),
+            (Kind::Coulomb, &[0.2]),
+            (Kind::SensorLag, &[0.012]),
+            (Kind::Eccentricity, &[0.004, 0.002]),
+        ],
+        vec![
+            (Kind::Compliance, &[8.0, 0.4, 0.05]),
+            (Kind::Spring, &[0.05, 0.1]),
+            (Kind::LostCounts, &[0.05, 3.0]),
+        ],
+    ];
+    for kind in Kind::ALL {
+        assert!(sets.iter().flatten().any(|(k, _)| k == kind), "{kind} is in no set");
+    }
+    sets.iter().map(|set| model(set)).collect()
 }
 
 /// 4 s of reversals and rest.
@@ -69,7 +89,7 @@ fn truth(model: &Model) -> Vec<f64> {
     (0..volts.len())
         .map(|cell| {
             simulator.advance(&mut motion, &volts, cell);
-            motion.state.angle
+            simulator.read(&motion)
         })
         .collect()
 }
@@ -88,7 +108,8 @@ fn assert_same(model: &Model, angles: &[f64]) {
     let truth = truth(model);
     assert_eq!(angles.len(), truth.len());
     for (a, b) in angles.iter().zip(&truth) {
-        assert!((a - b).abs() < 1e-6, "{a} {b}");
+        // The model's sine is exact to 4e-9; with exact sines, steps of an unstable balance may grow from there.
+        assert!((a - b).abs() < 1e-6, "{a} {b}: {:?}", model.values().kinds());
     }
 }
 

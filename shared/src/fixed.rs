@@ -127,6 +127,14 @@ impl<const FRAC: u32> Scalar for Fixed<FRAC> {
         let at = |k: usize| table[index.saturating_sub(k).min(table.len() - 1)];
         at(whole) + part * (at(whole + 1) - at(whole))
     }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        Self::lit(f(self.to_f64()))
+    }
+    #[inline(always)]
+    fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
+        Self::lit(f(self.to_f64(), other.to_f64()))
+    }
 }
 
 #[cfg(test)]

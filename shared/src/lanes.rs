@@ -86,6 +86,14 @@ impl<T: Scalar<Element = T>, const N: usize> Scalar for Lanes<T, N> {
     fn look_back(table: &[T], index: usize, back: Self) -> Self {
         Self(from_fn(|l| T::look_back(table, index, back.0[l])))
     }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        Self(from_fn(|l| self.0[l].map(f)))
+    }
+    #[inline(always)]
+    fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
+        Self(from_fn(|l| self.0[l].map_with(other.0[l], f)))
+    }
 }
 
 #[cfg(test)]
@@ -102,6 +110,8 @@ mod tests {
             let (x, y) = (a.0[l], b.0[l]);
             let truth = if x > y { x * y + x } else { (x / y).sin_turns() };
             assert_eq!(r.0[l], truth);
+            assert_eq!(a.map(libm::exp).0[l], libm::exp(x));
+            assert_eq!(a.map_with(b, libm::atan2).0[l], libm::atan2(x, y));
         }
     }
 }

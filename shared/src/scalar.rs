@@ -47,6 +47,10 @@ pub trait Scalar:
     /// Element of `table` at `index - back`, linearly interpolated; ends are held.
     /// `back` is 0 or more, in samples, and differs by lane.
     fn look_back(table: &[Self::Element], index: usize, back: Self) -> Self;
+    /// `f` of every lane, in double precision: for functions that the model itself does not need.
+    fn map(self, f: fn(f64) -> f64) -> Self;
+    /// `f` of every lane and its partner in `other`.
+    fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self;
 
     /// Zero.
     #[inline(always)]
@@ -150,6 +154,14 @@ macro_rules! float_scalar {
                 let part = back - whole as Self;
                 let at = |k: usize| table[index.saturating_sub(k).min(table.len() - 1)];
                 at(whole) + part * (at(whole + 1) - at(whole))
+            }
+            #[inline(always)]
+            fn map(self, f: fn(f64) -> f64) -> Self {
+                f(f64::from(self)) as Self
+            }
+            #[inline(always)]
+            fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
+                f(f64::from(self), f64::from(other)) as Self
             }
         }
     };

@@ -12,7 +12,7 @@ pub const MAX_EFFECTS: usize = 6;
 pub const MAX_PARAMETERS: usize = 4;
 
 /// A gap or a spring in the transmission is integrated in this many parts of a step.
-const TRANSMISSION_PARTS: usize = 4;
+pub const TRANSMISSION_PARTS: usize = 4;
 
 /// Base model and effects with their parameters fixed: everything that does not change while it runs.
 #[derive(Debug, Clone)]
@@ -39,25 +39,27 @@ impl<S: Scalar> Simulator<S> {
     ///
     /// At most [`MAX_EFFECTS`] are used, and the first transmission among them.
     pub fn new<'a>(base: &Base<S>, effects: impl IntoIterator<Item = (Kind, &'a [S])>, rig: &Rig) -> Self {
+        let effects: Vec<(Kind, &[S]), MAX_EFFECTS> = effects.into_iter().take(MAX_EFFECTS).collect();
+        let two_masses = effects.iter().any(|(kind, _)| kind.spec().load_share().is_some());
+        let parts = if two_masses { TRANSMISSION_PARTS } else { 1 };
+        let setting = Setting::new(base, rig, parts);
         let mut active = Vec::new();
         let mut laws = Laws::default();
         let mut remembers = false;
         let mut load_share = S::zero();
-        let mut two_masses = false;
-        let setting = Setting::new(base, rig);
+        let mut coupled = false;
         for (kind, parameters) in effects {
-            if let (Some(index), false) = (kind.spec().load_share(), two_masses) {
-                two_masses = true;
+            if let (Some(index), false) = (kind.spec().load_share(), coupled) {
+                coupled = true;
                 load_share = parameters[index];
             }
             let needs = kind.spec().laws;
             laws.resistive |= needs.resistive;
             laws.dry |= needs.dry;
             remembers |= kind.spec().remembers;
-            // A seventh effect has no place: callers are held to MAX_EFFECTS by the model file.
+            // There is room: no more than MAX_EFFECTS were taken.
             let _ = active.push(Active::new(kind, parameters, &setting));
         }
-        let parts = if two_masses { TRANSMISSION_PARTS } else { 1 };
         let rotor = if two_masses { base.without_load(load_share) } else { *base };
         let coefficients = Coefficients::new(&rotor, S::lit(rig.step_s / parts as f64));
         Self { coefficients, setting, active, laws, remembers, parts, load_share }

@@ -1,50 +1,177 @@
 //! Effects as statements that C and Python both read.
 //!
-//! Names: `volts` the command; `v` the voltage so far; `torque`; `up` and `down` the friction against forward
-//! and backward motion; `drop`; `series`; `current`, `speed`, `angle` the state; `start` the first angle.
+//! Names: `volts` the command; `past` the commands up to now, the latest first; `time`; `v` the voltage so far;
+//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `drop`; `series`;
+//! `field`. The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
+//! end of the step; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
 
-use motorlens_shared::effects::{Kind, Rig};
+use motorlens_shared::base::Base;
+use motorlens_shared::effects::{Kind, Rig, UserDefined};
 
-/// The statements of an effect; none where the step of the exported program has no place for it.
-pub(super) fn statements(kind: Kind, p: &[f64], rig: &Rig) -> Option<Vec<String>> {
-    let friction = |up: String, down: String| vec![format!("up += {up}"), format!("down += {down}")];
-    let ripple = |turns: &str, at: &str| {
-        vec![format!("torque -= {:e} * sin({turns} * {at}) + {:e} * cos({turns} * {at})", p[0], p[1])]
+use super::formula;
+
+/// The statements of an effect, by the moment at which they run.
+#[derive(Debug, Default, Clone)]
+pub(super) struct Statements {
+    /// Voltage and torque of the coming step.
+    pub drive: Vec<String>,
+    /// Between rotor and load.
+    pub couple: Vec<String>,
+    /// What is remembered after the step.
+    pub settle: Vec<String>,
+    /// What the sensor makes of the angle.
+    pub read: Vec<String>,
+}
+
+/// What the statements of an effect depend on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// The rig.
+    pub rig: &'a Rig,
+    /// The motor.
+    pub base: &'a Base<f64>,
+    /// Length of one step of the program, s.
+    pub part_s: f64,
+    /// The effect's own number in `m`.
+    pub memory: usize,
+}
+
+/// A number that may follow any operator.
+pub(super) fn number(x: f64) -> String {
+    if x.is_sign_negative() { format!("({x:e})") } else { format!("{x:e}") }
+}
+
+/// The statements of `kind` with parameters `p`.
+pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
+    let rig = place.rig;
+    let n: Vec<String> = p.iter().map(|x| number(*x)).collect();
+    let n = |k: usize| n[k].as_str();
+    let m = place.memory;
+    let motor = rig.encoder_on_motor;
+    let drive = |line: String| Statements { drive: vec![line], ..Statements::default() };
+    let friction = |up: &str, down: &str| Statements {
+        drive: vec![format!("up += {up}"), format!("down += {down}")],
+        ..Statements::default()
     };
-    Some(match kind {
+    match kind {
+        Kind::Delay => drive(format!("v += look_back(past, {}) - volts", number(p[0] / rig.step_s))),
         Kind::DeadZone => {
-            let (up, down) = ((p[0] + p[1]).max(0.0), (p[0] - p[1]).max(0.0));
-            vec![format!("v -= clamp(v, -{down:e}, {up:e})")]
+            drive(format!("v -= clamp(v, -{:e}, {:e})", (p[0] - p[1]).max(0.0), (p[0] + p[1]).max(0.0)))
         }
+        Kind::Coast => drive(format!(
+            "v += {} * (1.0 - fmin(fabs(v) / {:e}, 1.0)) * {:e} * speed",
+            n(0),
+            rig.supply_v,
+            place.base.back_emf()
+        )),
         Kind::SupplySag => {
-            vec![format!(
-                "series += {:e} * (volts / {:e}) * (volts / {:e})",
-                p[0], rig.supply_v, rig.supply_v
-            )]
+            let duty = format!("(volts / {:e})", rig.supply_v);
+            drive(format!("series += {} * {duty} * {duty}", n(0)))
         }
-        Kind::VoltageDrop => vec![format!("drop += {:e}", p[0])],
-        Kind::Coulomb => friction(format!("{:e}", p[0]), format!("{:e}", p[0])),
-        Kind::CoulombAsymmetric => {
-            friction(format!("{:e}", (p[0] + p[1]).max(0.0)), format!("{:e}", (p[0] - p[1]).max(0.0)))
+        Kind::WindingHeating => Statements {
+            drive: vec![format!("series += m[{m}]")],
+            settle: vec![format!(
+                "m[{m}] += {:e} * current2 * current2 - {:e} * m[{m}]",
+                p[0] * place.part_s / (rig.nominal_v * rig.nominal_v),
+                place.part_s / p[1]
+            )],
+            ..Statements::default()
+        },
+        Kind::Saturation => {
+            let share = format!("(current / {:e})", rig.nominal_v);
+            drive(format!("field /= 1.0 + {} * {share} * {share}", n(0)))
         }
+        Kind::VoltageDrop => drive(format!("drop += {}", n(0))),
+        Kind::Coulomb => friction(n(0), n(0)),
+        Kind::CoulombAsymmetric => friction(&number((p[0] + p[1]).max(0.0)), &number((p[0] - p[1]).max(0.0))),
         Kind::Stribeck => {
-            let square = format!("(speed / {:e}) * (speed / {:e})", p[2], p[2]);
-            let f = format!("{:e} + {:e} / (1.0 + {square} + 0.5 * {square} * {square})", p[0], p[1]);
-            friction(f.clone(), f)
+            let square = format!("(speed / {}) * (speed / {})", n(2), n(2));
+            let f = format!("{} + {} / (1.0 + {square} + 0.5 * {square} * {square})", n(0), n(1));
+            friction(&f, &f)
         }
         Kind::LoadFriction => {
-            let f = format!("{:e} * fabs(current)", p[0]);
-            friction(f.clone(), f)
+            let f = format!("{} * fabs(current)", n(0));
+            friction(&f, &f)
         }
-        Kind::QuadraticDrag => vec![format!("torque -= {:e} * speed * fabs(speed)", p[0])],
-        Kind::Gravity => ripple("1.0", "angle"),
-        Kind::ConstantLoad => vec![format!("torque -= {:e}", p[0])],
+        Kind::QuadraticDrag => drive(format!("torque -= {} * speed * fabs(speed)", n(0))),
+        Kind::Gravity => {
+            drive(format!("load_torque -= {} * sin(load_angle) + {} * cos(load_angle)", n(0), n(1)))
+        }
+        Kind::ConstantLoad => drive(format!("load_torque -= {}", n(0))),
         Kind::Cogging => {
-            let middle = format!("(angle + {:e} * speed)", 0.5 * rig.step_s);
-            // Angles of the motor shaft; `order` periods a turn.
-            ripple(&format!("{:e}", p[2] * rig.gear_ratio), &middle)
+            // Angles of the motor shaft, at the middle of the step; `order` periods a turn.
+            let turn = format!("({:e} * (angle + {:e} * speed))", p[2] * rig.gear_ratio, 0.5 * place.part_s);
+            drive(format!("torque -= {} * sin{turn} + {} * cos{turn}", n(0), n(1)))
         }
-        Kind::Spring => vec![format!("torque -= {:e} * (angle - start) + {:e}", p[0], p[1])],
-        _ => return None,
-    })
+        Kind::Spring => drive(format!("load_torque -= {} * (load_angle - start) + {}", n(0), n(1))),
+        Kind::Backlash => Statements { couple: backlash(p, place.part_s), ..Statements::default() },
+        Kind::Compliance => Statements { couple: compliance(p, place.part_s), ..Statements::default() },
+        Kind::Eccentricity => {
+            let turn =
+                if motor { format!("({:e} * angle2)", rig.gear_ratio) } else { "(load_angle2)".into() };
+            Statements {
+                read: vec![format!("reading += {} * sin{turn} + {} * (cos{turn} - 1.0)", n(0), n(1))],
+                ..Statements::default()
+            }
+        }
+        Kind::LostCounts => Statements {
+            settle: vec![format!(
+                "m[{m}] += {} * clamp((fabs(load_speed2) - {}) / {:e} + 0.5, 0.0, 1.0) * (load_angle2 - load_angle)",
+                n(0),
+                n(1),
+                0.02 * rig.reference_speed
+            )],
+            read: vec![format!("reading -= m[{m}]")],
+            ..Statements::default()
+        },
+        Kind::SensorLag => {
+            let (keep, ramp) = filter(p[0], place.part_s);
+            let moved = if motor { "(angle2 - angle)" } else { "(load_angle2 - load_angle)" };
+            Statements {
+                settle: vec![format!("m[{m}] = {keep:e} * m[{m}] + {ramp:e} * {moved}")],
+                read: vec![format!("reading -= m[{m}]")],
+                ..Statements::default()
+            }
+        }
+        Kind::Formula(UserDefined(definition)) => formula::statements(definition, p, rig),
+    }
+}
+
+/// Rotor and load overlap by what exceeds the gap; while they close in on each other they go on together.
+fn backlash(p: &[f64], part_s: f64) -> Vec<String> {
+    let (half, share) = (0.5 * p[0], p[1]);
+    vec![
+        format!("load_angle2 += {part_s:e} * load_speed2"),
+        "overlap = angle2 - load_angle2".into(),
+        format!("overlap -= clamp(overlap, -{half:e}, {half:e})"),
+        "closing = overlap * (speed2 - load_speed2)".into(),
+        format!("common = speed2 + {share:e} * (load_speed2 - speed2)"),
+        "speed2 = pick(closing, common, speed2)".into(),
+        "load_speed2 = pick(closing, common, load_speed2)".into(),
+        format!("angle2 -= {share:e} * overlap"),
+        format!("load_angle2 += {:e} * overlap", 1.0 - share),
+    ]
+}
+
+fn compliance(p: &[f64], part_s: f64) -> Vec<String> {
+    let rate = p[0] * std::f64::consts::TAU;
+    vec![
+        format!(
+            "closing = {part_s:e} * ({:e} * (speed2 - load_speed2) + {:e} * (angle2 - load_angle2))",
+            2.0 * p[2] * rate,
+            rate * rate
+        ),
+        "load_speed2 += closing".into(),
+        format!("speed2 -= {:e} * closing", p[1] / (1.0 - p[1])),
+        format!("load_angle2 += {part_s:e} * load_speed2"),
+    ]
+}
+
+/// A first-order filter over a step: how much of the trail is kept, and what motion adds to it.
+///
+/// The same quotient for e^(-h/T) as in the effect itself.
+fn filter(time: f64, h: f64) -> (f64, f64) {
+    let (square, product) = (12.0 * time * time, 6.0 * time * h);
+    let keep = if h > 4.0 * time { 0.0 } else { (square - product + h * h) / (square + product + h * h) };
+    (keep, time * (1.0 - keep) / h)
 }

@@ -3,6 +3,7 @@
 //! C and Python get the exact step of the model itself; Modelica its equations, with friction smoothed; MuJoCo a
 //! joint with armature, damping, friction loss and gear. What a target cannot express is left out and named.
 
+mod formula;
 mod laws;
 mod modelica;
 mod mujoco;

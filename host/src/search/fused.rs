@@ -91,4 +91,12 @@ impl Scalar for Fused32 {
     fn look_back(table: &[Self], index: usize, back: Self) -> Self {
         Self(f32::look_back(bytemuck::cast_slice(table), index, back.0))
     }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        Self(self.0.map(f))
+    }
+    #[inline(always)]
+    fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
+        Self(self.0.map_with(other.0, f))
+    }
 }

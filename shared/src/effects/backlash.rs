@@ -73,7 +73,7 @@ mod tests {
         let share = 0.4;
         let mut state = State { speed: 2.0, ..State::rest() };
         state.angle = 0.06;
-        let setting = super::super::Setting::new(&BASE, &RIG);
+        let setting = super::super::Setting::new(&BASE, &RIG, 1);
         let gap = super::Backlash::new(&[0.1, share], &setting);
         super::Effect::couple(&gap, 1e-3, &mut state);
         close(state.speed, 2.0 * (1.0 - share), 1e-12);

@@ -71,7 +71,7 @@ mod tests {
     /// With the rotor held by a heavy inertia the load swings at the stated frequency.
     #[test]
     fn load_swings_at_the_stated_frequency() {
-        let setting = super::super::Setting::new(&BASE, &RIG);
+        let setting = super::super::Setting::new(&BASE, &RIG, 1);
         let spring = super::Compliance::new(&[8.0, 1e-9, 1e-6], &setting);
         let mut s = crate::step::State::rest();
         s.load_angle = 0.1;

@@ -27,7 +27,7 @@ pub struct Delay<S> {
 
 impl<S: Scalar> Delay<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
-        Self { steps: parameters[0] / setting.step }
+        Self { steps: parameters[0] / setting.cell }
     }
 }
 

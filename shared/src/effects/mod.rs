@@ -9,9 +9,11 @@ use crate::base::Base;
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
 
+mod formula;
 mod spec;
 #[cfg(test)]
 pub(crate) mod testing;
+pub use formula::{Definition, Entry, Formula, Operation, Quantity, Unsound, UserDefined};
 pub use spec::{Parameter, Port, Scale, Spec};
 
 /// The rig a record was made on: known, not fitted.
@@ -36,8 +38,10 @@ pub struct Rig {
 /// The rig and the base model as the effects see them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting<S> {
-    /// Step of the voltage grid, s.
+    /// From one settling of the effects to the next: a cell of the voltage grid or a part of it, s.
     pub step: S,
+    /// Step of the voltage grid, s.
+    pub cell: S,
     /// Acceleration per volt-equivalent, rad/s^2 per V.
     pub acceleration: S,
     /// Back-EMF constant, V per rad/s.
@@ -59,11 +63,12 @@ pub struct Setting<S> {
 }
 
 impl<S: Scalar> Setting<S> {
-    /// Combines the two.
-    pub fn new(base: &Base<S>, rig: &Rig) -> Self {
+    /// Combines the two; every cell of the grid is passed in so many `parts`.
+    pub fn new(base: &Base<S>, rig: &Rig, parts: usize) -> Self {
         const PER_TURN: f64 = 1.0 / core::f64::consts::TAU;
         Self {
-            step: S::lit(rig.step_s),
+            step: S::lit(rig.step_s / parts as f64),
+            cell: S::lit(rig.step_s),
             acceleration: base.acceleration(),
             back_emf: base.back_emf(),
             motor_turns: S::lit(rig.gear_ratio * PER_TURN),
@@ -130,46 +135,58 @@ macro_rules! registry {
 
         /// A physical effect by name.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum Kind { $(#[doc = concat!("See [`", stringify!($kind), "`](struct@", stringify!($kind), ").")] $kind),+ }
+        pub enum Kind {
+            $(#[doc = concat!("See [`", stringify!($kind), "`](struct@", stringify!($kind), ").")] $kind,)+
+            /// An effect that a user wrote as a formula.
+            Formula(UserDefined),
+        }
 
         impl Kind {
-            /// Every effect there is.
+            /// Every effect of the library.
             pub const ALL: &[Self] = &[$(Self::$kind),+];
             /// Its row.
             #[must_use]
             pub const fn spec(self) -> &'static Spec {
-                match self { $(Self::$kind => &$module::SPEC),+ }
+                match self {
+                    $(Self::$kind => &$module::SPEC,)+
+                    Self::Formula(UserDefined(definition)) => definition.spec(),
+                }
             }
         }
 
         /// An effect at work in a simulation.
         #[derive(Debug, Clone, Copy)]
         #[allow(missing_docs)] // one variant a row
-        pub enum Active<S> { $($kind($kind<S>)),+ }
+        pub enum Active<S> { $($kind($kind<S>),)+ Formula(Formula<S>) }
 
         impl<S: Scalar> Active<S> {
             /// Fixes the parameters (in the order of the row).
             pub fn new(kind: Kind, parameters: &[S], setting: &Setting<S>) -> Self {
-                match kind { $(Kind::$kind => Self::$kind($kind::new(parameters, setting))),+ }
+                match kind {
+                    $(Kind::$kind => Self::$kind($kind::new(parameters, setting)),)+
+                    Kind::Formula(UserDefined(definition)) => {
+                        Self::Formula(Formula::new(definition, parameters, setting))
+                    }
+                }
             }
         }
 
         impl<S: Scalar> Effect<S> for Active<S> {
             #[inline(always)]
             fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
-                match self { $(Self::$kind(e) => e.drive(now, memory, drive)),+ }
+                match self { $(Self::$kind(e) => e.drive(now, memory, drive),)+ Self::Formula(e) => e.drive(now, memory, drive) }
             }
             #[inline(always)]
             fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
-                match self { $(Self::$kind(e) => e.settle(now, after, memory)),+ }
+                match self { $(Self::$kind(e) => e.settle(now, after, memory),)+ Self::Formula(e) => e.settle(now, after, memory) }
             }
             #[inline(always)]
             fn couple(&self, part: S, state: &mut State<S>) {
-                match self { $(Self::$kind(e) => e.couple(part, state)),+ }
+                match self { $(Self::$kind(e) => e.couple(part, state),)+ Self::Formula(e) => e.couple(part, state) }
             }
             #[inline(always)]
             fn read(&self, state: &State<S>, memory: &Memory<S>, reading: &mut S) {
-                match self { $(Self::$kind(e) => e.read(state, memory, reading)),+ }
+                match self { $(Self::$kind(e) => e.read(state, memory, reading),)+ Self::Formula(e) => e.read(state, memory, reading) }
             }
         }
     };
@@ -210,10 +227,10 @@ impl Kind {
     pub const fn name(self) -> &'static str {
         self.spec().name
     }
-    /// Place in the registry: the bit of the device's capability message.
+    /// Place in the registry: the bit of the device's capability message. None for a user's formula.
     #[must_use]
-    pub const fn index(self) -> usize {
-        self as usize
+    pub fn index(self) -> Option<usize> {
+        Self::ALL.iter().position(|kind| *kind == self)
     }
 }
 

@@ -35,6 +35,8 @@ impl Port {
 pub enum Scale {
     /// A plain number.
     One,
+    /// The parameter's own unit, whatever the rig.
+    Own,
     /// A twelfth of the nominal voltage, V.
     Volt,
     /// The no-load speed at nominal voltage, rad/s.
@@ -57,7 +59,7 @@ impl Scale {
     pub fn unit(self, rig: &Rig) -> f64 {
         let volt = rig.nominal_v / 12.0;
         match self {
-            Self::One => 1.0,
+            Self::One | Self::Own => 1.0,
             Self::Volt => volt,
             Self::Speed => rig.reference_speed,
             Self::VoltPerSpeedSquared => volt / (rig.reference_speed * rig.reference_speed),

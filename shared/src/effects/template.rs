@@ -46,7 +46,7 @@ impl<S: Scalar> Effect<S> for Template<S> {
 #[test]
 fn the_template_slows_the_motor_as_its_equation_says() {
     use super::testing::{BASE, RIG, close};
-    let setting = Setting::new(&BASE, &RIG);
+    let setting = Setting::new(&BASE, &RIG, 1);
     let effect = Template::new(&[0.1], &setting);
     let state = crate::step::State::moving(0.0, 5.0, 0.0);
     let now = Now { command: 0.0, state, voltages: &[0.0], index: 0 };

@@ -57,6 +57,27 @@ mod tests {
     use crate::simulator::Simulator;
     use crate::step::State;
 
+    /// A gap makes the simulator take parts of a cell; heat knows nothing of that.
+    #[test]
+    fn a_gap_in_the_gear_does_not_make_the_winding_heat_faster() {
+        let (heat, gap) = ([0.1, 30.0], [1e-6, 0.3]);
+        let rise = |effects: &[(Kind, &[f64])]| {
+            let s = Simulator::new(&BASE, effects.iter().copied(), &RIG);
+            let mut motion = s.start(State::rest());
+            let volts: [f64; 3000] = core::array::from_fn(|k| if k / 20 % 2 == 0 { 12.0 } else { -12.0 });
+            for k in 0..volts.len() {
+                s.advance(&mut motion, &volts, k);
+            }
+            s.current(&motion)
+        };
+        let alone = rise(&[(Kind::WindingHeating, &heat)]);
+        let cold = rise(&[]);
+        let with_gap = rise(&[(Kind::WindingHeating, &heat), (Kind::Backlash, &gap)]);
+        let cold_gap = rise(&[(Kind::Backlash, &gap)]);
+        close(with_gap / cold_gap, alone / cold, 0.01);
+        assert!(alone.abs() < 0.95 * cold.abs());
+    }
+
     /// Stalled by friction, the current falls as 1 / (1 + q) with dq/dt = rate (v / nominal)^2 / (1 + q)^2.
     #[test]
     fn stall_current_falls_as_the_winding_warms() {
