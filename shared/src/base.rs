@@ -76,6 +76,10 @@ pub struct Coefficients<S> {
     /// 1 / uv and 1 / wf, for the implicit laws of current and friction.
     pub inverse_uv: S,
     pub inverse_wf: S,
+    /// Torque that changes the speed by one unit in one step, V per rad/s, and half the viscous torque.
+    pub per_impulse: S,
+    /// Half the viscous friction, V per rad/s.
+    pub viscous: S,
     /// Back-EMF constant, V per rad/s.
     pub back_emf: S,
 }
@@ -150,6 +154,8 @@ impl<S: Scalar> Coefficients<S> {
             half_step: half,
             inverse_uv: one / uv,
             inverse_wf: one / wf,
+            per_impulse: one / (c * step),
+            viscous: S::lit(0.5) * b / c,
             back_emf: k,
         }
     }
@@ -190,6 +196,8 @@ impl Coefficients<f64> {
             half_step: S::lit(self.half_step * speed / angle),
             inverse_uv: S::lit(self.inverse_uv),
             inverse_wf: S::lit(self.inverse_wf * speed / volt),
+            per_impulse: S::lit(self.per_impulse * speed / volt),
+            viscous: S::lit(self.viscous * speed / volt),
             back_emf: S::lit(self.back_emf * speed / volt),
         }
     }

@@ -56,6 +56,7 @@ impl<S: Scalar> Simulator<S> {
             let needs = kind.spec().laws;
             laws.resistive |= needs.resistive;
             laws.dry |= needs.dry;
+            laws.meshing |= needs.meshing;
             remembers |= kind.spec().remembers;
             // There is room: no more than MAX_EFFECTS were taken.
             let _ = active.push(Active::new(kind, parameters, &setting));

@@ -45,8 +45,14 @@ pub struct Drive<S> {
     pub friction_forward: S,
     /// Dry friction against backward motion (0 or more), V.
     pub friction_backward: S,
-    /// Voltage lost against the current's direction, whatever its size (0 or more), V.
+    /// Share of the motor's own torque that dry friction takes (0 ..= 1), and the torque above which it does, V.
+    pub meshing: S,
+    /// See `meshing`; more than 0 where that is, V.
+    pub meshing_knee: S,
+    /// Voltage lost against the direction of any current larger than `drop_knee` (0 or more), V.
     pub drop: S,
+    /// Current, as a voltage, above which the drop is nearly whole; more than 0 where there is a drop, V.
+    pub drop_knee: S,
     /// Resistance in series with the winding, as a share of the winding's.
     pub series: S,
     /// Magnetic field as a share of the rated one: scales torque and back-EMF alike.
@@ -64,7 +70,10 @@ impl<S: Scalar> Drive<S> {
             load_torque: zero,
             friction_forward: zero,
             friction_backward: zero,
+            meshing: zero,
+            meshing_knee: S::one(),
             drop: zero,
+            drop_knee: S::one(),
             series: zero,
             field: S::one(),
         }
@@ -76,8 +85,19 @@ impl<S: Scalar> Drive<S> {
 pub struct Laws {
     /// Something sets [`Drive::drop`] or [`Drive::series`].
     pub resistive: bool,
-    /// Something sets [`Drive::friction_forward`] or [`Drive::friction_backward`].
+    /// Something sets [`Drive::friction_forward`], [`Drive::friction_backward`] or [`Drive::meshing`].
     pub dry: bool,
+    /// Something sets [`Drive::meshing`].
+    pub meshing: bool,
+}
+
+/// Share of its full size that a drop has at current `u`: an odd function that rises over `knee` and comes near 1
+/// with the square of the current, divided by `u`.
+#[inline(always)]
+fn drop_per_current<S: Scalar>(u: S, knee: S) -> S {
+    let size = u.abs();
+    let sum = size + knee;
+    sum / size.mul_add(sum, knee * knee)
 }
 
 /// Advances the rotor by one step under `drive`; the load is left to the transmission.
@@ -94,15 +114,27 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, c.wv.mul_add(v, c.wf * f)));
 
     if laws.resistive {
-        let lost = (-(u2 * c.inverse_uv)).clamp(-drive.drop, drive.drop);
-        let after_drop = c.uv.mul_add(lost, u2);
-        let dv = lost - drive.series * after_drop / drive.series.mul_add(c.uv, S::one());
-        u2 = c.uv.mul_add(dv, u2);
+        // Two rounds towards the current that its own drop leaves; the first guess has a sharp knee.
+        let mut after = u2.shrink(c.uv * drive.drop);
+        let mut resistance = drive.series;
+        for _ in 0..2 {
+            resistance = drive.drop.mul_add(drop_per_current(after, drive.drop_knee), drive.series);
+            after = u2 / resistance.mul_add(c.uv, S::one());
+        }
+        let dv = -(resistance * after);
+        u2 = after;
         w2 = c.wv.mul_add(dv, w2);
         v += dv;
     }
     if laws.dry {
-        let g = (-(w2 * c.inverse_wf)).clamp(-drive.friction_forward, drive.friction_backward);
+        let (mut forward, mut backward) = (drive.friction_forward, drive.friction_backward);
+        if laws.meshing {
+            // The mean current of the step is what the change of speed took, less the other torques.
+            let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - f;
+            let loss = drive.meshing * mean * mean / (mean.abs() + drive.meshing_knee);
+            (forward, backward) = (forward + loss, backward + loss);
+        }
+        let g = (-(w2 * c.inverse_wf)).clamp(-forward, backward);
         u2 = c.uf.mul_add(g, u2);
         w2 = c.wf.mul_add(g, w2);
         f += g;

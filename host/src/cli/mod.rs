@@ -12,6 +12,7 @@ mod device;
 mod diagnose;
 mod discover;
 mod effects;
+mod exam;
 mod export;
 mod findings;
 mod fit;
@@ -79,6 +80,8 @@ enum Verb {
     Serve(serve::Args),
     /// Write a model for MuJoCo, Modelica, Python or C
     Export(export::Args),
+    /// Hide effects in virtual motors and count how often the loop finds them
+    Exam(exam::Args),
     /// The paper's run with one command, and what the paper does not say
     Paper(crate::paper::PaperArgs),
 }
@@ -101,6 +104,7 @@ impl Verb {
             Self::Device(args) => device::run(args, console),
             Self::Serve(args) => serve::run(args, console),
             Self::Export(args) => export::run(args, console),
+            Self::Exam(args) => exam::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }
     }

@@ -33,10 +33,14 @@ pub struct Case {
     pub motor: MotorFile,
     /// Noise that a perfect model leaves, rad: counting and disturbance, measured by a second run.
     pub floor_rad: f64,
+    /// Deviation of the torque disturbance, as a share of the stall torque.
+    pub disturbance: f64,
     /// Conditions, in words.
     pub conditions: String,
 }
 
+/// Which training programme is run twice: the multisine.
+const REPEATED: usize = 2;
 /// Sampling rates of the cases, Hz.
 const RATES: [u32; 4] = [100, 200, 500, 1000];
 
@@ -70,10 +74,12 @@ impl Case {
             let mut plant = VirtualMotor::new(&motor, &effects, seed.wrapping_mul(31).wrapping_add(again));
             record(&mut plant, programme, rate, &run)
         };
-        let records = protocol.training.iter().enumerate().map(|(k, p)| make(p, k as u64)).collect();
+        let mut records: Vec<Record> =
+            protocol.training.iter().enumerate().map(|(k, p)| make(p, k as u64)).collect();
+        records.push(make(&protocol.training[REPEATED], 99));
         let held_out = vec![make(&protocol.held_out, 100)];
-        let repeat = make(&protocol.held_out, 101);
-        let floor_rad = floor(&held_out[0], &repeat).max(motor.count_rad() / 12.0_f64.sqrt());
+        let again = make(&protocol.held_out, 101);
+        let floor_rad = floor(&held_out[0], &again).max(motor.count_rad() / 12.0_f64.sqrt());
         Self {
             truth: kinds.iter().map(|k| k.row().name).collect(),
             sizes: effects.iter().map(|e| e.to_string()).collect::<Vec<_>>().join(" "),
@@ -81,6 +87,7 @@ impl Case {
             held_out,
             motor: known(&motor, &mut rng),
             floor_rad,
+            disturbance: run.disturbance,
             conditions: words.join(", "),
         }
     }

@@ -25,16 +25,17 @@ pub fn hidden(seed: u64, motor: &Motor) -> Vec<Effect> {
     let mut effects: Vec<Effect> = Vec::new();
     while effects.len() < wanted {
         let Some(&kind) = kinds.choose(&mut rng) else { break };
-        let alike = |other: &Effect| {
-            other.kind() == kind
-                || ALIKE.iter().any(|group| group.contains(&kind) && group.contains(&other.kind()))
-        };
-        if !effects.iter().any(alike) {
+        if !effects.iter().any(|other| alike(other.kind(), kind)) {
             let strength = 0.3 + 0.7 * rng.random::<f64>();
             effects.push(Effect::graded(kind, strength, &mut rng, motor));
         }
     }
     effects
+}
+
+/// Whether the two are one or can hardly be told apart when both are present.
+pub fn alike(a: Kind, b: Kind) -> bool {
+    a == b || ALIKE.iter().any(|group| group.contains(&a) && group.contains(&b))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ mod sealed;
 
 pub use args::{MotorChoice, RevealArgs, SimulateArgs};
 pub use excitation::{Excitation, Play, Role, plays};
-pub use hidden::hidden;
+pub use hidden::{alike, hidden};
 pub use reveal::{Answer, reveal};
 pub use scenario::Scenario;
 

@@ -150,8 +150,10 @@ pub(super) const fn shape(
 }
 
 /// Acts through voltage, torque or geometry alone.
-pub(super) const EXPLICIT: Laws = Laws { resistive: false, dry: false };
+pub(super) const EXPLICIT: Laws = Laws { resistive: false, dry: false, meshing: false };
 /// Acts through a drop or a resistance.
-pub(super) const RESISTIVE: Laws = Laws { resistive: true, dry: false };
+pub(super) const RESISTIVE: Laws = Laws { resistive: true, dry: false, meshing: false };
 /// Acts through dry friction.
-pub(super) const DRY: Laws = Laws { resistive: false, dry: true };
+pub(super) const DRY: Laws = Laws { resistive: false, dry: true, meshing: false };
+/// Acts through dry friction that grows with the motor's torque.
+pub(super) const MESHING: Laws = Laws { meshing: true, ..DRY };

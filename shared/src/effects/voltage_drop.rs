@@ -1,6 +1,6 @@
 //! Brushes and transistors that take a fixed voltage from any current.
 
-use super::spec::{RESISTIVE, Port, Scale, Spec, strength};
+use super::spec::{Port, RESISTIVE, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -9,32 +9,37 @@ pub(super) const SPEC: Spec = Spec {
     name: "voltage_drop",
     port: Port::Voltage,
     title: "brushes or transistors take a fixed voltage from any current",
-    equation: "v_winding = v - drop sign(u); no current flows while |v - k_e w| < drop",
+    equation: "v_winding = v - drop u (|u| + knee) / (u^2 + knee |u| + knee^2)",
     source: "brush contact drop, saturation voltage of bipolar bridges (L298)",
     signature: "residual voltage steps with the sign of the current, not of the speed",
-    parameters: &[strength("drop", "V", "voltage lost", Scale::Volt, [0.0, 0.3, 5.0])],
-    probes: &[&[0.1], &[0.4], &[1.0], &[2.0]],
+    parameters: &[
+        strength("drop", "V", "voltage lost to a large current", Scale::Volt, [0.0, 0.3, 5.0]),
+        shape("knee", "V", "current at which two thirds are lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
+    ],
+    probes: &[&[0.1, 0.15], &[0.4, 0.15], &[1.0, 0.15], &[2.0, 0.15]],
     laws: RESISTIVE,
     remembers: false,
     contains: &[],
 };
 
-/// A drop of fixed size against the current.
+/// A drop against the current, of fixed size where the current is well above `knee`.
 #[derive(Debug, Clone, Copy)]
 pub struct VoltageDrop<S> {
     drop: S,
+    knee: S,
 }
 
 impl<S: Scalar> VoltageDrop<S> {
     pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
-        Self { drop: parameters[0] }
+        Self { drop: parameters[0], knee: parameters[1] }
     }
 }
 
 impl<S: Scalar> Effect<S> for VoltageDrop<S> {
     #[inline(always)]
     fn drive(&self, _now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        drive.drop += self.drop;
+        drive.drop = self.drop;
+        drive.drop_knee = self.knee;
     }
 }
 
@@ -45,14 +50,24 @@ mod tests {
 
     #[test]
     fn steady_speed_loses_gain_times_drop() {
-        close(steady_speed(Kind::VoltageDrop, &[0.8], 6.0), BASE.gain * 5.2, 1e-9);
+        close(steady_speed(Kind::VoltageDrop, &[0.8, 0.01], 6.0), BASE.gain * 5.2, 1e-3);
+    }
+
+    /// With u the current at the end, v = k_e w + u + drop 2/3 where u is the knee.
+    #[test]
+    fn two_thirds_are_lost_at_the_knee() {
+        let (drop, knee) = (0.6, 0.3);
+        let viscous = BASE.viscous_share / BASE.gain;
+        let speed = knee / viscous;
+        let volts = (1.0 - BASE.viscous_share) / BASE.gain * speed + knee + drop * 2.0 / 3.0;
+        close(steady_speed(Kind::VoltageDrop, &[drop, knee], volts), speed, 1e-3);
     }
 
     #[test]
     fn below_the_drop_no_current_brakes_the_shaft() {
         let start = State::moving(0.0, 0.5, 0.0); // back-EMF 0.56 V
-        let (_, motion) = run_from(start, Kind::VoltageDrop, &[0.8], &[0.0; 50]);
-        close(motion.state.current, 0.0, 1e-12);
-        close(motion.state.speed, 0.5 * libm::exp(-0.05 * BASE.viscous_share / BASE.tau_m), 3e-4);
+        let (_, motion) = run_from(start, Kind::VoltageDrop, &[0.8, 0.01], &[0.0; 50]);
+        close(motion.state.current, 0.0, 0.02);
+        close(motion.state.speed, 0.5 * libm::exp(-0.05 * BASE.viscous_share / BASE.tau_m), 0.01);
     }
 }

@@ -1,0 +1,111 @@
+//! `exam`: how often the diagnosis is right, on motors whose effects are known.
+
+use std::path::PathBuf;
+
+use motorlens_virtual_motor::Kind;
+use serde::Serialize;
+
+use super::{Console, watch};
+use crate::atomic_file;
+use crate::error::{Error, Result};
+use crate::exam::{Answer, Marks, Paper, examine, picture, table};
+
+/// Options of `exam`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// First seed: develop on some, report on others
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    from: u64,
+    /// Cases of every effect alone
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    singles: u64,
+    /// Cases with nothing missing, half of them under a torque disturbance
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    nothing: u64,
+    /// Cases with two effects
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pairs: u64,
+    /// Cases with an effect that the library is robbed of
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    outside: u64,
+    /// Share of cases with a torque disturbance of 1-5 % of stall
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
+    disturbed: f64,
+    /// Share of cases with noise on the logged voltage, of those that begin in motion, and of those that jitter
+    #[arg(long, value_name = "SHARE", default_value_t = 0.15)]
+    spoilt: f64,
+    /// Hide only these effects
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Threads; 1 for honest times
+    #[arg(long, value_name = "N", default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+    /// Directory for table.md, confusion.svg and answers.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    paper: Paper,
+    marks: &'a Marks,
+    answers: &'a [Answer],
+}
+
+/// Asks, marks, and writes what came out.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let paper = Paper {
+        from: args.from,
+        singles: args.singles,
+        nothing: args.nothing,
+        pairs: args.pairs,
+        outside: args.outside,
+        disturbed: args.disturbed,
+        spoilt: args.spoilt,
+    };
+    let only = args.only.iter().map(|name| by_name(name)).collect::<Result<Vec<Kind>>>()?;
+    let questions = paper.questions(&only);
+    let bar = watch::bar(console, questions.len() as u64, "cases");
+    let answers = examine(&questions, args.threads, &mut |answer| {
+        bar.inc(1);
+        bar.suspend(|| console.say(line(answer)));
+    })?;
+    bar.finish_and_clear();
+    let marks = Marks::new(&answers);
+    let document = Document { schema: 1, paper, marks: &marks, answers: &answers };
+    if let Some(directory) = &args.out {
+        let made = std::fs::create_dir_all(directory);
+        made.map_err(|source| Error::Io { doing: format!("cannot make {}", directory.display()), source })?;
+        atomic_file::write(&directory.join("table.md"), table(&answers))?;
+        atomic_file::write(&directory.join("confusion.svg"), picture(&answers)?)?;
+        let json = serde_json::to_string_pretty(&document).unwrap_or_default();
+        atomic_file::write(&directory.join("answers.json"), json)?;
+    }
+    console.answer(&document, || table(&answers));
+    Ok(())
+}
+
+/// An answer on a line: what was hidden, what was found.
+fn line(a: &Answer) -> String {
+    let list = |names: &[&str]| if names.is_empty() { "none".to_owned() } else { names.join(" + ") };
+    format!(
+        "{} {:>7} {:<40} found {:<40} {:?} {:.1} -> {:.2} x floor, {:.1} s ({}; first {})",
+        if a.exact() { "right" } else { "WRONG" },
+        a.seed,
+        if a.sizes.is_empty() { "nothing" } else { &a.sizes },
+        list(&a.found),
+        a.verdict,
+        a.before,
+        a.after,
+        a.seconds,
+        a.conditions,
+        list(&a.ranking[..a.ranking.len().min(3)]),
+    )
+}
+
+fn by_name(name: &str) -> Result<Kind> {
+    let known = || Kind::all().map(|k| k.row().name).collect::<Vec<_>>().join(", ");
+    let found = Kind::all().find(|k| k.row().name == name);
+    found.ok_or_else(|| Error::usage(format!("no effect is called '{name}'"), format!("choose from {}", known())))
+}

@@ -1,0 +1,105 @@
+//! Marks: what share of the answers is right.
+
+use serde::Serialize;
+
+use super::question::Group;
+use super::trial::Answer;
+use crate::diagnose::discover::Verdict;
+
+/// So many of so many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Part {
+    /// Of those ...
+    pub of: usize,
+    /// ... so many.
+    pub number: usize,
+}
+
+impl Part {
+    fn of<'a>(answers: impl Iterator<Item = &'a Answer>, is: impl Fn(&Answer) -> bool) -> Self {
+        let mut part = Self::default();
+        for answer in answers {
+            part.of += 1;
+            part.number += usize::from(is(answer));
+        }
+        part
+    }
+
+    /// In percent; none of nothing.
+    pub fn percent(self) -> Option<f64> {
+        (self.of > 0).then(|| 100.0 * self.number as f64 / self.of as f64)
+    }
+}
+
+/// Marks of an examination.
+#[derive(Debug, Clone, Serialize)]
+pub struct Marks {
+    /// Single effects without a torque disturbance: the right one first.
+    pub first: Part,
+    /// ... among the first two.
+    pub first_two: Part,
+    /// ... exactly the right one accepted.
+    pub exact: Part,
+    /// Single effects under a disturbance: the right one first.
+    pub disturbed_first: Part,
+    /// ... exactly the right one accepted.
+    pub disturbed_exact: Part,
+    /// Nothing missing, yet something accepted.
+    pub false_alarms: Part,
+    /// Of the sets of effects that were claimed to explain a motor: exactly right.
+    pub claims_right: Part,
+    /// Two effects: both and no other accepted.
+    pub pairs: Part,
+    /// Physics outside the library: explained all the same.
+    pub outside_explained: Part,
+    /// ... or another effect accepted, in part.
+    pub outside_partial: Part,
+    /// Error on unseen records over the floor, after: median of the single effects that were found ...
+    pub median_over_floor: f64,
+    /// ... and its third quartile.
+    pub third_quartile_over_floor: f64,
+    /// Median time of a case, s.
+    pub median_seconds: f64,
+}
+
+impl Marks {
+    /// Marks `answers`.
+    pub fn new(answers: &[Answer]) -> Self {
+        let all = |group: Group| answers.iter().filter(move |a| a.group == group);
+        let calm = || all(Group::Single).filter(|a| a.disturbance == 0.0);
+        let disturbed = || all(Group::Single).filter(|a| a.disturbance > 0.0);
+        let claims =
+            answers.iter().filter(|a| a.verdict == Verdict::Explained && !a.found.is_empty());
+        let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
+        let seconds = sorted(answers.iter().map(|a| a.seconds));
+        Self {
+            first: Part::of(calm(), |a| a.among_first(1)),
+            first_two: Part::of(calm(), |a| a.among_first(2)),
+            exact: Part::of(calm(), Answer::exact),
+            disturbed_first: Part::of(disturbed(), |a| a.among_first(1)),
+            disturbed_exact: Part::of(disturbed(), Answer::exact),
+            false_alarms: Part::of(all(Group::Nothing), |a| !a.found.is_empty()),
+            claims_right: Part::of(claims, Answer::exact),
+            pairs: Part::of(all(Group::Pair), Answer::exact),
+            outside_explained: Part::of(all(Group::Outside), |a| a.verdict == Verdict::Explained),
+            outside_partial: Part::of(all(Group::Outside), |a| {
+                a.verdict != Verdict::Explained && !a.found.is_empty()
+            }),
+            median_over_floor: quantile(&after, 0.5),
+            third_quartile_over_floor: quantile(&after, 0.75),
+            median_seconds: quantile(&seconds, 0.5),
+        }
+    }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The value that a share of the sorted `values` is below; NaN without any.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let k = (share * values.len() as f64) as usize;
+    values.get(k.min(values.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+}

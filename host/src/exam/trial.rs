@@ -1,0 +1,138 @@
+//! Runs the loop on hidden cases.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Instant;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::case::Case;
+use super::question::{Group, Question};
+use crate::diagnose::discover::{Options, Verdict, discover};
+use crate::error::Result;
+
+/// What the loop answered to a question, beside the truth.
+#[derive(Debug, Clone, Serialize)]
+pub struct Answer {
+    /// What was asked for.
+    pub group: Group,
+    /// The question's seed.
+    pub seed: u64,
+    /// Names of the hidden effects.
+    pub truth: Vec<&'static str>,
+    /// With their sizes.
+    pub sizes: String,
+    /// Rate, gear, faults of the log.
+    pub conditions: String,
+    /// Deviation of the torque disturbance, as a share of the stall torque.
+    pub disturbance: f64,
+    /// Accepted effects.
+    pub found: Vec<&'static str>,
+    /// Candidates of the first diagnosis, best first.
+    pub ranking: Vec<&'static str>,
+    /// Rivals of the first diagnosis.
+    pub rivals: Vec<&'static str>,
+    /// Verdict.
+    pub verdict: Verdict,
+    /// Error on the record kept out over the noise floor, before and after.
+    pub before: f64,
+    /// ... after the effects were added.
+    pub after: f64,
+    /// Time taken, s.
+    pub seconds: f64,
+    /// Candidate passes.
+    pub simulations: u64,
+}
+
+impl Answer {
+    /// The accepted effects are those that were hidden.
+    pub fn exact(&self) -> bool {
+        let sorted = |names: &[&'static str]| {
+            let mut names = names.to_vec();
+            names.sort_unstable();
+            names
+        };
+        sorted(&self.found) == sorted(&self.truth)
+    }
+
+    /// A hidden effect stands among the first `places` of the first diagnosis.
+    pub fn among_first(&self, places: usize) -> bool {
+        self.ranking.iter().take(places).any(|name| self.truth.contains(name))
+    }
+}
+
+/// Answers `questions` on `threads` threads; `each` hears of every answer as it comes. The answers are in the order of
+/// the questions.
+///
+/// # Errors
+/// A made record that the loop refuses, which is a fault of the program.
+pub fn examine(questions: &[Question], threads: usize, each: &mut dyn FnMut(&Answer)) -> Result<Vec<Answer>> {
+    let next = AtomicUsize::new(0);
+    let (send, receive) = mpsc::channel();
+    let mut answers: Vec<(usize, Answer)> = std::thread::scope(|scope| {
+        for _ in 0..threads.max(1) {
+            let (send, next) = (send.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(question) = questions.get(k) else { break };
+                    // Nobody listens any more only after an error.
+                    if send.send((k, answer(question))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(send);
+        let mut answers = Vec::new();
+        for (k, answer) in receive {
+            let answer = answer?;
+            each(&answer);
+            answers.push((k, answer));
+        }
+        Ok::<_, crate::error::Error>(answers)
+    })?;
+    answers.sort_by_key(|(k, _)| *k);
+    Ok(answers.into_iter().map(|(_, answer)| answer).collect())
+}
+
+/// One question.
+///
+/// # Errors
+/// A made record that the loop refuses.
+pub fn answer(question: &Question) -> Result<Answer> {
+    let case = Case::new(question.seed, &question.hidden, question.conditions);
+    let robbed = question.group == Group::Outside;
+    let library = Kind::ALL.iter().copied().filter(|kind| !(robbed && case.truth.iter().any(|t| holds(*kind, t))));
+    let options = Options { library: library.collect(), ..Options::default() };
+    let begun = Instant::now();
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| {})?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let over_floor = |rung: usize| {
+        let error = found.ladder[rung].validation.map_or(f64::NAN, |m| m.rmse);
+        error / case.floor_rad
+    };
+    let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
+    Ok(Answer {
+        group: question.group,
+        seed: question.seed,
+        truth: case.truth.clone(),
+        sizes: case.sizes.clone(),
+        conditions: case.conditions.clone(),
+        disturbance: case.disturbance,
+        found: names(&found.effects),
+        ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
+        rivals: names(found.rivals.first().map_or(&[], Vec::as_slice)),
+        verdict: found.verdict,
+        before: over_floor(0),
+        after: over_floor(found.ladder.len() - 1),
+        seconds,
+        simulations: found.simulations,
+    })
+}
+
+/// Whether `kind` is the effect `name` or contains it.
+fn holds(kind: Kind, name: &str) -> bool {
+    kind.name() == name || kind.spec().contains.contains(&name)
+}
