@@ -57,6 +57,7 @@ impl<S: Scalar> Simulator<S> {
             laws.resistive |= needs.resistive;
             laws.dry |= needs.dry;
             laws.meshing |= needs.meshing;
+            laws.gradual |= needs.gradual;
             remembers |= kind.spec().remembers;
             // There is room: no more than MAX_EFFECTS were taken.
             let _ = active.push(Active::new(kind, parameters, &setting));

@@ -49,10 +49,12 @@ pub struct Drive<S> {
     pub meshing: S,
     /// See `meshing`; more than 0 where that is, V.
     pub meshing_knee: S,
-    /// Voltage lost against the direction of any current larger than `drop_knee` (0 or more), V.
+    /// Voltage lost against the current's direction, whatever its size (0 or more), V.
     pub drop: S,
-    /// Current, as a voltage, above which the drop is nearly whole; more than 0 where there is a drop, V.
-    pub drop_knee: S,
+    /// Voltage lost against the direction of a current well above `brush_knee` (0 or more), V.
+    pub brush: S,
+    /// Current, as a voltage, at which two thirds of `brush` are lost; more than 0, V.
+    pub brush_knee: S,
     /// Resistance in series with the winding, as a share of the winding's.
     pub series: S,
     /// Magnetic field as a share of the rated one: scales torque and back-EMF alike.
@@ -73,7 +75,8 @@ impl<S: Scalar> Drive<S> {
             meshing: zero,
             meshing_knee: S::one(),
             drop: zero,
-            drop_knee: S::one(),
+            brush: zero,
+            brush_knee: S::one(),
             series: zero,
             field: S::one(),
         }
@@ -83,8 +86,10 @@ impl<S: Scalar> Drive<S> {
 /// Which laws at the end of a step are needed at all: the others are skipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Laws {
-    /// Something sets [`Drive::drop`] or [`Drive::series`].
+    /// Something sets [`Drive::drop`], [`Drive::brush`] or [`Drive::series`].
     pub resistive: bool,
+    /// Something sets [`Drive::brush`].
+    pub gradual: bool,
     /// Something sets [`Drive::friction_forward`], [`Drive::friction_backward`] or [`Drive::meshing`].
     pub dry: bool,
     /// Something sets [`Drive::meshing`].
@@ -114,15 +119,19 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, c.wv.mul_add(v, c.wf * f)));
 
     if laws.resistive {
-        // Two rounds towards the current that its own drop leaves; the first guess has a sharp knee.
-        let mut after = u2.shrink(c.uv * drive.drop);
+        let lost = (-(u2 * c.inverse_uv)).clamp(-drive.drop, drive.drop);
+        let after_drop = c.uv.mul_add(lost, u2);
         let mut resistance = drive.series;
-        for _ in 0..2 {
-            resistance = drive.drop.mul_add(drop_per_current(after, drive.drop_knee), drive.series);
-            after = u2 / resistance.mul_add(c.uv, S::one());
+        if laws.gradual {
+            // Three rounds towards the current that its own drop leaves; the first guess has a sharp knee.
+            let mut after = after_drop.shrink(c.uv * drive.brush);
+            for _ in 0..3 {
+                resistance = drive.brush.mul_add(drop_per_current(after, drive.brush_knee), drive.series);
+                after = after_drop / resistance.mul_add(c.uv, S::one());
+            }
         }
-        let dv = -(resistance * after);
-        u2 = after;
+        let dv = lost - resistance * after_drop / resistance.mul_add(c.uv, S::one());
+        u2 = c.uv.mul_add(dv, u2);
         w2 = c.wv.mul_add(dv, w2);
         v += dv;
     }

@@ -107,5 +107,7 @@ fn line(a: &Answer) -> String {
 fn by_name(name: &str) -> Result<Kind> {
     let known = || Kind::all().map(|k| k.row().name).collect::<Vec<_>>().join(", ");
     let found = Kind::all().find(|k| k.row().name == name);
-    found.ok_or_else(|| Error::usage(format!("no effect is called '{name}'"), format!("choose from {}", known())))
+    found.ok_or_else(|| {
+        Error::usage(format!("no effect is called '{name}'"), format!("choose from {}", known()))
+    })
 }

@@ -7,7 +7,7 @@ use crate::fit::fixed;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
 
-/// Two errors, each the root mean square in noise units of one reading.
+/// Two errors, each a root mean square; of a candidate in units of what a perfect model would leave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
     /// Of the error's increments over 50 ms, robust.
@@ -17,6 +17,15 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// What counting alone leaves.
+    pub const COUNTING: Self = Self { increments: 1.0, position: 1.0 };
+
+    /// In units of `floor`.
+    #[must_use]
+    pub fn over(self, floor: &Self) -> Self {
+        Self { increments: self.increments / floor.increments, position: self.position / floor.position }
+    }
+
     /// One number for ranking: a ratio of errors is a difference of merits.
     ///
     /// The increments count more, because the error itself drifts. Below the noise nothing is gained.
@@ -66,6 +75,8 @@ pub struct Evidence {
     pub train: Problem,
     /// Kept out.
     pub unseen: Problem,
+    /// What a perfect model would leave, in noise units of one reading: the unit of a candidate's errors.
+    pub floor: Errors,
 }
 
 impl Evidence {
@@ -76,8 +87,8 @@ impl Evidence {
 
     /// The errors of `x` on both.
     pub fn judge(&self, layout: Layout, found: Found) -> Candidate {
-        let train = self.train.errors(&layout, &found.x);
-        let unseen = self.unseen.errors(&layout, &found.x);
+        let train = self.train.errors(&layout, &found.x).over(&self.floor);
+        let unseen = self.unseen.errors(&layout, &found.x).over(&self.floor);
         Candidate { layout, found, train, unseen }
     }
 
@@ -111,6 +122,21 @@ impl Evidence {
         let better = fine.unseen.position <= accepted.unseen.position
             && fine.unseen.increments < accepted.unseen.increments * 1.05;
         if better { fine } else { accepted }
+    }
+}
+
+impl Evidence {
+    /// Fits the first speeds of the records that begin in motion anew under `model`, and then the model.
+    pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
+        let moving = |p: &Problem| p.grids.iter().any(|g| g.start_speed != 0.0);
+        if ![&self.whole, &self.train, &self.unseen].into_iter().any(moving) {
+            return model;
+        }
+        let values = model.values();
+        for problem in [&mut self.whole, &mut self.train, &mut self.unseen] {
+            problem.refine_starts(&values);
+        }
+        self.fit(&values, 6)
     }
 }
 

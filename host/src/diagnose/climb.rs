@@ -90,15 +90,15 @@ fn as_good(c: &Candidate, best: &Candidate) -> bool {
 
 /// Climbs from `base` with at most `most` effects of `library`.
 pub fn run(
-    evidence: &Evidence,
+    evidence: &mut Evidence,
     base: Candidate,
     library: &[Kind],
     most: usize,
     tick: &mut dyn FnMut(usize, Kind),
-    rung: &mut dyn FnMut(&Candidate),
+    rung: &mut dyn FnMut(&Evidence, &Candidate),
 ) -> Climb {
     let mut climb = Climb { rungs: vec![base], first: Vec::new(), refused: Vec::new() };
-    rung(climb.model());
+    rung(evidence, climb.model());
     // A rival of the accepted model goes on beside it, because a wrong first effect may absorb a right second.
     let mut rival: Option<Candidate> = None;
     while climb.rungs.len() <= most.min(MAX_EFFECTS) {
@@ -124,7 +124,8 @@ pub fn run(
         }
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
         let next = evidence.finish(prune(evidence, next));
-        rung(&next);
+        let next = evidence.settle_starts(next);
+        rung(evidence, &next);
         climb.rungs.push(next);
     }
     climb

@@ -5,8 +5,9 @@ use std::time::Instant;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::candidate::{Candidate, Evidence};
+use super::candidate::{Candidate, Errors, Evidence};
 use super::climb::{self, Climb};
+use super::floor::floor;
 use super::plan::{self, Limits, Plan};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
@@ -142,7 +143,7 @@ pub fn diagnose(
     for record in validation {
         crate::log::check_usable(record)?;
     }
-    let evidence = Evidence::new(problem_of(model, records, motor)?, validation, motor);
+    let evidence = Evidence::new(problem_of(model, records, motor)?, records, validation, motor);
     let base = evidence.fit(&model.values(), 12);
     let options = Options { most: 1, ..Options::default() };
     Ok(explore(begun, records, validation, evidence, base, &options, progress))
@@ -153,29 +154,28 @@ fn explore(
     begun: Instant,
     records: &[Record],
     validation: &[Record],
-    evidence: Evidence,
+    mut evidence: Evidence,
     base: Candidate,
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
-    let whole = evidence.whole.clone_without_count();
-    let unseen = validation_problem(&evidence, validation);
+    let judged = !validation.is_empty();
     let mut ladder: Vec<Rung> = Vec::new();
     let told = std::cell::RefCell::new(progress);
     let climb = climb::run(
-        &evidence,
+        &mut evidence,
         base,
         &options.library,
         options.most,
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
-        &mut |candidate| {
-            let rung = rung(&whole, unseen.as_ref(), &candidate.values());
+        &mut |evidence, candidate| {
+            let rung = rung(&evidence.whole, judged.then_some(&evidence.unseen), &candidate.values());
             (told.borrow_mut())(Progress::Rung(rung.clone()));
             ladder.push(rung);
         },
     );
     let effects = climb.model().kinds().to_vec();
-    let candidates = rank(&climb, unseen.as_ref());
+    let candidates = rank(&climb, judged.then_some(&evidence.unseen));
     let noise_floor = noise_floor(records, validation, &evidence.whole);
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
@@ -215,7 +215,7 @@ pub fn prepare(
         crate::log::check_usable(record)?;
     }
     let (whole, start) = setup::problem(records, motor);
-    let evidence = Evidence::new(whole, validation, motor);
+    let evidence = Evidence::new(whole, records, validation, motor);
     let (layout, x) = evidence.train.fit_base(&start);
     let base = evidence.fit(&layout.unpack(&x), 4);
     Ok((evidence, base))
@@ -223,7 +223,8 @@ pub fn prepare(
 
 impl Evidence {
     /// Splits what there is into records to fit and records to judge by.
-    pub fn new(whole: Problem, validation: &[Record], motor: &MotorFile) -> Self {
+    pub fn new(whole: Problem, records: &[Record], validation: &[Record], motor: &MotorFile) -> Self {
+        let floor = floor(records, &whole);
         let (train, unseen) = if validation.is_empty() {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
             let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
@@ -232,13 +233,8 @@ impl Evidence {
             let (other, _) = setup::problem(validation, motor);
             (whole.on(whole.grids.clone()), whole.on(other.grids))
         };
-        Self { whole, train, unseen }
+        Self { whole, train, unseen, floor }
     }
-}
-
-/// The validation records, where there are any.
-fn validation_problem(evidence: &Evidence, validation: &[Record]) -> Option<Problem> {
-    (!validation.is_empty()).then(|| evidence.unseen.clone_without_count())
 }
 
 fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
@@ -311,12 +307,16 @@ pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
     if set.len() > 1 { vec![set] } else { Vec::new() }
 }
 
-/// Near the noise, or with nothing of the library still helping: explained.
+/// Near what a perfect model would leave, on the records fitted and on those kept out: explained.
+///
+/// The increments tell whether the physics is right. The error itself sums up every small fault of the parameters over
+/// a record, so it may be several times its floor, but not any times.
 fn verdict(climb: &Climb) -> Verdict {
-    const NEAR: f64 = 2.0;
+    const NEAR: f64 = 1.6;
+    const DRIFT: f64 = 12.0;
+    let near = |e: &Errors| e.increments < NEAR && e.position < DRIFT;
     let model = climb.model();
-    let at_floor = model.train.increments < NEAR && model.unseen.increments < NEAR;
-    if at_floor { Verdict::Explained } else { Verdict::Unexplained }
+    if near(&model.train) && near(&model.unseen) { Verdict::Explained } else { Verdict::Unexplained }
 }
 
 /// What a perfect model would leave: from a repeated programme where there is one, else from the counting.

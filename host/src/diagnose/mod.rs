@@ -3,6 +3,7 @@
 pub mod candidate;
 pub mod climb;
 pub mod discover;
+pub mod floor;
 pub mod plan;
 mod ripple;
 pub mod stage;

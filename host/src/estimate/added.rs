@@ -85,7 +85,7 @@ pub fn add(
     }
     let problem = problem_of(model, records, motor)?;
     let all = fast::all_of(&problem);
-    let evidence = Evidence::new(problem, validation, motor);
+    let evidence = Evidence::new(problem, records, validation, motor);
 
     let old = evidence.fit(&values, 12);
     let new = stage::run(&evidence, &old, &[effect], Effort::FIRST, &mut |_| ()).into_iter().next();

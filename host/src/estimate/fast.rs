@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::Searched;
-use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::candidate::{Candidate, Errors, Evidence};
 use crate::diagnose::stage::{self, Effort};
 use crate::fit::cost::Objective;
 use crate::fit::layout::{BaseValues, Values};
@@ -52,5 +52,6 @@ pub(super) fn all_of(problem: &Problem) -> Evidence {
         whole: problem.clone_without_count(),
         train: problem.clone_without_count(),
         unseen: problem.clone_without_count(),
+        floor: Errors::COUNTING,
     }
 }

@@ -68,8 +68,7 @@ impl Marks {
         let all = |group: Group| answers.iter().filter(move |a| a.group == group);
         let calm = || all(Group::Single).filter(|a| a.disturbance == 0.0);
         let disturbed = || all(Group::Single).filter(|a| a.disturbance > 0.0);
-        let claims =
-            answers.iter().filter(|a| a.verdict == Verdict::Explained && !a.found.is_empty());
+        let claims = answers.iter().filter(|a| a.verdict == Verdict::Explained && !a.found.is_empty());
         let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
         let seconds = sorted(answers.iter().map(|a| a.seconds));
         Self {

@@ -23,7 +23,8 @@ pub fn picture(answers: &[Answer]) -> Result<String> {
     let n = names.len() as u32;
     let size = (MARGIN.0 as u32 + CELL * n + 20, MARGIN.1 as u32 + CELL * n + 20);
     let mut svg = String::new();
-    let failed = |e: &dyn std::fmt::Display| Error::usage(format!("cannot draw the matrix: {e}"), "report this");
+    let failed =
+        |e: &dyn std::fmt::Display| Error::usage(format!("cannot draw the matrix: {e}"), "report this");
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE).map_err(|e| failed(&e))?;

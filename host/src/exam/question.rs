@@ -1,9 +1,9 @@
 //! The questions of an examination.
 
 use motorlens_virtual_motor::Kind;
+use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom;
-use rand::SeedableRng;
 use serde::Serialize;
 
 use super::case::Conditions;
@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn every_effect_is_asked_for_as_often_and_seeds_are_never_used_twice() {
-        let paper = Paper { from: 7, singles: 3, nothing: 10, pairs: 20, outside: 25, disturbed: 0.0, spoilt: 0.0 };
+        let paper =
+            Paper { from: 7, singles: 3, nothing: 10, pairs: 20, outside: 25, disturbed: 0.0, spoilt: 0.0 };
         let questions = paper.questions(&[]);
         let effects = Kind::all().count();
         assert_eq!(questions.len(), 3 * effects + 55);

@@ -32,8 +32,9 @@ pub fn table(answers: &[Answer]) -> String {
 
 /// What became of every single effect.
 fn by_effect(answers: &[Answer]) -> String {
-    let mut text =
-        String::from("| hidden | cases | first | exact | error over floor before -> after | instead |\n|---|---|---|---|---|---|\n");
+    let mut text = String::from(
+        "| hidden | cases | first | exact | error over floor before -> after | instead |\n|---|---|---|---|---|---|\n",
+    );
     let singles = || answers.iter().filter(|a| a.group == Group::Single);
     let mut names: Vec<&str> = singles().map(|a| a.truth[0]).collect();
     names.sort_unstable();

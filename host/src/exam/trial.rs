@@ -104,7 +104,8 @@ pub fn examine(questions: &[Question], threads: usize, each: &mut dyn FnMut(&Ans
 pub fn answer(question: &Question) -> Result<Answer> {
     let case = Case::new(question.seed, &question.hidden, question.conditions);
     let robbed = question.group == Group::Outside;
-    let library = Kind::ALL.iter().copied().filter(|kind| !(robbed && case.truth.iter().any(|t| holds(*kind, t))));
+    let library =
+        Kind::ALL.iter().copied().filter(|kind| !(robbed && case.truth.iter().any(|t| holds(*kind, t))));
     let options = Options { library: library.collect(), ..Options::default() };
     let begun = Instant::now();
     let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| {})?;

@@ -1,7 +1,7 @@
 //! Effects as statements that C and Python both read.
 //!
 //! Names: `volts` the command; `past` the commands up to now, the latest first; `time`; `v` the voltage so far;
-//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `drop`; `series`;
+//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`;
 //! `field`. The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
 //! end of the step; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
 
@@ -81,7 +81,11 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             let share = format!("(current / {:e})", rig.nominal_v);
             drive(format!("field /= 1.0 + {} * {share} * {share}", n(0)))
         }
-        Kind::VoltageDrop => drive(format!("drop += {}", n(0))),
+        Kind::VoltageDrop => {
+            let mut lines = drive(format!("brush = {}", n(0)));
+            lines.drive.push(format!("brush_knee = {}", n(1)));
+            lines
+        }
         Kind::Coulomb => friction(n(0), n(0)),
         Kind::CoulombAsymmetric => friction(&number((p[0] + p[1]).max(0.0)), &number((p[0] - p[1]).max(0.0))),
         Kind::Stribeck => {
@@ -90,8 +94,9 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             friction(&f, &f)
         }
         Kind::LoadFriction => {
-            let f = format!("{} * fabs(current)", n(0));
-            friction(&f, &f)
+            let mut lines = drive(format!("meshing = {}", n(0)));
+            lines.drive.push(format!("meshing_knee = {}", n(1)));
+            lines
         }
         Kind::QuadraticDrag => drive(format!("torque -= {} * speed * fabs(speed)", n(0))),
         Kind::Gravity => {

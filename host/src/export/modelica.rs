@@ -26,7 +26,7 @@ pub(super) fn export(model: &Model) -> Exported {
                 friction +=
                     &format!(" + {:e} + {:e}/(1 + (w/{:e})^2 + 0.5*(w/{:e})^4)", p[0], p[1], p[2], p[2]);
             }
-            Kind::LoadFriction => friction += &format!(" + {:e}*abs(u)", p[0]),
+            Kind::LoadFriction => friction += &format!(" + {:e}*u*u/(abs(u) + {:e})", p[0], p[1]),
             Kind::QuadraticDrag => torque += &format!(" - {:e}*w*abs(w)", p[0]),
             Kind::ConstantLoad => torque += &format!(" - ({:e})", p[0]),
             Kind::Gravity => torque += &format!(" - (({:e})*sin(angle) + ({:e})*cos(angle))", p[0], p[1]),
@@ -40,7 +40,11 @@ pub(super) fn export(model: &Model) -> Exported {
                 voltage = format!("({voltage} - max(-{down:e}, min({up:e}, {voltage})))");
             }
             Kind::SupplySag => resistance += &format!(" + {:e}*(v/{:e})^2", p[0], r.supply_v),
-            Kind::VoltageDrop => voltage += &format!(" - {:e}*tanh(u/1e-3)", p[0]),
+            Kind::VoltageDrop => {
+                let square = p[1] * p[1];
+                voltage +=
+                    &format!(" - {:e}*u*(abs(u) + {k:e})/(u*u + {k:e}*abs(u) + {square:e})", p[0], k = p[1]);
+            }
             _ => left_out.push(not_expressed(kind, "this Modelica model")),
         }
     }

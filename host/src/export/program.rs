@@ -74,6 +74,8 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("XW", c.xw),
         ("XV", c.xv),
         ("XF", c.xf),
+        ("PER_IMPULSE", c.per_impulse),
+        ("VISCOUS", c.viscous),
         ("HALF_STEP", c.half_step),
         ("BACK_EMF", c.back_emf),
         ("STEP", options.step_s),

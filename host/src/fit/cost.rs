@@ -17,7 +17,7 @@ pub enum Objective {
 }
 
 /// Span of an increment, s.
-const SPAN_S: f64 = 0.05;
+pub const SPAN_S: f64 = 0.05;
 /// Samples nearer than this repeat each other's increments.
 const STRIDE_S: f64 = 0.002;
 /// Beyond this many noise units the loss grows linearly.
@@ -89,7 +89,7 @@ fn thin(series: &mut Vec<Block>, stride: usize, map: impl Fn(f64, usize) -> f64)
 ///
 /// d sqrt(2 / (1 + sqrt(1 + (d/D)^2))) is the same number without cancellation.
 #[inline(always)]
-fn robust(d: f64) -> f64 {
+pub fn robust(d: f64) -> f64 {
     let limited = d.clamp(-1e7, 1e7);
     let x = limited * (1.0 / HUBER);
     limited * (2.0 / (1.0 + (1.0 + x * x).sqrt())).sqrt()

@@ -29,21 +29,23 @@ pub fn find_repeats(records: &[Record]) -> Vec<(usize, usize)> {
 /// where both measured the angle, else in rad/s. The mean difference does not count, since an encoder starts
 /// anywhere. `None` if the programmes differ or there is no common measured column.
 pub fn noise_floor(first: &Record, second: &Record) -> Option<f64> {
+    let differences = differences(first, second)?;
+    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+    let square = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / differences.len() as f64;
+    Some((square / 2.0).sqrt())
+}
+
+/// What two runs of one programme measured, the second less the first at each sample of the first, in rad or rad/s.
+/// `None` as for [`noise_floor`].
+pub fn differences(first: &Record, second: &Record) -> Option<Vec<f64>> {
     let shift_s = aligned(first, second)?;
     let (measured, again) = match (&first.angle_rad, &second.angle_rad) {
         (Some(measured), Some(again)) => (measured, again),
         _ => (first.speed_rad_s.as_ref()?, second.speed_rad_s.as_ref()?),
     };
     let offset = second.time_s[0] - first.time_s[0] + shift_s;
-    let differences: Vec<f64> = first
-        .time_s
-        .iter()
-        .zip(measured)
-        .filter_map(|(time, value)| Some(interpolate(&second.time_s, again, time + offset)? - value))
-        .collect();
-    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
-    let square = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / differences.len() as f64;
-    Some((square / 2.0).sqrt())
+    let at = |(time, value): (&f64, &f64)| Some(interpolate(&second.time_s, again, time + offset)? - value);
+    Some(first.time_s.iter().zip(measured).filter_map(at).collect())
 }
 
 /// By how much later, in s, the second record runs the same programme; `None` if it does not.

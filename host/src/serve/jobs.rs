@@ -87,6 +87,7 @@ fn copy(app: &App) -> (Evidence, Candidate) {
         whole: e.whole.clone_without_count(),
         train: e.train.clone_without_count(),
         unseen: e.unseen.clone_without_count(),
+        floor: e.floor,
     };
     (evidence, session.current.clone())
 }

@@ -150,10 +150,12 @@ pub(super) const fn shape(
 }
 
 /// Acts through voltage, torque or geometry alone.
-pub(super) const EXPLICIT: Laws = Laws { resistive: false, dry: false, meshing: false };
+pub(super) const EXPLICIT: Laws = Laws { resistive: false, gradual: false, dry: false, meshing: false };
 /// Acts through a drop or a resistance.
-pub(super) const RESISTIVE: Laws = Laws { resistive: true, dry: false, meshing: false };
+pub(super) const RESISTIVE: Laws = Laws { resistive: true, ..EXPLICIT };
+/// Acts through a drop that grows with the current.
+pub(super) const GRADUAL: Laws = Laws { gradual: true, ..RESISTIVE };
 /// Acts through dry friction.
-pub(super) const DRY: Laws = Laws { resistive: false, dry: true, meshing: false };
+pub(super) const DRY: Laws = Laws { dry: true, ..EXPLICIT };
 /// Acts through dry friction that grows with the motor's torque.
 pub(super) const MESHING: Laws = Laws { meshing: true, ..DRY };

@@ -1,6 +1,6 @@
 //! Brushes and transistors that take a fixed voltage from any current.
 
-use super::spec::{Port, RESISTIVE, Scale, Spec, shape, strength};
+use super::spec::{GRADUAL, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,7 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("knee", "V", "current at which two thirds are lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
     ],
     probes: &[&[0.1, 0.15], &[0.4, 0.15], &[1.0, 0.15], &[2.0, 0.15]],
-    laws: RESISTIVE,
+    laws: GRADUAL,
     remembers: false,
     contains: &[],
 };
@@ -38,8 +38,8 @@ impl<S: Scalar> VoltageDrop<S> {
 impl<S: Scalar> Effect<S> for VoltageDrop<S> {
     #[inline(always)]
     fn drive(&self, _now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        drive.drop = self.drop;
-        drive.drop_knee = self.knee;
+        drive.brush = self.drop;
+        drive.brush_knee = self.knee;
     }
 }
 
@@ -60,7 +60,7 @@ mod tests {
         let viscous = BASE.viscous_share / BASE.gain;
         let speed = knee / viscous;
         let volts = (1.0 - BASE.viscous_share) / BASE.gain * speed + knee + drop * 2.0 / 3.0;
-        close(steady_speed(Kind::VoltageDrop, &[drop, knee], volts), speed, 1e-3);
+        close(steady_speed(Kind::VoltageDrop, &[drop, knee], volts), speed, 0.01);
     }
 
     #[test]

@@ -40,9 +40,8 @@ fn a_formula_equal_to_a_library_effect_gives_the_same_motion() {
     let volts = drive();
     const W: Operation = Read(Quantity::Speed);
     const DRAG: &[Operation] = &[Parameter(0), Negate, W, Multiply, W, Absolute, Multiply];
-    let pairs: [(Kind, &str, Entry, &'static [Operation]); 4] = [
+    let pairs: [(Kind, &str, Entry, &'static [Operation]); 3] = [
         (Kind::Coulomb, "my_coulomb", Entry::Friction, &[Parameter(0)]),
-        (Kind::VoltageDrop, "my_drop", Entry::Drop, &[Parameter(0)]),
         (Kind::ConstantLoad, "my_load", Entry::Torque, &[Parameter(0), Negate]),
         (Kind::QuadraticDrag, "my_drag", Entry::Torque, DRAG),
     ];
