@@ -86,11 +86,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// An answer on a line: what was hidden, what was found.
+/// An answer on a line: what was hidden, what was found, and how the first diagnosis saw it.
 fn line(a: &Answer) -> String {
     let list = |names: &[&str]| if names.is_empty() { "none".to_owned() } else { names.join(" + ") };
+    let standing = a.ranking.iter().copied().chain(["base"]).zip(&a.errors);
+    let shown = a.errors.len().min(4);
+    let first: Vec<String> = standing
+        .enumerate()
+        .filter(|(k, _)| *k < shown || k + 1 == a.errors.len())
+        .map(|(_, (name, e))| format!("{name} {:.2} {:.2} {:.1} {:.1}", e[0], e[1], e[2], e[3]))
+        .collect();
     format!(
-        "{} {:>7} {:<40} found {:<40} {:?} {:.1} -> {:.2} x floor, {:.1} s ({}; first {})",
+        "{} {:>7} {:<40} found {:<40} {:?} {:.1} -> {:.2} x floor, {:.1} s ({}) | {}",
         if a.exact() { "right" } else { "WRONG" },
         a.seed,
         if a.sizes.is_empty() { "nothing" } else { &a.sizes },
@@ -100,7 +107,7 @@ fn line(a: &Answer) -> String {
         a.after,
         a.seconds,
         a.conditions,
-        list(&a.ranking[..a.ranking.len().min(3)]),
+        first.join(" | "),
     )
 }
 

@@ -31,6 +31,9 @@ pub struct Answer {
     pub found: Vec<&'static str>,
     /// Candidates of the first diagnosis, best first.
     pub ranking: Vec<&'static str>,
+    /// Their errors over the floor: increments on the records fitted and on the one kept out, then the error itself.
+    /// The last row is the base model's.
+    pub errors: Vec<[f64; 4]>,
     /// Rivals of the first diagnosis.
     pub rivals: Vec<&'static str>,
     /// Verdict.
@@ -114,6 +117,12 @@ pub fn answer(question: &Question) -> Result<Answer> {
         let error = found.ladder[rung].validation.map_or(f64::NAN, |m| m.rmse);
         error / case.floor_rad
     };
+    let first = &found.climb.first;
+    let of = |effect: Kind| first.iter().find(|c| c.kinds().last() == Some(&effect));
+    let ranked = found.candidates.iter().filter_map(|c| of(c.effect));
+    let errors = ranked
+        .chain(&found.climb.rungs[..1])
+        .map(|c| [c.train.increments, c.unseen.increments, c.train.position, c.unseen.position]);
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
     Ok(Answer {
         group: question.group,
@@ -124,6 +133,7 @@ pub fn answer(question: &Question) -> Result<Answer> {
         disturbance: case.disturbance,
         found: names(&found.effects),
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
+        errors: errors.collect(),
         rivals: names(found.rivals.first().map_or(&[], Vec::as_slice)),
         verdict: found.verdict,
         before: over_floor(0),
