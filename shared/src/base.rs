@@ -103,6 +103,13 @@ impl<S: Scalar> Coefficients<S> {
     /// in `f32` and needs no inverse; it holds for steps up to about 50 electrical time constants.
     #[must_use]
     pub fn new(base: &Base<S>, step: S) -> Self {
+        Self::discretised(base, step)
+    }
+
+    /// [`Self::new`], compiled for the vector unit of its caller.
+    #[inline(always)]
+    #[must_use]
+    pub fn discretised(base: &Base<S>, step: S) -> Self {
         const DOUBLINGS: usize = 9;
         const TERMS: usize = 7;
         let (one, zero) = (S::one(), S::zero());

@@ -4,7 +4,6 @@
 //! instructions without intrinsics.
 
 use crate::scalar::Scalar;
-use core::array::from_fn;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// `N` numbers of kind `T`.
@@ -12,13 +11,24 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 #[repr(align(32))]
 pub struct Lanes<T, const N: usize>(pub [T; N]);
 
+// Loops instead of closures: a closure that is not inlined is compiled without the vector unit of its caller.
+macro_rules! each_lane {
+    ($first:ident, |$l:ident| $value:expr) => {{
+        let mut result = $first;
+        for $l in 0..N {
+            result.0[$l] = $value;
+        }
+        result
+    }};
+}
+
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
         impl<T: Scalar, const N: usize> $trait for Lanes<T, N> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self(from_fn(|l| self.0[l] $op other.0[l]))
+                each_lane!(self, |l| self.0[l] $op other.0[l])
             }
         }
     };
@@ -32,7 +42,7 @@ impl<T: Scalar, const N: usize> Neg for Lanes<T, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(from_fn(|l| -self.0[l]))
+        each_lane!(self, |l| -self.0[l])
     }
 }
 impl<T: Scalar, const N: usize> AddAssign for Lanes<T, N> {
@@ -60,39 +70,39 @@ impl<T: Scalar<Element = T>, const N: usize> Scalar for Lanes<T, N> {
     }
     #[inline(always)]
     fn mul_add(self, m: Self, a: Self) -> Self {
-        Self(from_fn(|l| self.0[l].mul_add(m.0[l], a.0[l])))
+        each_lane!(self, |l| self.0[l].mul_add(m.0[l], a.0[l]))
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Self(from_fn(|l| self.0[l].abs()))
+        each_lane!(self, |l| self.0[l].abs())
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l].min(other.0[l])))
+        each_lane!(self, |l| self.0[l].min(other.0[l]))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l].max(other.0[l])))
+        each_lane!(self, |l| self.0[l].max(other.0[l]))
     }
     #[inline(always)]
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
-        Self(from_fn(|l| T::pick_gt(a.0[l], b.0[l], x.0[l], y.0[l])))
+        each_lane!(x, |l| T::pick_gt(a.0[l], b.0[l], x.0[l], y.0[l]))
     }
     #[inline(always)]
     fn round(self) -> Self {
-        Self(from_fn(|l| self.0[l].round()))
+        each_lane!(self, |l| self.0[l].round())
     }
     #[inline(always)]
     fn look_back(table: &[T], index: usize, back: Self) -> Self {
-        Self(from_fn(|l| T::look_back(table, index, back.0[l])))
+        each_lane!(back, |l| T::look_back(table, index, back.0[l]))
     }
     #[inline(always)]
     fn map(self, f: fn(f64) -> f64) -> Self {
-        Self(from_fn(|l| self.0[l].map(f)))
+        each_lane!(self, |l| self.0[l].map(f))
     }
     #[inline(always)]
     fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
-        Self(from_fn(|l| self.0[l].map_with(other.0[l], f)))
+        each_lane!(self, |l| self.0[l].map_with(other.0[l], f))
     }
 }
 

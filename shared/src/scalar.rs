@@ -152,8 +152,10 @@ macro_rules! float_scalar {
             fn look_back(table: &[Self], index: usize, back: Self) -> Self {
                 let whole = back as usize;
                 let part = back - whole as Self;
-                let at = |k: usize| table[index.saturating_sub(k).min(table.len() - 1)];
-                at(whole) + part * (at(whole + 1) - at(whole))
+                let last = table.len() - 1;
+                let newer = table[index.saturating_sub(whole).min(last)];
+                let older = table[index.saturating_sub(whole + 1).min(last)];
+                newer + part * (older - newer)
             }
             #[inline(always)]
             fn map(self, f: fn(f64) -> f64) -> Self {

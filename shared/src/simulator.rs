@@ -1,29 +1,65 @@
 //! The motor with its effects, run over a grid of held voltages.
 
 use crate::base::{Base, Coefficients};
-use crate::effects::{Active, Effect, Kind, Memory, Now, Rig, Setting};
+use crate::effects::together::{Effects, Several};
+use crate::effects::{Kind, Memory, Now, Rig, Setting};
 use crate::scalar::Scalar;
-use crate::step::{Drive, Laws, State, step};
+use crate::step::{Drive, State, step};
 use heapless::Vec;
 
-/// Most effects that one model may hold.
-pub const MAX_EFFECTS: usize = 6;
+pub use crate::effects::together::MAX_EFFECTS;
 /// Most parameters that one effect has.
 pub const MAX_PARAMETERS: usize = 4;
 
 /// A gap or a spring in the transmission is integrated in this many parts of a step.
 pub const TRANSMISSION_PARTS: usize = 4;
 
+/// An effect with its parameters in the order of its row.
+pub type Chosen<'a, S> = (Kind, &'a [S]);
+
+/// At most [`MAX_EFFECTS`] effects, in the order of the registry: the order in which they act.
+#[must_use]
+pub fn in_order<'a, S: Scalar>(
+    effects: impl IntoIterator<Item = Chosen<'a, S>>,
+) -> Vec<Chosen<'a, S>, MAX_EFFECTS> {
+    // A seventh effect has no place: callers are held to MAX_EFFECTS by the model file.
+    let mut chosen: Vec<_, MAX_EFFECTS> = effects.into_iter().take(MAX_EFFECTS).collect();
+    chosen.sort_unstable_by_key(|(kind, _)| *kind);
+    chosen
+}
+
+/// The base model made ready for a set of effects: all that costs time before a run.
+#[derive(Debug, Clone)]
+pub struct Prepared<S> {
+    coefficients: Coefficients<S>,
+    /// What the effects see of motor and rig.
+    pub setting: Setting<S>,
+    part: S,
+    load_per_torque: S,
+}
+
+impl<S: Scalar> Prepared<S> {
+    /// Discretises `base` on `rig`; the first transmission among `effects` splits it in two masses.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(base: &Base<S>, effects: &[Chosen<S>], rig: &Rig) -> Self {
+        let share = effects.iter().find_map(|(kind, p)| kind.spec().load_share().map(|index| p[index]));
+        let (rotor, parts) = match share {
+            Some(share) => (base.without_load(share), TRANSMISSION_PARTS),
+            None => (*base, 1),
+        };
+        let setting = Setting::new(base, rig, parts);
+        let part = S::lit(rig.step_s / parts as f64);
+        let load_per_torque = part * setting.acceleration / share.unwrap_or(S::one());
+        Self { coefficients: Coefficients::discretised(&rotor, part), setting, part, load_per_torque }
+    }
+}
+
 /// Base model and effects with their parameters fixed: everything that does not change while it runs.
 #[derive(Debug, Clone)]
-pub struct Simulator<S> {
-    coefficients: Coefficients<S>,
-    setting: Setting<S>,
-    active: Vec<Active<S>, MAX_EFFECTS>,
-    laws: Laws,
-    remembers: bool,
-    parts: usize,
-    load_share: S,
+pub struct Simulator<S, E = Several<S>> {
+    prepared: Prepared<S>,
+    effects: E,
 }
 
 /// What changes while a [`Simulator`] runs.
@@ -31,114 +67,80 @@ pub struct Simulator<S> {
 pub struct Motion<S> {
     /// Current, speed and angle.
     pub state: State<S>,
-    memory: [Memory<S>; MAX_EFFECTS],
+    memories: [Memory<S>; MAX_EFFECTS],
 }
 
 impl<S: Scalar> Simulator<S> {
     /// Prepares `base` with `effects` (kind and parameters in the registry's order) on `rig`.
     ///
     /// At most [`MAX_EFFECTS`] are used, and the first transmission among them.
-    pub fn new<'a>(base: &Base<S>, effects: impl IntoIterator<Item = (Kind, &'a [S])>, rig: &Rig) -> Self {
-        let effects: Vec<(Kind, &[S]), MAX_EFFECTS> = effects.into_iter().take(MAX_EFFECTS).collect();
-        let two_masses = effects.iter().any(|(kind, _)| kind.spec().load_share().is_some());
-        let parts = if two_masses { TRANSMISSION_PARTS } else { 1 };
-        let setting = Setting::new(base, rig, parts);
-        let mut active = Vec::new();
-        let mut laws = Laws::default();
-        let mut remembers = false;
-        let mut load_share = S::zero();
-        let mut coupled = false;
-        for (kind, parameters) in effects {
-            if let (Some(index), false) = (kind.spec().load_share(), coupled) {
-                coupled = true;
-                load_share = parameters[index];
-            }
-            let needs = kind.spec().laws;
-            laws.resistive |= needs.resistive;
-            laws.dry |= needs.dry;
-            laws.meshing |= needs.meshing;
-            laws.gradual |= needs.gradual;
-            remembers |= kind.spec().remembers;
-            // There is room: no more than MAX_EFFECTS were taken.
-            let _ = active.push(Active::new(kind, parameters, &setting));
-        }
-        let rotor = if two_masses { base.without_load(load_share) } else { *base };
-        let coefficients = Coefficients::new(&rotor, S::lit(rig.step_s / parts as f64));
-        Self { coefficients, setting, active, laws, remembers, parts, load_share }
+    pub fn new<'a>(base: &Base<S>, effects: impl IntoIterator<Item = Chosen<'a, S>>, rig: &Rig) -> Self {
+        let effects = in_order(effects);
+        let prepared = Prepared::new(base, &effects, rig);
+        let effects = Several::new(&effects, &prepared.setting);
+        Self::with(prepared, effects)
+    }
+}
+
+impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
+    /// The same from parts; `effects` must be those that `prepared` was made for.
+    #[inline(always)]
+    pub fn with(prepared: Prepared<S>, effects: E) -> Self {
+        Self { prepared, effects }
     }
 
     /// Starts from `state`, with every effect's own memory empty.
-    pub fn start(&self, state: State<S>) -> Motion<S> {
-        Motion { state, memory: [Memory::empty(state.angle); MAX_EFFECTS] }
-    }
-
     #[inline(always)]
-    fn now<'a>(&self, s: &State<S>, voltages: &'a [S::Element], index: usize) -> Now<'a, S> {
-        let command = S::splat(voltages[index]);
-        Now { command, state: *s, voltages, index }
+    pub fn start(&self, state: State<S>) -> Motion<S> {
+        Motion { state, memories: [Memory::empty(state.angle); MAX_EFFECTS] }
     }
 
     /// Advances over cell `index` of the grid, whose mean voltages are `voltages`.
     #[inline(always)]
     pub fn advance(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize) {
-        if self.parts == 1 {
-            let now = self.now(&motion.state, voltages, index);
+        let command = S::splat(voltages[index]);
+        if self.effects.two_masses() {
+            for _ in 0..TRANSMISSION_PARTS {
+                let now = Now { command, state: motion.state, voltages, index };
+                let drive = self.drive(&now, motion);
+                self.advance_two_masses(&mut motion.state, &drive);
+                self.effects.settle(&now, &motion.state, &mut motion.memories);
+            }
+        } else {
+            let now = Now { command, state: motion.state, voltages, index };
             let mut drive = self.drive(&now, motion);
             drive.torque += drive.load_torque;
-            let mut state = now.state;
-            step(&self.coefficients, self.laws, &mut state, &drive);
+            let state = &mut motion.state;
+            step(&self.prepared.coefficients, self.effects.laws(), state, &drive);
             state.load_speed = state.speed;
             state.load_angle = state.angle;
-            self.settle(&now, state, motion);
-        } else {
-            for _ in 0..TRANSMISSION_PARTS {
-                let now = self.now(&motion.state, voltages, index);
-                let drive = self.drive(&now, motion);
-                let mut state = now.state;
-                self.advance_two_masses(&mut state, &drive);
-                self.settle(&now, state, motion);
-            }
+            self.effects.settle(&now, &motion.state, &mut motion.memories);
         }
     }
 
     #[inline(always)]
     fn drive(&self, now: &Now<S>, motion: &Motion<S>) -> Drive<S> {
         let mut drive = Drive::plain(now.command);
-        for (effect, memory) in self.active.iter().zip(&motion.memory) {
-            effect.drive(now, memory, &mut drive);
-        }
+        self.effects.drive(now, &motion.memories, &mut drive);
         drive
-    }
-
-    #[inline(always)]
-    fn settle(&self, now: &Now<S>, state: State<S>, motion: &mut Motion<S>) {
-        motion.state = state;
-        if self.remembers {
-            for (effect, memory) in self.active.iter().zip(&mut motion.memory) {
-                effect.settle(now, &state, memory);
-            }
-        }
     }
 
     /// Rotor by the exact map, load by its own torque, then the transmission between them.
     #[inline(always)]
     fn advance_two_masses(&self, state: &mut State<S>, drive: &Drive<S>) {
-        let part = self.coefficients.half_step + self.coefficients.half_step;
-        step(&self.coefficients, self.laws, state, drive);
-        state.load_speed += part * self.setting.acceleration * drive.load_torque / self.load_share;
-        for effect in &self.active {
-            effect.couple(part, state);
+        step(&self.prepared.coefficients, self.effects.laws(), state, drive);
+        if self.effects.laws().torque {
+            state.load_speed = self.prepared.load_per_torque.mul_add(drive.load_torque, state.load_speed);
         }
+        self.effects.couple(self.prepared.part, state);
     }
 
     /// What the encoder shows, rad of the output shaft, without its quantisation.
     #[inline(always)]
     pub fn read(&self, motion: &Motion<S>) -> S {
         let s = &motion.state;
-        let mut reading = if self.setting.encoder_on_motor { s.angle } else { s.load_angle };
-        for (effect, memory) in self.active.iter().zip(&motion.memory) {
-            effect.read(s, memory, &mut reading);
-        }
+        let mut reading = if self.prepared.setting.encoder_on_motor { s.angle } else { s.load_angle };
+        self.effects.read(s, &motion.memories, &mut reading);
         reading
     }
 

@@ -83,26 +83,39 @@ impl<S: Scalar> Drive<S> {
     }
 }
 
-/// Which laws at the end of a step are needed at all: the others are skipped.
+/// Which parts of [`Drive`] anything sets: the others cost nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Laws {
-    /// Something sets [`Drive::drop`], [`Drive::brush`] or [`Drive::series`].
-    pub resistive: bool,
+    /// Something sets [`Drive::torque`] or [`Drive::load_torque`].
+    pub torque: bool,
+    /// Something sets [`Drive::field`].
+    pub field: bool,
+    /// Something sets [`Drive::drop`].
+    pub drop: bool,
     /// Something sets [`Drive::brush`].
-    pub gradual: bool,
+    pub brush: bool,
+    /// Something sets [`Drive::series`].
+    pub series: bool,
     /// Something sets [`Drive::friction_forward`], [`Drive::friction_backward`] or [`Drive::meshing`].
     pub dry: bool,
     /// Something sets [`Drive::meshing`].
     pub meshing: bool,
 }
 
-/// Share of its full size that a drop has at current `u`: an odd function that rises over `knee` and comes near 1
-/// with the square of the current, divided by `u`.
-#[inline(always)]
-fn drop_per_current<S: Scalar>(u: S, knee: S) -> S {
-    let size = u.abs();
-    let sum = size + knee;
-    sum / size.mul_add(sum, knee * knee)
+impl Laws {
+    /// What either needs.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            torque: self.torque || other.torque,
+            field: self.field || other.field,
+            drop: self.drop || other.drop,
+            brush: self.brush || other.brush,
+            series: self.series || other.series,
+            dry: self.dry || other.dry,
+            meshing: self.meshing || other.meshing,
+        }
+    }
 }
 
 /// Advances the rotor by one step under `drive`; the load is left to the transmission.
@@ -111,27 +124,25 @@ fn drop_per_current<S: Scalar>(u: S, knee: S) -> S {
 /// torque is the smallest that brings the new speed to zero, or the largest that the surface can give.
 #[inline(always)]
 pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive: &Drive<S>) {
-    let weakened = drive.field - S::one();
-    let mut f = weakened.mul_add(s.current, drive.torque);
-    let mut v = drive.voltage - weakened * c.back_emf * s.speed;
     let (u, w) = (s.current, s.speed);
-    let mut u2 = c.uu.mul_add(u, c.uw.mul_add(w, c.uv.mul_add(v, c.uf * f)));
-    let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, c.wv.mul_add(v, c.wf * f)));
+    let (mut v, mut f) = (drive.voltage, drive.torque);
+    if laws.field {
+        let weakened = drive.field - S::one();
+        f = weakened.mul_add(u, f);
+        v -= weakened * c.back_emf * w;
+    }
+    let (mut from_v, mut w_from_v) = (c.uv * v, c.wv * v);
+    if laws.torque || laws.field {
+        from_v = c.uf.mul_add(f, from_v);
+        w_from_v = c.wf.mul_add(f, w_from_v);
+    }
+    let mut u2 = c.uu.mul_add(u, c.uw.mul_add(w, from_v));
+    let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, w_from_v));
 
-    if laws.resistive {
-        let lost = (-(u2 * c.inverse_uv)).clamp(-drive.drop, drive.drop);
-        let after_drop = c.uv.mul_add(lost, u2);
-        let mut resistance = drive.series;
-        if laws.gradual {
-            // Three rounds towards the current that its own drop leaves; the first guess has a sharp knee.
-            let mut after = after_drop.shrink(c.uv * drive.brush);
-            for _ in 0..3 {
-                resistance = drive.brush.mul_add(drop_per_current(after, drive.brush_knee), drive.series);
-                after = after_drop / resistance.mul_add(c.uv, S::one());
-            }
-        }
-        let dv = lost - resistance * after_drop / resistance.mul_add(c.uv, S::one());
-        u2 = c.uv.mul_add(dv, u2);
+    if laws.drop || laws.brush || laws.series {
+        let after = resisted(c, laws, u2, drive);
+        let dv = (after - u2) * c.inverse_uv;
+        u2 = after;
         w2 = c.wv.mul_add(dv, w2);
         v += dv;
     }
@@ -148,8 +159,37 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         w2 = c.wf.mul_add(g, w2);
         f += g;
     }
-    let curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv.mul_add(v, c.xf * f)));
+    let mut curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv * v));
+    if laws.torque || laws.field || laws.dry {
+        curve = c.xf.mul_add(f, curve);
+    }
     s.angle += c.half_step.mul_add(w + w2, curve);
     s.current = u2;
     s.speed = w2;
+}
+
+/// What is left of the current `u2` behind a drop, a brush and a resistance.
+///
+/// A brush loses at current `u` the share u (|u| + knee) / (u^2 + knee |u| + knee^2) of its full drop: an odd function
+/// that rises over `knee` and comes near 1 with the square of the current.
+#[inline(always)]
+fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, u2: S, drive: &Drive<S>) -> S {
+    let mut after = if laws.drop { u2.shrink(c.uv * drive.drop) } else { u2 };
+    let open = if laws.series { drive.series.mul_add(c.uv, S::one()) } else { S::one() };
+    if laws.brush {
+        let (free, full, knee) = (after, c.uv * drive.brush, drive.brush_knee);
+        // Three rounds towards the current that its own drop leaves; the first guess has a sharp knee.
+        after = free.shrink(full);
+        for _ in 0..3 {
+            let size = after.abs();
+            let sum = size + knee;
+            let scale = size.mul_add(sum, knee * knee);
+            after = free * scale / open.mul_add(scale, full * sum);
+        }
+        after
+    } else if laws.series {
+        after / open
+    } else {
+        after
+    }
 }

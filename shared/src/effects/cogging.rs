@@ -1,6 +1,6 @@
 //! Torque ripple of the slots, a fixed number of times per motor revolution.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -22,7 +22,7 @@ pub(super) const SPEC: Spec = Spec {
         &[0.2, 0.0, 3.0], &[0.0, 0.2, 3.0], &[-0.2, 0.0, 3.0], &[0.0, -0.2, 3.0],
         &[0.2, 0.0, 6.0], &[0.0, 0.2, 6.0], &[-0.2, 0.0, 6.0], &[0.0, -0.2, 6.0],
     ],
-    laws: EXPLICIT,
+    laws: TORQUE,
     remembers: false,
     contains: &[],
 };

@@ -1,6 +1,6 @@
 //! A weight on an arm.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -21,7 +21,7 @@ pub(super) const SPEC: Spec = Spec {
         &[0.4, 0.0], &[0.0, 0.4], &[-0.4, 0.0], &[0.0, -0.4],
         &[1.2, 0.0], &[0.0, 1.2], &[-1.2, 0.0], &[0.0, -1.2],
     ],
-    laws: EXPLICIT,
+    laws: TORQUE,
     remembers: false,
     contains: &[],
 };

@@ -13,6 +13,7 @@ mod formula;
 mod spec;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod together;
 pub use formula::{Definition, Entry, Formula, Operation, Quantity, Unsound, UserDefined};
 pub use spec::{Parameter, Port, Scale, Spec};
 
@@ -127,6 +128,26 @@ pub trait Effect<S: Scalar> {
     fn read(&self, _state: &State<S>, _memory: &Memory<S>, _reading: &mut S) {}
 }
 
+/// An effect of the library whose kind the compiler knows.
+pub trait Named<S: Scalar>: Effect<S> {
+    /// Its row.
+    const SPEC: &'static Spec;
+    /// Its place in the registry.
+    const INDEX: usize;
+    /// Fixes the parameters (in the order of the row).
+    fn named(parameters: &[S], setting: &Setting<S>) -> Self;
+}
+
+/// Something to do with an effect's own type, chosen when the program runs.
+pub trait Visit<S: Scalar> {
+    /// What comes of it.
+    type Output;
+    /// Does it with an effect of the library.
+    fn visit<E: Named<S>>(self) -> Self::Output;
+    /// Does it with a user's formula, whose type tells nothing.
+    fn formula(self) -> Self::Output;
+}
+
 /// The registry: one row an effect. The order is the order of application.
 macro_rules! registry {
     ($($module:ident $kind:ident),+ $(,)?) => {
@@ -152,7 +173,24 @@ macro_rules! registry {
                     Self::Formula(UserDefined(definition)) => definition.spec(),
                 }
             }
+            /// Does `work` with the type of this effect.
+            pub fn with<S: Scalar, V: Visit<S>>(self, work: V) -> V::Output {
+                match self {
+                    $(Self::$kind => work.visit::<$kind<S>>(),)+
+                    Self::Formula(_) => work.formula(),
+                }
+            }
         }
+
+        /// The places of the rows.
+        enum Place { $($kind),+ }
+        $(impl<S: Scalar> Named<S> for $kind<S> {
+            const SPEC: &'static Spec = &$module::SPEC;
+            const INDEX: usize = Place::$kind as usize;
+            fn named(parameters: &[S], setting: &Setting<S>) -> Self {
+                Self::new(parameters, setting)
+            }
+        })+
 
         /// An effect at work in a simulation.
         #[derive(Debug, Clone, Copy)]
@@ -226,6 +264,11 @@ impl Kind {
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.spec().name
+    }
+    /// Stands between rotor and load.
+    #[must_use]
+    pub const fn is_transmission(self) -> bool {
+        self.spec().transmits()
     }
     /// Place in the registry: the bit of the device's capability message. None for a user's formula.
     #[must_use]

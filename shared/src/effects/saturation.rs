@@ -1,6 +1,6 @@
 //! Iron that saturates: less torque per ampere at high current.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{FIELD, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,7 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "jumps of the voltage accelerate less than the model says; slow motion fits",
     parameters: &[strength("strength", "1", "loss at stall", Scale::One, [0.0, 0.3, 8.0])],
     probes: &[&[0.15], &[0.6], &[2.0]],
-    laws: EXPLICIT,
+    laws: FIELD,
     remembers: false,
     contains: &[],
 };

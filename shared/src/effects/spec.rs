@@ -111,7 +111,7 @@ pub struct Spec {
     pub parameters: &'static [Parameter],
     /// Finite trial values for the diagnosis, in each parameter's scale.
     pub probes: &'static [&'static [f64]],
-    /// Laws at the end of a step that it needs.
+    /// What of a step it needs.
     pub laws: Laws,
     /// Has something to remember from step to step.
     pub remembers: bool,
@@ -120,6 +120,11 @@ pub struct Spec {
 }
 
 impl Spec {
+    /// Stands between rotor and load.
+    #[must_use]
+    pub const fn transmits(&self) -> bool {
+        matches!(self.port, Port::Transmission)
+    }
     /// Which parameter is the load's share of the inertia; none unless this is a transmission.
     #[must_use]
     pub fn load_share(&self) -> Option<usize> {
@@ -149,13 +154,28 @@ pub(super) const fn shape(
     Parameter { name, unit, meaning, scale, low, high, typical, strength: false }
 }
 
-/// Acts through voltage, torque or geometry alone.
-pub(super) const EXPLICIT: Laws = Laws { resistive: false, gradual: false, dry: false, meshing: false };
-/// Acts through a drop or a resistance.
-pub(super) const RESISTIVE: Laws = Laws { resistive: true, ..EXPLICIT };
+const NONE: Laws = Laws {
+    torque: false,
+    field: false,
+    drop: false,
+    brush: false,
+    series: false,
+    dry: false,
+    meshing: false,
+};
+/// Acts through voltage, transmission or sensor alone.
+pub(super) const EXPLICIT: Laws = NONE;
+/// Acts through a torque.
+pub(super) const TORQUE: Laws = Laws { torque: true, ..NONE };
+/// Acts through the magnetic field.
+pub(super) const FIELD: Laws = Laws { field: true, ..NONE };
+/// Acts through a drop of fixed size against the current.
+pub(super) const DROP: Laws = Laws { drop: true, ..NONE };
 /// Acts through a drop that grows with the current.
-pub(super) const GRADUAL: Laws = Laws { gradual: true, ..RESISTIVE };
+pub(super) const BRUSH: Laws = Laws { brush: true, ..NONE };
+/// Acts through a resistance.
+pub(super) const SERIES: Laws = Laws { series: true, ..NONE };
 /// Acts through dry friction.
-pub(super) const DRY: Laws = Laws { dry: true, ..EXPLICIT };
+pub(super) const DRY: Laws = Laws { dry: true, ..NONE };
 /// Acts through dry friction that grows with the motor's torque.
 pub(super) const MESHING: Laws = Laws { meshing: true, ..DRY };

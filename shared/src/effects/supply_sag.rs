@@ -1,6 +1,6 @@
 //! A weak supply: its voltage falls as the motor draws from it.
 
-use super::spec::{RESISTIVE, Port, Scale, Spec, strength};
+use super::spec::{SERIES, Port, Scale, Spec, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,7 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "too little torque at full duty and high current, none missing at low duty",
     parameters: &[strength("resistance", "1", "source resistance per winding resistance", Scale::One, [0.0, 0.2, 4.0])],
     probes: &[&[0.1], &[0.35], &[0.8]],
-    laws: RESISTIVE,
+    laws: SERIES,
     remembers: false,
     contains: &[],
 };

@@ -3,7 +3,7 @@
 //!
 //! Equation, source and signature stand in the row, because users read them too (`motorlens effects`).
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{Port, Scale, Spec, TORQUE, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -18,7 +18,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque on a straight line through zero when drawn over speed",
     parameters: &[strength("drag", "V s/rad", "torque per speed", Scale::One, [0.0, 0.01, 1.0])],
     probes: &[&[0.01], &[0.1]],
-    laws: EXPLICIT,
+    laws: TORQUE,
     remembers: false,
     contains: &[],
 };

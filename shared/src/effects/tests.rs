@@ -1,11 +1,11 @@
 //! What holds for every row of the registry, and for the template.
 
 use super::testing::{BASE, RIG};
-use super::{Kind, Port};
+use super::{Active, Effect, Kind, Memory, Now, Port, Setting};
 use crate::fixed::Fixed;
 use crate::lanes::Lanes;
 use crate::simulator::Simulator;
-use crate::step::State;
+use crate::step::{Drive, Laws, State};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::vec::Vec;
@@ -71,6 +71,38 @@ fn every_row_is_complete_and_consistent() {
         }
         assert_eq!(s.load_share().is_some(), s.port == Port::Transmission);
     }
+}
+
+#[test]
+fn every_effect_sets_only_what_its_row_declares() {
+    let plain = Drive::plain(3.0);
+    for kind in Kind::ALL {
+        let effect = Active::new(*kind, &typical(*kind), &Setting::new(&BASE, &RIG, 1));
+        let state = State { load_speed: 2.5, load_angle: 0.8, ..State::moving(2.0, 3.0, 0.7) };
+        let now = Now { command: 3.0, state, voltages: &[1.0, 3.0], index: 1 };
+        let memory = Memory { store: 0.1, origin: 0.2 };
+        let mut drive = plain;
+        effect.drive(&now, &memory, &mut drive);
+        let set = Laws {
+            torque: drive.torque != plain.torque || drive.load_torque != plain.load_torque,
+            field: drive.field != plain.field,
+            drop: drive.drop != plain.drop,
+            series: drive.series != plain.series,
+            brush: drive.brush != plain.brush,
+            dry: drive.friction_forward != plain.friction_forward
+                || drive.friction_backward != plain.friction_backward
+                || drive.meshing != plain.meshing,
+            meshing: drive.meshing != plain.meshing,
+        };
+        assert_eq!(set, kind.spec().laws, "{kind}");
+    }
+}
+
+#[test]
+fn effects_act_in_the_order_of_the_registry_however_they_are_given() {
+    let volts = drive(2000);
+    let (delay, dead) = ((Kind::Delay, typical(Kind::Delay)), (Kind::DeadZone, typical(Kind::DeadZone)));
+    assert_eq!(angles(&[delay.clone(), dead.clone()], &volts), angles(&[dead, delay], &volts));
 }
 
 #[test]

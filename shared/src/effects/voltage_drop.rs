@@ -1,6 +1,6 @@
 //! Brushes and transistors that take a fixed voltage from any current.
 
-use super::spec::{GRADUAL, Port, Scale, Spec, shape, strength};
+use super::spec::{BRUSH, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,7 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("knee", "V", "current at which two thirds are lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
     ],
     probes: &[&[0.1, 0.15], &[0.4, 0.15], &[1.0, 0.15], &[2.0, 0.15]],
-    laws: GRADUAL,
+    laws: BRUSH,
     remembers: false,
     contains: &[],
 };

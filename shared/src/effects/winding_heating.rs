@@ -1,6 +1,6 @@
 //! The winding warms up and its resistance rises.
 
-use super::spec::{RESISTIVE, Port, Scale, Spec, shape, strength};
+use super::spec::{SERIES, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -17,7 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("cooling", "s", "thermal time constant", Scale::One, [2.0, 30.0, 300.0]),
     ],
     probes: &[&[0.02, 30.0], &[0.1, 30.0], &[0.3, 30.0], &[0.3, 8.0]],
-    laws: RESISTIVE,
+    laws: SERIES,
     remembers: true,
     contains: &[],
 };

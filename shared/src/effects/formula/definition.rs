@@ -1,6 +1,6 @@
 //! What a formula is: its row, where it enters, its program.
 
-use super::super::spec::{DRY, EXPLICIT, RESISTIVE, Spec};
+use super::super::spec::{DROP, DRY, EXPLICIT, SERIES, Spec, TORQUE};
 use crate::simulator::MAX_PARAMETERS;
 use crate::step::Laws;
 
@@ -88,13 +88,15 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Laws at the end of a step that it needs.
+    /// What of a step it needs.
     #[must_use]
     pub const fn laws(self) -> Laws {
         match self {
-            Self::Torque | Self::Voltage | Self::Sensor => EXPLICIT,
+            Self::Voltage | Self::Sensor => EXPLICIT,
+            Self::Torque => TORQUE,
             Self::Friction => DRY,
-            Self::Drop | Self::Resistance => RESISTIVE,
+            Self::Drop => DROP,
+            Self::Resistance => SERIES,
         }
     }
     /// Whether a formula that enters here may read `quantity`.

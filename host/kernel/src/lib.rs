@@ -1,0 +1,118 @@
+//! The inner loop: a block of candidates through the cells of a record.
+//!
+//! A crate of its own because it compiles the motor once for every small set of effects, which takes time and
+//! changes seldom.
+
+#[cfg(target_arch = "x86_64")]
+mod sets;
+#[cfg(target_arch = "x86_64")]
+mod wide;
+
+use motorlens_shared::effects::together::Effects;
+use motorlens_shared::lanes::Lanes;
+use motorlens_shared::scalar::Scalar;
+use motorlens_shared::simulator::{Motion, Simulator};
+use motorlens_shared::step::State;
+
+#[cfg(target_arch = "x86_64")]
+pub use sets::run_wide;
+#[cfg(target_arch = "x86_64")]
+pub use wide::Wide;
+
+/// Candidates that share a pass.
+pub const LANES: usize = 8;
+/// One number of each of them.
+pub type Block = Lanes<f64, LANES>;
+
+/// Cells between two calls of the sink: their readings stay in the nearest cache.
+const CHUNK: usize = 64;
+
+/// Reading (rad of the output shaft) and speed that goes with it (rad/s), at the end of a cell.
+pub type Reading<T> = [T; 2];
+
+/// Takes what the motion shows at the ends of consecutive cells.
+pub trait Sink<T> {
+    /// The reading at the start, first of all.
+    fn begin(&mut self, reading: Reading<T>);
+    /// Readings of the cells `first ..`.
+    fn take(&mut self, first: usize, readings: &[Reading<T>]);
+}
+
+/// A run through a record.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a, S: Scalar> {
+    /// At the first cell.
+    pub start: State<S>,
+    /// Mean voltage of every cell, V.
+    pub voltages: &'a [S::Element],
+    /// Cells to run, at most as many as there are voltages.
+    pub cells: usize,
+    /// Whether the encoder turns with the rotor: whose speed goes with the reading.
+    pub encoder_on_motor: bool,
+}
+
+/// Whether this processor has AVX2 and fused multiply-add.
+#[must_use]
+pub fn has_wide() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// A number whose readings can be handed out as plain `f64`.
+pub trait Shown: Scalar {
+    /// What is handed out.
+    type Plain: Copy;
+    /// The same number.
+    fn plain(self) -> Self::Plain;
+}
+
+impl Shown for f64 {
+    type Plain = Self;
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+}
+
+impl Shown for Block {
+    type Plain = Self;
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+}
+
+#[inline(always)]
+fn show<S: Shown, E: Effects<S>>(
+    simulator: &Simulator<S, E>,
+    motion: &Motion<S>,
+    of_rotor: bool,
+) -> Reading<S::Plain> {
+    let speed = if of_rotor { motion.state.speed } else { motion.state.load_speed };
+    [simulator.read(motion).plain(), speed.plain()]
+}
+
+/// Runs `course` and hands the readings to `sink`.
+#[inline(always)]
+pub fn run<S: Shown, E: Effects<S>>(
+    simulator: &Simulator<S, E>,
+    course: &Course<S>,
+    sink: &mut dyn Sink<S::Plain>,
+) {
+    let mut motion = simulator.start(course.start);
+    let start = show(simulator, &motion, course.encoder_on_motor);
+    sink.begin(start);
+    let mut readings = [start; CHUNK];
+    let mut first = 0;
+    while first < course.cells {
+        let count = CHUNK.min(course.cells - first);
+        for k in 0..count {
+            simulator.advance(&mut motion, course.voltages, first + k);
+            readings[k] = show(simulator, &motion, course.encoder_on_motor);
+        }
+        sink.take(first, &readings[..count]);
+        first += count;
+    }
+}

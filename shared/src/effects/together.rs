@@ -1,0 +1,151 @@
+//! Effects that work together in one model, known when the program is compiled or when it runs.
+//!
+//! A set that the compiler knows ([`With`] ... [`Nothing`]) leaves no choice to be made in a step and keeps a block of
+//! lanes in registers; [`Several`] holds any set and chooses at every step.
+
+use super::{Active, Effect, Kind, Memory, Named, Now, Port, Setting};
+use crate::scalar::Scalar;
+use crate::step::{Drive, Laws, State};
+use heapless::Vec;
+
+/// Most effects that one model may hold.
+pub const MAX_EFFECTS: usize = 6;
+
+/// A set of effects in the order of the registry. `memories` holds one for each of them, or more.
+pub trait Effects<S: Scalar> {
+    /// What of a step they need.
+    fn laws(&self) -> Laws;
+    /// One of them stands between rotor and load.
+    fn two_masses(&self) -> bool;
+    /// See [`Effect::drive`].
+    fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>);
+    /// See [`Effect::settle`].
+    fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]);
+    /// See [`Effect::couple`].
+    fn couple(&self, part: S, state: &mut State<S>);
+    /// See [`Effect::read`].
+    fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S);
+}
+
+/// The plain motor.
+#[derive(Debug, Clone, Copy)]
+pub struct Nothing;
+
+impl<S: Scalar> Effects<S> for Nothing {
+    #[inline(always)]
+    fn laws(&self) -> Laws {
+        Laws::default()
+    }
+    #[inline(always)]
+    fn two_masses(&self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn drive(&self, _now: &Now<S>, _memories: &[Memory<S>], _drive: &mut Drive<S>) {}
+    #[inline(always)]
+    fn settle(&self, _now: &Now<S>, _after: &State<S>, _memories: &mut [Memory<S>]) {}
+    #[inline(always)]
+    fn couple(&self, _part: S, _state: &mut State<S>) {}
+    #[inline(always)]
+    fn read(&self, _state: &State<S>, _memories: &[Memory<S>], _reading: &mut S) {}
+}
+
+/// One effect before others, which follow it in the registry.
+#[derive(Debug, Clone, Copy)]
+pub struct With<A, R>(pub A, pub R);
+
+impl<S: Scalar, A: Named<S>, R: Effects<S>> Effects<S> for With<A, R> {
+    #[inline(always)]
+    fn laws(&self) -> Laws {
+        A::SPEC.laws.and(self.1.laws())
+    }
+    #[inline(always)]
+    fn two_masses(&self) -> bool {
+        A::SPEC.transmits() || self.1.two_masses()
+    }
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
+        self.0.drive(now, &memories[0], drive);
+        self.1.drive(now, &memories[1..], drive);
+    }
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
+        self.0.settle(now, after, &mut memories[0]);
+        self.1.settle(now, after, &mut memories[1..]);
+    }
+    #[inline(always)]
+    fn couple(&self, part: S, state: &mut State<S>) {
+        self.0.couple(part, state);
+        self.1.couple(part, state);
+    }
+    #[inline(always)]
+    fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S) {
+        self.0.read(state, &memories[0], reading);
+        self.1.read(state, &memories[1..], reading);
+    }
+}
+
+/// Any effects, up to [`MAX_EFFECTS`].
+#[derive(Debug, Clone)]
+pub struct Several<S> {
+    active: Vec<Active<S>, MAX_EFFECTS>,
+    laws: Laws,
+    two_masses: bool,
+    remembers: bool,
+    senses: bool,
+}
+
+impl<S: Scalar> Several<S> {
+    /// Fixes the parameters (in each row's order); of more than [`MAX_EFFECTS`], the last are left out.
+    #[must_use]
+    pub fn new(effects: &[(Kind, &[S])], setting: &Setting<S>) -> Self {
+        let any = |of: fn(Kind) -> bool| effects.iter().any(|(kind, _)| of(*kind));
+        Self {
+            active: effects.iter().take(MAX_EFFECTS).map(|(k, p)| Active::new(*k, p, setting)).collect(),
+            laws: effects.iter().fold(Laws::default(), |laws, (kind, _)| laws.and(kind.spec().laws)),
+            two_masses: any(Kind::is_transmission),
+            remembers: any(|kind| kind.spec().remembers),
+            // A user's formula may enter anywhere.
+            senses: any(|kind| kind.spec().port == Port::Sensor || matches!(kind, Kind::Formula(_))),
+        }
+    }
+}
+
+impl<S: Scalar> Effects<S> for Several<S> {
+    #[inline(always)]
+    fn laws(&self) -> Laws {
+        self.laws
+    }
+    #[inline(always)]
+    fn two_masses(&self) -> bool {
+        self.two_masses
+    }
+    #[inline(always)]
+    fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
+        for (effect, memory) in self.active.iter().zip(memories) {
+            effect.drive(now, memory, drive);
+        }
+    }
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
+        if self.remembers {
+            for (effect, memory) in self.active.iter().zip(memories) {
+                effect.settle(now, after, memory);
+            }
+        }
+    }
+    #[inline(always)]
+    fn couple(&self, part: S, state: &mut State<S>) {
+        for effect in &self.active {
+            effect.couple(part, state);
+        }
+    }
+    #[inline(always)]
+    fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S) {
+        if self.senses {
+            for (effect, memory) in self.active.iter().zip(memories) {
+                effect.read(state, memory, reading);
+            }
+        }
+    }
+}
