@@ -62,7 +62,7 @@ pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
 }
 
 /// Below this difference of merit two laws of the same size fit alike, and the commoner one is meant.
-const TIE: f64 = 0.02;
+const TIE: f64 = 0.04;
 
 /// How seldom one meets the last effect of `c`: asked only where the data do not decide.
 fn rarity(c: &Candidate) -> usize {
@@ -135,6 +135,9 @@ pub fn run(
 fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candidate> {
     let next = simplest(found)?;
     let keeps = |c: &&Candidate| model.kinds().iter().all(|k| c.kinds().contains(k));
+    if keeps(&next) {
+        return Some(next);
+    }
     let kept = found.iter().filter(keeps).find(|c| c.size() <= next.size() && as_good(c, next));
     Some(kept.unwrap_or(next))
 }
