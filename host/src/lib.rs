@@ -9,6 +9,7 @@ pub mod estimate;
 pub mod exam;
 pub mod export;
 pub mod fit;
+pub mod formula;
 pub mod log;
 pub mod model_file;
 pub mod motor_file;

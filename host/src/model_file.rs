@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::atomic_file;
 use crate::error::{BadInput, Error, Result};
 use crate::fit::layout::{BaseValues, Prior, Values};
+use crate::formula::{self, Written};
 
 /// Version of the file's layout.
 pub const SCHEMA: u32 = 1;
@@ -58,11 +59,43 @@ pub struct PriorValues {
 
 /// An effect with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "WrittenEffect")]
 pub struct EffectValues {
     /// Which.
     pub effect: Kind,
     /// Its parameters in the registry's order.
     pub parameters: Vec<NamedValue>,
+    /// What a user wrote of it, where it is not of the library.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub formula: Option<Written>,
+}
+
+/// An effect as it stands in the file.
+#[derive(Deserialize)]
+struct WrittenEffect {
+    effect: String,
+    parameters: Vec<NamedValue>,
+    #[serde(default)]
+    formula: Option<Written>,
+}
+
+impl TryFrom<WrittenEffect> for EffectValues {
+    type Error = String;
+
+    fn try_from(written: WrittenEffect) -> std::result::Result<Self, String> {
+        let WrittenEffect { effect: name, parameters, formula } = written;
+        let effect = match &formula {
+            Some(own) => {
+                formula::define(own).map_err(|w| format!("effect {name}: {}; {}", w.why, w.remedy))?
+            }
+            None => Kind::by_name(&name)
+                .ok_or_else(|| format!("\"{name}\" is no effect (motorlens effects lists them)"))?,
+        };
+        if effect.name() != name {
+            return Err(format!("effect {name} has the formula of {effect}"));
+        }
+        Ok(Self { effect, parameters, formula })
+    }
 }
 
 /// A parameter as people read it.
@@ -102,6 +135,7 @@ impl Model {
                 .zip(parameters)
                 .map(|(p, x)| NamedValue { name: p.name.into(), value: *x, unit: p.unit.into() })
                 .collect(),
+            formula: formula::written(*kind),
         });
         Self {
             schema: SCHEMA,

@@ -186,25 +186,27 @@ fn fault(path: &Path, text: &str, start: usize, message: &str) -> BadInput {
     let character = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
     let why = message.lines().next().unwrap_or(message);
     let (why, remedy) = match unknown_key(why) {
-        Some(key) => (format!("the key \"{key}\" is unknown"), did_you_mean(key)),
+        Some(key) => (format!("the key \"{key}\" is unknown"), did_you_mean(key, &KEYS)),
         None => (why.to_owned(), "correct this line; all keys are optional".to_owned()),
     };
     BadInput::new(path, why, remedy).at_line(line).at_character(character)
 }
 
-fn unknown_key(message: &str) -> Option<&str> {
+/// The key that a TOML file should not have, from the parser's message.
+pub(crate) fn unknown_key(message: &str) -> Option<&str> {
     message.strip_prefix("unknown field `")?.split('`').next()
 }
 
-fn did_you_mean(key: &str) -> String {
-    let nearest = KEYS
-        .into_iter()
+/// The nearest of the keys that a file may have.
+pub(crate) fn did_you_mean(key: &str, keys: &[&str]) -> String {
+    let nearest = keys
+        .iter()
         .map(|known| (strsim::damerau_levenshtein(key, known), known))
         .min()
-        .filter(|&(distance, known)| distance * 2 <= known.len());
+        .filter(|(distance, known)| distance * 2 <= known.len());
     match nearest {
         Some((_, known)) => format!("did you mean {known}?"),
-        None => format!("remove it, or take one of: {}", KEYS.join(", ")),
+        None => format!("remove it, or take one of: {}", keys.join(", ")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Properties of the reader over files that nobody would write by hand.
 
-use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, write_canonical};
+use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, suspicions, write_canonical};
 use proptest::prelude::*;
 
 fn outcome(
@@ -28,6 +28,7 @@ fn holds(answer: Result<Vec<Record>, motorlens::error::Error>) -> Result<(), Tes
                 }
                 prop_assert!(record.time_s.windows(2).all(|pair| pair[0] < pair[1]));
                 content_faults(&record);
+                suspicions(&[record]);
             }
         }
         Err(error) => {

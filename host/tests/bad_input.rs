@@ -150,3 +150,38 @@ fn fixed_parameters_are_held_and_a_slip_in_their_name_is_answered() {
     let slip = run(here, &format!("fit {logs}")).ends(3);
     assert!(slip.err.contains("m.toml") && slip.err.contains("did you mean tau_"), "{}", slip.err);
 }
+
+#[test]
+fn records_that_say_too_little_and_faults_of_the_data_are_told_beside_the_answer() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    // A speed that is steady but for the first moments: no acceleration, no time constant.
+    let slow = table(HEADER, |t| 2.0 + 0.002 * t, |t| 1.2 * t + 0.0006 * t * t);
+    std::fs::write(here.join("log.csv"), slow).unwrap();
+    let fit = run(here, "fit log.csv --json").ends(0).json();
+    let told = |document: &serde_json::Value, wanted: &str| {
+        let all = document["data_faults"].as_array().unwrap();
+        all.iter().any(|f| {
+            f["fault"].as_str().unwrap().starts_with(wanted) && !f["fix"].as_str().unwrap().is_empty()
+        })
+    };
+    assert!(told(&fit, "too_little_excitation"), "{}", fit["data_faults"]);
+
+    // The voltage eight rows late.
+    run(here, "simulate --rate 100 --out s --quiet").ends(0);
+    let text = std::fs::read_to_string(here.join("s/multisine.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|l| l.split(',').collect()).collect();
+    let first = rows.iter().position(|r| r[0] == "time_s").unwrap() + 1;
+    let mut late: String = text.lines().take(first).map(|l| format!("{l}\n")).collect();
+    for k in first..rows.len() {
+        let voltage = rows[k.max(first + 8) - 8][1];
+        let _ = writeln!(late, "{},{voltage},{}", rows[k][0], rows[k][2]);
+    }
+    std::fs::write(here.join("late.csv"), late).unwrap();
+    let fit = run(here, "fit late.csv --json").ends(0).json();
+    assert!(told(&fit, "shifted_samples"), "{}", fit["data_faults"]);
+    let said = run(here, "fit late.csv").ends(0);
+    assert!(said.err.contains("before its voltage") && said.err.contains("  do: "), "{}", said.err);
+    let good = run(here, "fit s/multisine.csv --json").ends(0).json();
+    assert_eq!(good["data_faults"].as_array().map(Vec::len), Some(0), "{}", good["data_faults"]);
+}

@@ -1,7 +1,11 @@
 //! A log of 100 MB is read in seconds, in memory that follows the numbers kept and not the size of the file.
 
-use std::io::{BufWriter, Write};
-use std::time::Instant;
+mod program;
+
+use std::io::{BufWriter, Read, Write};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 use motorlens::log::{ReadOptions, read};
 
@@ -36,4 +40,68 @@ fn a_hundred_megabytes_are_read_in_seconds() {
         assert!(kilobytes < 90_000, "{kilobytes} kB");
     }
     assert!(seconds < 20.0, "{seconds} s on a shared machine");
+}
+
+/// Status, standard error, seconds and the highest memory in kB (0 where the system does not tell).
+fn watched(directory: &Path, words: &str) -> (i32, String, f64, usize) {
+    let start = Instant::now();
+    let mut child =
+        program::command(directory, words).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let status_file = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    let status = loop {
+        if let Ok(text) = std::fs::read_to_string(&status_file) {
+            let line = text.lines().find(|line| line.starts_with("VmHWM:"));
+            let now = line.and_then(|l| l.split_whitespace().nth(1)?.parse().ok());
+            peak = peak.max(now.unwrap_or(0));
+        }
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let mut err = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
+    (status.code().unwrap(), err, start.elapsed().as_secs_f64(), peak)
+}
+
+#[test]
+fn a_hundred_megabytes_are_fitted_or_refused_by_the_program_in_seconds() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let file = |name: &str| BufWriter::new(std::fs::File::create(here.join(name)).unwrap());
+
+    // An hour of a first-order motor at 1 kHz, written with all digits.
+    let mut log = file("motor.csv");
+    writeln!(log, "time_s,voltage_v,angle_rad").unwrap();
+    let (mut speed, mut angle, mut bytes, mut row) = (0.0_f64, 0.0_f64, 0, 0_u32);
+    while bytes < 100_000_000 {
+        let volts = f64::from((row / 700 * 7) % 13) - 6.0;
+        let line = format!("{:.3},{volts},{:.6}\n", f64::from(row) * 1e-3, (angle * 1e4).floor() * 1e-4);
+        log.write_all(line.as_bytes()).unwrap();
+        speed += (0.6 * volts - speed) / 50.0;
+        angle += 1e-3 * speed;
+        (bytes, row) = (bytes + line.len(), row + 1);
+    }
+    drop(log);
+    let (status, err, seconds, peak) = watched(here, "fit motor.csv --quiet");
+    println!("fit of {row} rows: {seconds:.1} s, {} MB", peak / 1000);
+    assert_eq!(status, 0, "{err}");
+    assert!(seconds < 90.0 && peak < 1_500_000, "{seconds} s, {peak} kB");
+
+    // No line ever ends: no table, and no reason to keep it.
+    let mut one_line = file("line.csv");
+    (0..100).for_each(|_| one_line.write_all(&[b'7'; 1_000_000]).unwrap());
+    drop(one_line);
+    let mut zeros = file("zeros.csv");
+    (0..100).for_each(|_| zeros.write_all(&[0; 1_000_000]).unwrap());
+    drop(zeros);
+    for name in ["line.csv", "zeros.csv"] {
+        let (status, err, seconds, peak) = watched(here, &format!("fit {name} --out m.json"));
+        println!("{name}: {seconds:.1} s, {} MB: {err}", peak / 1000);
+        assert_eq!(status, 3, "{err}");
+        assert!(err.contains(name) && err.contains("  do: "), "{err}");
+        assert!(seconds < 10.0 && peak < 300_000, "{seconds} s, {peak} kB");
+        assert!(!here.join("m.json").exists());
+    }
 }

@@ -48,6 +48,20 @@ fn fit_gives_the_published_document_and_a_model_that_compare_reads() {
         number(&level["low"]) < number(&level["value"]) && number(&level["value"]) < number(&level["high"])
     );
     assert_eq!(level["identifiable"], true);
+    let open = &fit["identifiability"];
+    assert_eq!((&open["determined"], &open["free"]), (&3.into(), &5.into()));
+    for answer in open["eight_parameters"].as_array().unwrap() {
+        assert!(number(&answer["difference"]) < 1e-9 && answer["parameters"].as_array().unwrap().len() == 8);
+    }
+    assert!(
+        open["unlock"].as_array().unwrap().iter().any(|u| u["measure"].as_str().unwrap().contains("stall"))
+    );
+    for profile in fit["profiles"].as_array().unwrap() {
+        assert_has(
+            profile,
+            &["name", "low", "high", "open_below", "open_above", "curvature", "curvature_misleads"],
+        );
+    }
 
     let compared =
         run(directory.path(), &format!("compare m.json {logs} --trace t.csv --json")).ends(0).json();
@@ -96,6 +110,8 @@ fn all_methods_agree_on_a_motor_without_effects() {
         let other = gain(method);
         assert!((other / fast - 1.0).abs() < 0.02, "{method}: {other} {fast}");
     }
+    let usual = gain("feedforward");
+    assert!((usual / fast - 1.0).abs() < 0.05, "kS-kV-kA: {usual} {fast}");
     let refused = "fit s/prbs.csv --method paper --effects coulomb";
     assert!(run(directory.path(), refused).ends(2).err.contains("linear"));
 }

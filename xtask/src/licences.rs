@@ -1,6 +1,6 @@
 //! Every dependency must be usable under a permissive licence.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use cargo_metadata::{CargoOpt, MetadataCommand};
@@ -30,19 +30,30 @@ const PERMISSIVE: [&str; 14] = [
 /// Crates under another licence, each with the licence that was looked at and accepted.
 const EXCEPTIONS: [(&str, &str); 0] = [];
 
-/// Checks the host's workspace, the board image's, the bench's and the browser tests'.
+/// Checks the host's workspace and every one beside it.
 pub fn check_all() -> Result<()> {
-    let root = process::root();
-    for manifest in
-        ["Cargo.toml", "firmware/stm32f4/Cargo.toml", "tests/bench/Cargo.toml", "tests/browser/Cargo.toml"]
-    {
-        let path = root.join(manifest);
-        if path.is_file() {
-            let count = check(&path)?;
-            println!("{manifest}: {count} crates, all permissive");
-        }
+    for manifest in workspaces() {
+        let count = check(&manifest)?;
+        println!("{}: {count} crates, all permissive", manifest.display());
     }
     Ok(())
+}
+
+/// Manifests of all workspaces of the repository: each has a lock file of its own.
+fn workspaces() -> Vec<PathBuf> {
+    let root = process::root();
+    let mut directories = vec![root.clone(), root.join("firmware"), root.join("tests")];
+    for parent in [root.join("firmware"), root.join("tests")] {
+        let inside = std::fs::read_dir(parent).into_iter().flatten().flatten().map(|entry| entry.path());
+        directories.extend(inside);
+    }
+    let mut manifests: Vec<PathBuf> = directories
+        .into_iter()
+        .filter(|d| d.join("Cargo.lock").is_file())
+        .map(|d| d.join("Cargo.toml"))
+        .collect();
+    manifests.sort();
+    manifests
 }
 
 /// Checks one workspace and returns how many crates it uses. The error names every offender.
@@ -90,8 +101,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_host_workspace_uses_only_permissive_licences() {
-        check(&process::root().join("Cargo.toml")).unwrap();
+    fn every_workspace_uses_only_permissive_licences() {
+        let all = workspaces();
+        assert!(all.len() >= 4 && all.contains(&process::root().join("Cargo.toml")), "{all:?}");
+        for manifest in all {
+            check(&manifest).unwrap();
+        }
     }
 
     #[test]

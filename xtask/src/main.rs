@@ -4,6 +4,7 @@ mod apt;
 mod arm;
 mod bench;
 mod browser;
+mod exports;
 mod instructions;
 mod licences;
 mod peers;

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use std::process::Command;
 
-use crate::{apt, process};
+use crate::{apt, exports, process};
 
 /// What the comparison needs from PyPI.
 const PYTHON: [&str; 4] = ["scipy", "pygad", "pymoo", "deap"];
@@ -15,7 +14,7 @@ pub fn run() -> Result<()> {
     apt::ensure_apt(&["octave", "octave-control", "python3-venv"])?;
     let directory = process::root().join("target/peers");
     std::fs::create_dir_all(&directory)?;
-    let python = python(&directory.join("venv"))?;
+    let python = exports::environment(&directory.join("venv"), &PYTHON)?;
     process::run(
         process::cargo()
             .current_dir(crate_directory())
@@ -29,16 +28,4 @@ pub fn run() -> Result<()> {
 /// Where the comparison lives: a workspace of its own.
 pub fn crate_directory() -> PathBuf {
     process::root().join("tests/peers")
-}
-
-/// A Python of its own with what is needed, made on first use.
-fn python(directory: &std::path::Path) -> Result<PathBuf> {
-    let python = directory.join("bin/python");
-    let modules = PYTHON.map(|name| format!("import {name}")).join("; ");
-    let ready = Command::new(&python).args(["-c", &modules]).output();
-    if !ready.is_ok_and(|output| output.status.success()) {
-        process::run(Command::new("python3").args(["-m", "venv"]).arg(directory))?;
-        process::run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(PYTHON))?;
-    }
-    Ok(python)
 }

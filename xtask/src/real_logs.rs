@@ -1,4 +1,4 @@
-//! `motorlens discover` on published logs of real motors, as a table.
+//! `motorlens discover` on published logs of real motors, beside the usual kS-kV-kA fit, as a table.
 //!
 //! The logs are no part of this project; `--data` names the directory that holds them.
 
@@ -58,16 +58,20 @@ const CASES: [Case; 3] = [
 /// Runs every case and prints the table.
 pub fn print(options: &Options) -> Result<()> {
     ensure!(options.data.is_dir(), "no logs at {}: give --data DIR", options.data.display());
-    println!("| log | effects | unseen rmse before | after | rivals |\n|---|---|---|---|---|");
+    println!(
+        "| log | effects | unseen rmse, kS-kV-kA | linear model | with effects | rivals |\n|---|---|---|---|---|---|"
+    );
     for case in &CASES {
-        let found = discover(case, &options.data)?;
+        let found = run(case, &options.data, &["discover"])?;
+        let usual = run(case, &options.data, &["fit", "--method", "feedforward"])?;
         let ladder = found["ladder"].as_array().context("a ladder")?;
         let unseen =
             |rung: Option<&Value>| rung.and_then(|r| r["validation"]["rmse"].as_f64()).unwrap_or(f64::NAN);
         println!(
-            "| {} | {} | {:.4} | {:.4} | {} |",
+            "| {} | {} | {:.4} | {:.4} | {:.4} | {} |",
             case.name,
             words(&found["effects"]),
+            unseen(Some(&usual)),
             unseen(ladder.first()),
             unseen(ladder.last()),
             words(&found["rivals"][0])
@@ -81,20 +85,10 @@ fn words(list: &Value) -> String {
     if names.is_empty() { "none".into() } else { names.join(", ") }
 }
 
-fn discover(case: &Case, data: &Path) -> Result<Value> {
+fn run(case: &Case, data: &Path, verb: &[&str]) -> Result<Value> {
     let mut command = process::cargo();
-    command.args([
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "motorlens",
-        "--",
-        "discover",
-        "--json",
-        "--quiet",
-    ]);
-    command.args(case.logs.iter().map(|log| data.join(log)));
+    command.args(["run", "--quiet", "--release", "--package", "motorlens", "--"]).args(verb);
+    command.args(["--json", "--quiet"]).args(case.logs.iter().map(|log| data.join(log)));
     command.arg("--validate").arg(data.join(case.unseen)).args(case.reading);
     let output = command.output().context("cannot run motorlens")?;
     serde_json::from_slice(&output.stdout)

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, bench, browser, instructions, licences, process, sizes};
+use crate::{arm, bench, browser, exports, instructions, licences, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 12] = [
+const PARTS: [Part; 13] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -36,8 +36,11 @@ const PARTS: [Part; 12] = [
         one(process::run(&mut doc))
     }),
     ("host tests", || {
-        process::run_tests(process::cargo().args(["test", "--workspace", "--locked", "--no-fail-fast"]))
+        let mut tests = process::cargo();
+        tests.args(["test", "--workspace", "--locked", "--no-fail-fast"]).env("MOTORLENS_LONG_TESTS", "1");
+        process::run_tests(&mut tests)
     }),
+    ("exports in their tools", exports::tests),
     ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
     ("decoder on ten million inputs", || {
         let test = ["test", "--release", "-p", "motorlens-shared", "--test", "link_any_bytes"];

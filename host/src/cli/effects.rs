@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::Console;
 use crate::error::Result;
 use crate::estimate::effect_by_name;
+use crate::formula;
 
 /// Options of `effects`.
 #[derive(Debug, clap::Args)]
@@ -45,7 +46,7 @@ struct Registry {
 /// Lists the effects.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let kinds = match args.names.as_slice() {
-        [] => Kind::ALL.to_vec(),
+        [] => formula::all(),
         names => names.iter().map(|n| effect_by_name(n)).collect::<Result<_>>()?,
     };
     let registry = Registry { schema: 1, effects: kinds.iter().map(|k| row(*k)).collect() };

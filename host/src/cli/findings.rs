@@ -11,7 +11,7 @@ use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, Warning, content_faults};
+use crate::log::{Record, Warning, content_faults, suspicions};
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -65,6 +65,10 @@ impl Findings {
     /// What a discovery on `records` found.
     pub fn new(found: &Discovery, records: &[Record]) -> Self {
         let values = found.model.values();
+        let parameters = estimates(&found.evidence.whole, &values);
+        let mut faults = data_faults(records);
+        faults.extend(too_little_excitation(&parameters));
+        faults.extend(found.effects.iter().filter_map(|kind| of_the_sensor(*kind)));
         Self {
             schema: 1,
             effects: found.effects.clone(),
@@ -74,8 +78,8 @@ impl Findings {
             candidates: found.candidates.clone(),
             rivals: found.rivals.clone(),
             next_experiment: next_experiment(found),
-            data_faults: data_faults(records),
-            parameters: estimates(&found.evidence.whole, &values),
+            data_faults: faults,
+            parameters,
             combinations: combinations(&found.evidence.whole, &values),
             seconds: found.seconds,
             simulations: found.simulations,
@@ -126,5 +130,41 @@ pub fn data_faults(records: &[Record]) -> Vec<Warning> {
         let faults: Vec<Warning> = content_faults(r).iter().map(|f| f.to_warning(r)).collect();
         r.warnings.iter().cloned().chain(faults).collect::<Vec<_>>()
     };
-    records.iter().flat_map(of).collect()
+    records.iter().flat_map(of).chain(suspicions(records)).collect()
+}
+
+/// Records from which even the plain motor cannot be had.
+pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
+    let open: Vec<&str> = parameters
+        .iter()
+        .filter(|p| matches!(p.name.as_str(), "gain" | "tau_m") && !p.identifiable)
+        .map(|p| p.name.as_str())
+        .collect();
+    (!open.is_empty()).then(|| Warning {
+        place: "all records together".into(),
+        what: format!("too_little_excitation: they do not determine {}", open.join(" and ")),
+        fix:
+            "record a programme that accelerates, brakes and holds several speeds (motorlens plan writes one)"
+                .into(),
+    })
+}
+
+/// Effects that are faults of the measurement, and how to end them instead of modelling them.
+fn of_the_sensor(kind: Kind) -> Option<Warning> {
+    let (what, fix) = match kind {
+        Kind::LostCounts => (
+            "lost_counts: the angle falls behind at speed as if edges were missed",
+            "read the encoder by hardware or faster, check its cable and filter, and log again",
+        ),
+        Kind::SensorLag => (
+            "stale_samples: the reading trails the motion as if it were filtered or old",
+            "log the raw reading at the instant of the voltage; else keep the effect",
+        ),
+        Kind::Delay => (
+            "shifted_samples: the motion follows the logged voltage late",
+            "check that the columns of a row belong to one instant; if the drive is that slow, keep the effect",
+        ),
+        _ => return None,
+    };
+    Some(Warning { place: "all records together".into(), what: what.into(), fix: fix.into() })
 }

@@ -6,12 +6,14 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::discover::unit;
+use super::findings::{data_faults, too_little_excitation};
 use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::compare::measures::Measures;
 use crate::error::Result;
-use crate::estimate::{Fit, Method, Options, effect_by_name, fit};
+use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
 use crate::fit::uncertainty::Estimate;
+use crate::log::Warning;
 
 /// Options of `fit`.
 #[derive(Debug, clap::Args)]
@@ -45,6 +47,9 @@ struct Document<'a> {
     effects: Vec<Kind>,
     parameters: &'a [Estimate],
     combinations: &'a [Estimate],
+    profiles: &'a [Profile],
+    identifiability: &'a Identifiability,
+    data_faults: Vec<Warning>,
     train: Measures,
     validation: Option<Measures>,
     objective_history: &'a [f64],
@@ -80,12 +85,21 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.out {
         fitted.model.write(path)?;
     }
+    let mut faults = data_faults(&logs.records);
+    let lacking = too_little_excitation(&fitted.parameters);
+    if let Some(warning) = &lacking {
+        console.say(format!("data: {}: {}\n  do: {}", warning.place, warning.what, warning.fix));
+    }
+    faults.extend(lacking);
     let document = Document {
         schema: 1,
         method: options.method,
-        effects: options.effects.clone(),
+        effects: fitted.model.values().kinds(),
         parameters: &fitted.parameters,
         combinations: &fitted.combinations,
+        profiles: &fitted.profiles,
+        identifiability: &fitted.identifiability,
+        data_faults: faults,
         train: fitted.train,
         validation: fitted.validation,
         objective_history: &fitted.objective_history,
@@ -93,20 +107,58 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         evaluations: fitted.evaluations,
         seconds: fitted.seconds,
     };
-    console.answer(&document, || story(&fitted, &options, unit(&logs.records)));
+    console.answer(&document, || story(&fitted, unit(&logs.records)));
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
     Ok(())
 }
 
-fn story(fit: &Fit, options: &Options, unit: &str) -> String {
-    let mut text = format!("{}\n{}", prose::effects(&options.effects), prose::parameters(&fit.parameters));
+fn story(fit: &Fit, unit: &str) -> String {
+    let mut text =
+        format!("{}\n{}", prose::effects(&fit.model.values().kinds()), prose::parameters(&fit.parameters));
     text += "what voltage and motion alone determine:\n";
     text += &prose::parameters(&fit.combinations);
+    text += &doubts(&fit.profiles);
+    text += &open(&fit.identifiability);
     text += &format!("\n{}\n", prose::measures("records fitted", &fit.train, unit));
     if let Some(m) = &fit.validation {
         text += &format!("{}\n", prose::measures("records kept out", m, unit));
     }
     text + &format!("{:.2} s, {} simulations", fit.seconds, fit.evaluations)
+}
+
+/// Intervals that were walked, where they differ from those above.
+fn doubts(profiles: &[Profile]) -> String {
+    let mut text = String::new();
+    for p in profiles.iter().filter(|p| p.curvature_misleads) {
+        let open = match (p.open_below, p.open_above) {
+            (false, false) => "",
+            (true, false) => ", open below",
+            (false, true) => ", open above",
+            (true, true) => ", open on both sides",
+        };
+        text += &format!(
+            "{:<28} by profile {} .. {} {}{open}: its interval above is a parabola's and misleads\n",
+            p.name,
+            prose::figure(p.low),
+            prose::figure(p.high),
+            p.unit
+        );
+    }
+    text
+}
+
+/// What these data leave open.
+fn open(what: &Identifiability) -> String {
+    let mut text = format!("\nof the eight parameters of a motor: {}\n", what.meaning);
+    for answer in &what.eight_parameters {
+        let numbers: Vec<String> =
+            answer.parameters.iter().map(|p| format!("{} {}", p.symbol, prose::figure(p.value))).collect();
+        text += &format!("  {}\n    ({})\n", numbers.join("  "), answer.chosen);
+    }
+    for unlock in &what.unlock {
+        text += &format!("  to know {}: {}\n", unlock.determines.join(", "), unlock.measure);
+    }
+    text
 }

@@ -50,7 +50,9 @@ impl LogArgs {
 impl Logs {
     /// Tells what is odd about the logs.
     pub fn warn(&self, console: &Console) {
-        for warning in self.records.iter().chain(&self.validation).flat_map(|r| &r.warnings) {
+        let odd = log::suspicions(&self.records);
+        let read = self.records.iter().chain(&self.validation).flat_map(|r| &r.warnings);
+        for warning in read.chain(&odd) {
             console.say(format!("data: {}: {}\n  do: {}", warning.place, warning.what, warning.fix));
         }
     }

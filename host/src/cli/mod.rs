@@ -25,6 +25,7 @@ mod serve;
 mod simulate;
 mod watch;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -32,6 +33,7 @@ use clap::{Parser, Subcommand};
 pub use console::Console;
 
 use crate::error::{Error, Result};
+use crate::formula;
 
 /// Finds out what a motor model is missing: fit, compare, diagnose, add, and watch the error fall.
 #[derive(Debug, Parser)]
@@ -43,6 +45,9 @@ struct Cli {
     /// Print no progress and no prose, only errors
     #[arg(long, global = true)]
     quiet: bool,
+    /// An effect of your own: a text file with name, port, formula and parameters; repeatable
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    effect_file: Vec<PathBuf>,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -120,13 +125,21 @@ pub fn main() -> ExitCode {
     };
     let console = Console::new(cli.json, cli.quiet);
     let verb = cli.verb.unwrap_or_else(|| Verb::Demo(demo::Args::default()));
-    match verb.run(&console) {
+    match offer(&cli.effect_file).and_then(|()| verb.run(&console)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console.fail(&error);
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Lets every verb use the effects in these files.
+fn offer(files: &[PathBuf]) -> Result<()> {
+    for path in files {
+        formula::offer(formula::read(path)?);
+    }
+    Ok(())
 }
 
 /// What clap could not parse; help and version arrive here too.

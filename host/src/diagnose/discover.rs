@@ -45,7 +45,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { library: Kind::ALL.to_vec(), most: 4 }
+        Self { library: crate::formula::all(), most: 4 }
     }
 }
 

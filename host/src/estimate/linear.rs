@@ -52,7 +52,7 @@ pub(crate) fn search(
             let result = genetic_on(&prepared, &Start::Literal { centre }, &settings, progress);
             found(&result.combinations, result.history, result.evaluations)
         }
-        Method::Ga | Method::Fast => {
+        Method::Ga | Method::Fast | Method::Feedforward => {
             let start = Start::Logarithmic { centre: plate, factor: FACTOR };
             let result = genetic_on(&prepared, &start, &settings, progress);
             found(&result.combinations, result.history, result.evaluations)

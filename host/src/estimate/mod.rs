@@ -3,8 +3,11 @@
 mod added;
 mod combinations;
 mod fast;
+mod feedforward;
 mod genetic;
+mod identifiability;
 mod linear;
+mod profile;
 mod start;
 
 use std::time::Instant;
@@ -14,6 +17,8 @@ use motorlens_shared::simulator::MAX_EFFECTS;
 
 pub use added::{Addition, Errors, Moved, add};
 pub use combinations::combinations;
+pub use identifiability::{Answer, Identifiability, Unlock, identifiability};
+pub use profile::{Profile, profiles};
 pub use start::prepare;
 
 use crate::compare::free_run::{free_runs, pooled};
@@ -23,6 +28,7 @@ use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
 use crate::fit::uncertainty::{Estimate, estimates};
+use crate::formula;
 use crate::log::{Record, check_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
@@ -40,6 +46,8 @@ pub enum Method {
     Conventional,
     /// The genetic algorithm exactly as in the paper; the linear model only
     Paper,
+    /// kS, kV and kA by ordinary least squares, the usual model of robotics: what to beat
+    Feedforward,
 }
 
 /// What to fit, and how.
@@ -66,6 +74,10 @@ pub struct Fit {
     pub parameters: Vec<Estimate>,
     /// What voltage and motion alone determine.
     pub combinations: Vec<Estimate>,
+    /// Intervals of the parameters whose curvature does not settle them.
+    pub profiles: Vec<Profile>,
+    /// What stays open, and what would unlock it.
+    pub identifiability: Identifiability,
     /// Errors on the records fitted.
     pub train: Measures,
     /// Errors on the records kept out.
@@ -113,6 +125,11 @@ pub fn fit(
             let why = "--method paper knows the linear model only";
             return Err(Error::usage(why, "leave out --effects, or use --method ga"));
         }
+        Method::Feedforward if !options.effects.is_empty() => {
+            let why = "--method feedforward has friction as its only effect";
+            return Err(Error::usage(why, "leave out --effects, or use --method fast"));
+        }
+        Method::Feedforward => feedforward::search(&problem, records)?,
         Method::Ga | Method::Conventional | Method::Paper => {
             linear::search(&problem, records, motor, options, progress)?
         }
@@ -122,10 +139,10 @@ pub fn fit(
         motorlens: env!("CARGO_PKG_VERSION").into(),
         records: records.iter().map(|r| r.name.clone()).collect(),
         method: format!("fit {:?}", options.method).to_lowercase(),
-        seed: (options.method != Method::Fast).then_some(options.seed),
+        seed: matches!(options.method, Method::Ga | Method::Paper).then_some(options.seed),
     };
     let model = Model::new(&searched.values, &problem.rig, &problem.prior, origin);
-    let mut fit = describe(&problem, &searched.values, model);
+    let mut fit = describe(&problem, &searched.values, model, records);
     if !validation.is_empty() {
         fit.validation = unseen(&problem, validation, motor, &searched.values);
     }
@@ -135,11 +152,13 @@ pub fn fit(
 }
 
 /// Errors, intervals and combinations of `values` on `problem`.
-fn describe(problem: &Problem, values: &Values, model: Model) -> Fit {
+fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]) -> Fit {
     let parameters = estimates(problem, values);
     Fit {
         model,
         combinations: combinations(problem, values),
+        profiles: profiles(problem, values),
+        identifiability: identifiability(&values.base, problem.rig.gear_ratio, records),
         parameters,
         train: pooled(&free_runs(problem, values)).unwrap_or_default(),
         validation: None,
@@ -160,9 +179,9 @@ fn unseen(problem: &Problem, validation: &[Record], motor: &MotorFile, values: &
 /// # Errors
 /// Wrong usage that names the nearest effect.
 pub fn effect_by_name(name: &str) -> Result<Kind> {
-    Kind::by_name(name).ok_or_else(|| {
-        let nearest = Kind::ALL
-            .iter()
+    formula::by_name(name).ok_or_else(|| {
+        let nearest = formula::all()
+            .into_iter()
             .map(|k| (strsim::damerau_levenshtein(name, k.name()), k.name()))
             .min()
             .filter(|(distance, known)| distance * 2 <= known.len());

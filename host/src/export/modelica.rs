@@ -1,74 +1,246 @@
-//! A Modelica model: the equations of the base model, effects as terms, friction smoothed.
+//! A Modelica model: the equations of the base model with the effects as terms of theirs.
+//!
+//! Where the model's own step solves for dry friction, the equations have a steep slope at zero speed, and where it
+//! lets rotor and load collide, they have a stiff spring: a solver of variable step needs no events then.
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Definition, Entry, Kind, Quantity, UserDefined};
 
-use super::{Exported, effects, not_expressed};
+use super::laws::number;
+use super::{Exported, effects, formula};
 use crate::model_file::Model;
 
-/// Below this share of the top speed friction fades out, so that solvers need no events.
+/// Below this share of the top speed friction fades out.
 const SMOOTH: f64 = 1e-3;
+/// Below this share of the nominal voltage a drop fades out with the current.
+const SMALL_CURRENT: f64 = 1e-3;
+/// A gap closes on a spring on which the load would swing this fast, Hz.
+const CONTACT_HZ: f64 = 150.0;
+
+/// The model while it is put together.
+#[derive(Default)]
+struct Parts {
+    /// Declarations, a line each.
+    declared: Vec<String>,
+    equations: Vec<String>,
+    torque: String,
+    load_torque: String,
+    friction: String,
+    drop: String,
+    /// A drop that grows with the current.
+    brush: String,
+    resistance: String,
+    field: String,
+    /// What the sensor adds to the angle.
+    error: String,
+    /// The variable that holds the voltage so far.
+    voltage: String,
+    /// Torque from rotor to load per inertia of the load, and the load's share of the inertia.
+    pull: Option<(String, f64)>,
+    left_out: Vec<String>,
+}
+
+impl Parts {
+    /// A further stage of the voltage.
+    fn voltage(&mut self, what: &str, law: impl FnOnce(&str) -> String) {
+        let name = format!("v_{what}");
+        self.declared.push(format!("Real {name}(unit=\"V\") \"voltage after {what}\""));
+        self.equations.push(format!("{name} = {}", law(&self.voltage)));
+        self.voltage = name;
+    }
+    fn state(&mut self, name: &str, unit: &str, meaning: &str, slope: String) {
+        self.declared.push(format!("Real {name}(unit=\"{unit}\", start=0, fixed=true) \"{meaning}\""));
+        self.equations.push(format!("der({name}) = {slope}"));
+    }
+}
 
 /// One model, no libraries.
 pub(super) fn export(model: &Model) -> Exported {
-    let b = &model.base;
-    let r = &model.rig;
-    let (mut torque, mut friction, mut voltage, mut resistance) =
-        (String::new(), String::new(), "v".to_owned(), String::new());
-    let mut left_out = vec![format!(
-        "Friction is smoothed below {:.2e} rad/s, so a motor held by it creeps.",
-        SMOOTH * r.reference_speed_rad_s
-    )];
+    let mut parts = Parts { voltage: "v".into(), ..Parts::default() };
     for (kind, p) in effects(model) {
-        match kind {
-            Kind::Coulomb => friction += &format!(" + {:e}", p[0]),
-            Kind::CoulombAsymmetric => friction += &format!(" + {:e} + ({:e})*tanh(w/w0)", p[0], p[1]),
-            Kind::Stribeck => {
-                friction +=
-                    &format!(" + {:e} + {:e}/(1 + (w/{:e})^2 + 0.5*(w/{:e})^4)", p[0], p[1], p[2], p[2]);
-            }
-            Kind::LoadFriction => friction += &format!(" + {:e}*u*u/(abs(u) + {:e})", p[0], p[1]),
-            Kind::QuadraticDrag => torque += &format!(" - {:e}*w*abs(w)", p[0]),
-            Kind::ConstantLoad => torque += &format!(" - ({:e})", p[0]),
-            Kind::Gravity => torque += &format!(" - (({:e})*sin(angle) + ({:e})*cos(angle))", p[0], p[1]),
-            Kind::Cogging => {
-                let k = p[2] * r.gear_ratio;
-                torque += &format!(" - (({:e})*sin({k:e}*angle) + ({:e})*cos({k:e}*angle))", p[0], p[1]);
-            }
-            Kind::Spring => torque += &format!(" - ({:e}*angle + ({:e}))", p[0], p[1]),
-            Kind::DeadZone => {
-                let (up, down) = ((p[0] + p[1]).max(0.0), (p[0] - p[1]).max(0.0));
-                voltage = format!("({voltage} - max(-{down:e}, min({up:e}, {voltage})))");
-            }
-            Kind::SupplySag => resistance += &format!(" + {:e}*(v/{:e})^2", p[0], r.supply_v),
-            Kind::VoltageDrop => {
-                let square = p[1] * p[1];
-                voltage +=
-                    &format!(" - {:e}*u*(abs(u) + {k:e})/(u*u + {k:e}*abs(u) + {square:e})", p[0], k = p[1]);
-            }
-            _ => left_out.push(not_expressed(kind, "this Modelica model")),
-        }
+        add(&mut parts, model, kind, &p);
     }
-    let comment: String = left_out.iter().map(|s| format!("\n// {s}")).collect();
-    let text = format!(
+    if !parts.friction.is_empty() {
+        let width = SMOOTH * model.rig.reference_speed_rad_s;
+        parts
+            .left_out
+            .push(format!("Friction is smoothed below {width:.2e} rad/s, so a motor held by it creeps."));
+    }
+    let text = file(model, &parts);
+    Exported { text, left_out: parts.left_out }
+}
+
+fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
+    let rig = &model.rig;
+    let n: Vec<String> = p.iter().map(|x| number(*x)).collect();
+    let n = |k: usize| n[k].as_str();
+    match kind {
+        Kind::Delay => parts.voltage("delay", |v| format!("delay({v}, {})", n(0))),
+        Kind::DeadZone => {
+            let (up, down) = ((p[0] + p[1]).max(0.0), (p[0] - p[1]).max(0.0));
+            parts.voltage("dead_zone", |v| format!("{v} - max(-{down:e}, min({up:e}, {v}))"));
+        }
+        Kind::Coast => {
+            let supply = rig.supply_v;
+            parts.voltage("coast", |v| {
+                format!("{v} + {}*(1 - min(abs({v})/{supply:e}, 1))*(1 - viscous_share)/gain*w", n(0))
+            });
+        }
+        Kind::SupplySag => parts.resistance += &format!(" + {}*(v/{:e})^2", n(0), rig.supply_v),
+        Kind::WindingHeating => {
+            let slope = format!("{}*(u/{:e})^2 - heat/{}", n(0), rig.nominal_v, n(1));
+            parts.state("heat", "1", "rise of the winding's resistance", slope);
+            parts.resistance += " + heat";
+        }
+        Kind::Saturation => parts.field += &format!("/(1 + {}*(u/{:e})^2)", n(0), rig.nominal_v),
+        Kind::VoltageDrop => {
+            let (k, square) = (n(1), number(p[1] * p[1]));
+            parts.brush += &format!(" - {}*u*(abs(u) + {k})/(u^2 + {k}*abs(u) + {square})", n(0));
+        }
+        Kind::Coulomb => parts.friction += &format!(" + {}", n(0)),
+        Kind::CoulombAsymmetric => parts.friction += &format!(" + {} + {}*tanh(w/w0)", n(0), n(1)),
+        Kind::Stribeck => {
+            parts.friction += &format!(" + {} + {}/(1 + (w/{s})^2 + 0.5*(w/{s})^4)", n(0), n(1), s = n(2));
+        }
+        Kind::LoadFriction => parts.friction += &format!(" + {}*u^2/(abs(u) + {})", n(0), n(1)),
+        Kind::QuadraticDrag => parts.torque += &format!(" - {}*w*abs(w)", n(0)),
+        Kind::Gravity => {
+            parts.load_torque += &format!(" - ({}*sin(load_angle) + {}*cos(load_angle))", n(0), n(1));
+        }
+        Kind::ConstantLoad => parts.load_torque += &format!(" - {}", n(0)),
+        Kind::Cogging => {
+            let k = p[2] * rig.gear_ratio;
+            parts.torque += &format!(" - ({}*sin({k:e}*angle) + {}*cos({k:e}*angle))", n(0), n(1));
+        }
+        Kind::Spring => parts.load_torque += &format!(" - ({}*load_angle + {})", n(0), n(1)),
+        Kind::Backlash => {
+            let rate = CONTACT_HZ * std::f64::consts::TAU;
+            let half = 0.5 * p[0];
+            parts.declared.push("Real overlap(unit=\"rad\") \"of rotor and load, beyond the gap\"".into());
+            parts.equations.push(format!(
+                "overlap = angle - load_angle - max(-{half:e}, min({half:e}, angle - load_angle))"
+            ));
+            // Damping acts in contact only, where rotor and load overlap.
+            let touching = format!("abs(overlap)/(abs(overlap) + {:e})", 1e-3 * half);
+            let pull = format!("{:e}*overlap + {:e}*(w - load_w)*{touching}", rate * rate, 2.0 * rate);
+            parts.pull = Some((pull, p[1]));
+            parts.left_out.push(format!("The gap closes on a spring of {CONTACT_HZ} Hz, not at once."));
+        }
+        Kind::Compliance => {
+            let rate = p[0] * std::f64::consts::TAU;
+            let pull =
+                format!("{:e}*(angle - load_angle) + {:e}*(w - load_w)", rate * rate, 2.0 * p[2] * rate);
+            parts.pull = Some((pull, p[1]));
+        }
+        Kind::Eccentricity => {
+            let turn = if rig.encoder_on_motor {
+                format!("{:e}*angle", rig.gear_ratio)
+            } else {
+                "load_angle".into()
+            };
+            parts.error += &format!(" + {}*sin({turn}) + {}*(cos({turn}) - 1)", n(0), n(1));
+        }
+        Kind::LostCounts => {
+            let width = 0.02 * rig.reference_speed_rad_s;
+            let slope = format!("{}*max(0, min(1, (abs(load_w) - {})/{width:e} + 0.5))*load_w", n(0), n(1));
+            parts.state("lost", "rad", "angle that the counter lost", slope);
+            parts.error += " - lost";
+        }
+        Kind::SensorLag => {
+            let w = if rig.encoder_on_motor { "w" } else { "load_w" };
+            parts.state("trail", "rad", "by how much the reading trails", format!("{w} - trail/{}", n(0)));
+            parts.error += " - trail";
+        }
+        Kind::Formula(UserDefined(own)) => add_formula(parts, model, own, p),
+    }
+}
+
+fn add_formula(parts: &mut Parts, model: &Model, own: &Definition, p: &[f64]) {
+    let gear = number(model.rig.gear_ratio);
+    let voltage = parts.voltage.clone();
+    let names = |quantity: Quantity| match quantity {
+        Quantity::Voltage => voltage.clone(),
+        Quantity::Command => "v".to_owned(),
+        Quantity::Time => "time".to_owned(),
+        Quantity::Current => "u".to_owned(),
+        Quantity::Speed => "load_w".to_owned(),
+        Quantity::Angle => "load_angle".to_owned(),
+        Quantity::MotorSpeed => format!("({gear}*w)"),
+        Quantity::MotorAngle => format!("({gear}*angle)"),
+    };
+    let call = |name: &str, a: &[String]| match name {
+        "fmin" => format!("min({}, {})", a[0], a[1]),
+        "fmax" => format!("max({}, {})", a[0], a[1]),
+        "fabs" => format!("abs({})", a[0]),
+        "pow" => format!("({}^{})", a[0], a[1]),
+        other => format!("{other}({})", a.join(", ")),
+    };
+    let value = formula::expression(own, p, &names, &call);
+    match own.entry() {
+        Entry::Torque => parts.load_torque += &format!(" + {value}"),
+        Entry::Friction => parts.friction += &format!(" + max({value}, 0)"),
+        Entry::Voltage => parts.voltage(own.spec().name, |v| format!("{v} + {value}")),
+        Entry::Drop => parts.drop += &format!(" + max({value}, 0)"),
+        Entry::Resistance => parts.resistance += &format!(" + max({value}, 0)"),
+        Entry::Sensor => parts.error += &format!(" + {value}"),
+    }
+}
+
+fn file(model: &Model, parts: &Parts) -> String {
+    let (b, r) = (&model.base, &model.rig);
+    let comment: String = parts.left_out.iter().map(|s| format!("\n// {s}")).collect();
+    let (coupling, load, rotor_share) = match &parts.pull {
+        Some((pull, share)) => (
+            format!(" - {:e}*pull", share / (1.0 - share)),
+            vec![
+                format!("pull = {pull}"),
+                format!("der(load_w) = pull + gain/tau_m/{share:e}*load_torque"),
+                "der(load_angle) = load_w".into(),
+            ],
+            1.0 - share,
+        ),
+        None => (String::new(), vec!["load_w = w".into(), "load_angle = angle".into()], 1.0),
+    };
+    let on_rotor = if parts.pull.is_some() { "" } else { " + load_torque" };
+    let load_start = if parts.pull.is_some() { ", start=0, fixed=true" } else { "" };
+    let mut declared: String = parts.declared.iter().map(|d| format!("  {d};\n")).collect();
+    if parts.pull.is_some() {
+        declared += "  Real pull(unit=\"rad/s2\") \"acceleration that the rotor gives the load\";\n";
+    }
+    let equations: String = parts.equations.iter().chain(&load).map(|e| format!("  {e};\n")).collect();
+    let drop = if parts.drop.is_empty() {
+        String::new()
+    } else {
+        format!(" - (0{})*tanh(u/{:e})", parts.drop, SMALL_CURRENT * r.nominal_v)
+    };
+    let shaft = if r.encoder_on_motor { "angle" } else { "load_angle" };
+    format!(
         r#"// Written by motorlens.{comment}
 model Motor "geared DC motor; current and torques as voltages"
   input Real v(unit="V") "voltage at the driver's output";
-  output Real angle(unit="rad", start=0, fixed=true) "of the output shaft";
-  Real w(unit="rad/s", start=0, fixed=true) "speed of the output shaft";
+  output Real reading(unit="rad") "what the sensor shows of the output shaft, without its counting";
+  Real angle(unit="rad", start=0, fixed=true) "of the rotor, seen through the gear";
+  Real w(unit="rad/s", start=0, fixed=true) "speed of the rotor, seen through the gear";
   Real u(unit="V", start=0, fixed=true) "current times winding resistance";
-  Real torque(unit="V") "without friction";
+  Real load_angle(unit="rad"{load_start}) "of the output shaft";
+  Real load_w(unit="rad/s"{load_start}) "speed of the output shaft";
+  Real torque(unit="V") "on the rotor, without friction";
+  Real load_torque(unit="V") "on the output shaft";
   Real friction(unit="V") "largest that there can be";
+  Real field(unit="1") "as a share of the rated one";
   parameter Real gain(unit="rad/(s.V)") = {gain:e} "no-load speed per volt";
   parameter Real tau_m(unit="s") = {tau_m:e} "mechanical time constant";
   parameter Real tau_e(unit="s") = {tau_e:e} "electrical time constant";
   parameter Real viscous_share(unit="1") = {share:e} "of the mechanical damping";
   parameter Real w0(unit="rad/s") = {w0:e} "friction is smooth below";
-equation
-  tau_e*der(u) = {voltage} - (1 - viscous_share)/gain*w - (1{resistance})*u;
+{declared}equation
+  field = 1{field};
+  tau_e*der(u) = {voltage} - field*(1 - viscous_share)/gain*w - (1{resistance})*u{drop}{brush};
   torque = 0{torque};
+  load_torque = 0{load_torque};
   friction = 0{friction};
-  der(w) = gain/tau_m*(u + torque - friction*tanh(w/w0)) - viscous_share/tau_m*w;
+  der(w) = (gain*(field*u + torque{on_rotor} - friction*tanh(w/w0)) - viscous_share*w)/(tau_m*{rotor_share:e}){coupling};
   der(angle) = w;
+{equations}  reading = {shaft}{error};
 end Motor;
 "#,
         gain = b.gain,
@@ -76,6 +248,13 @@ end Motor;
         tau_e = b.tau_e,
         share = b.viscous_share,
         w0 = SMOOTH * r.reference_speed_rad_s,
-    );
-    Exported { text, left_out }
+        field = parts.field,
+        voltage = parts.voltage,
+        resistance = parts.resistance,
+        brush = parts.brush,
+        torque = parts.torque,
+        load_torque = parts.load_torque,
+        friction = parts.friction,
+        error = parts.error,
+    )
 }

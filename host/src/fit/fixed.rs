@@ -7,6 +7,7 @@ use motorlens_shared::effects::Kind;
 
 use super::layout::Layout;
 use crate::error::{BadInput, Result};
+use crate::formula;
 
 /// Values by the names of the axes.
 pub type Fixed = BTreeMap<String, f64>;
@@ -60,12 +61,12 @@ pub fn check(path: &Path, fixed: &Fixed) -> Result<()> {
 fn names() -> Vec<String> {
     let of =
         |k: &Kind| k.spec().parameters.iter().map(|p| format!("{}.{}", k.name(), p.name)).collect::<Vec<_>>();
-    BASE.iter().map(|b| (*b).to_owned()).chain(Kind::ALL.iter().flat_map(of)).collect()
+    BASE.iter().map(|b| (*b).to_owned()).chain(formula::all().iter().flat_map(of)).collect()
 }
 
 /// The full name of the parameter of an effect that has one only: then the effect's name will do.
 fn only_parameter(effect: &str) -> Option<String> {
-    match Kind::by_name(effect)?.spec().parameters {
+    match formula::by_name(effect)?.spec().parameters {
         [one] => Some(format!("{effect}.{}", one.name)),
         _ => None,
     }

@@ -130,7 +130,11 @@ fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options:
     if let Some(duty) = duty {
         record.voltage_v = match (&record.supply_v, options.supply_volts) {
             (Some(supply), _) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
-            (None, Some(volts)) => duty.iter().map(|duty| duty * volts).collect(),
+            (None, Some(volts)) => {
+                let how = format!("it is the duty times {volts} V, whatever the supply did");
+                record.meta.insert("voltage", &how).expect("this key takes any text");
+                duty.iter().map(|duty| duty * volts).collect()
+            }
             (None, None) => {
                 return Err(crate::error::Error::usage(
                     "duty alone does not give a voltage",

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use motorlens_virtual_motor::{Effect, Motor, Run};
 
+use super::custom::Custom;
 use super::excitation::{self, Excitation, Play};
 use super::{Scenario, hidden};
 use crate::error::{Error, Result};
@@ -102,8 +103,8 @@ impl SimulateArgs {
             MotorChoice::Small => Motor::small(),
             MotorChoice::Random => Motor::hidden(self.hidden.unwrap_or(self.seed)),
         };
-        let effects = match self.hidden {
-            Some(seed) => hidden(seed, &motor),
+        let (effects, formulas) = match self.hidden {
+            Some(seed) => (hidden(seed, &motor), Vec::new()),
             None => self.named_effects()?,
         };
         let run = Run {
@@ -119,6 +120,7 @@ impl SimulateArgs {
         Ok(Scenario {
             motor,
             effects,
+            formulas,
             run,
             rate_hz: self.rate,
             seed: self.seed,
@@ -145,9 +147,14 @@ impl SimulateArgs {
         Ok(plays)
     }
 
-    fn named_effects(&self) -> Result<Vec<Effect>> {
+    fn named_effects(&self) -> Result<(Vec<Effect>, Vec<Custom>)> {
         let mut effects: Vec<Effect> = Vec::new();
+        let mut formulas: Vec<Custom> = Vec::new();
         for text in self.effects.iter().filter(|text| *text != "none") {
+            if let Some(own) = Custom::parse(text)? {
+                formulas.push(own);
+                continue;
+            }
             let effect = Effect::parse(text).map_err(|error| {
                 Error::usage(format!("--effect {text}: {error}"), "see motorlens effects")
             })?;
@@ -157,7 +164,7 @@ impl SimulateArgs {
             }
             effects.push(effect);
         }
-        Ok(effects)
+        Ok((effects, formulas))
     }
 }
 

@@ -4,6 +4,7 @@
 //! them as a directory of canonical logs with a `motor.toml`, and a sealed answer that [`reveal`] opens.
 
 mod args;
+mod custom;
 mod excitation;
 mod hidden;
 mod nameplate;
@@ -12,6 +13,7 @@ mod scenario;
 mod sealed;
 
 pub use args::{MotorChoice, RevealArgs, SimulateArgs};
+pub use custom::Custom;
 pub use excitation::{Excitation, Play, Role, plays};
 pub use hidden::{alike, hidden};
 pub use reveal::{Answer, reveal};
@@ -72,7 +74,7 @@ pub fn run(args: &SimulateArgs) -> Result<Simulated> {
         repeats: Vec::new(),
         held_out: Vec::new(),
         recorded_s: records.iter().map(Record::duration_s).sum(),
-        effects: args.hidden.is_none().then(|| scenario.effects.iter().map(ToString::to_string).collect()),
+        effects: args.hidden.is_none().then(|| scenario.effect_texts()),
     };
     for (play, record) in plays.iter().zip(&records) {
         let path = write(record, &args.out)?;

@@ -5,6 +5,7 @@ use std::fmt;
 use motorlens_virtual_motor::Motor;
 use serde::{Deserialize, Serialize};
 
+use super::custom::Custom;
 use super::{RevealArgs, SEALED_FILE, Scenario, sealed};
 use crate::error::{BadInput, Error, Result};
 
@@ -30,8 +31,11 @@ impl Answer {
         let motor: &Motor = &scenario.motor;
         Self {
             schema: 1,
-            effects: scenario.effects.iter().map(|effect| effect.name().to_owned()).collect(),
-            sizes: scenario.effects.iter().map(ToString::to_string).collect(),
+            effects: {
+                let library = scenario.effects.iter().map(|effect| effect.name());
+                library.chain(scenario.formulas.iter().map(Custom::name)).map(str::to_owned).collect()
+            },
+            sizes: scenario.effect_texts(),
             gain: motor.gain(),
             mechanical_time_constant_s: motor.mechanical_time_constant(),
             electrical_time_constant_s: motor.electrical_time_constant(),

@@ -3,6 +3,8 @@
 use motorlens_shared::excitation::Player;
 use motorlens_virtual_motor::{Effect, EncoderShaft, Motor, Recording, Run, VirtualMotor};
 
+use super::custom::Custom;
+
 use super::args::unplayable;
 use super::excitation::{Play, Role};
 use crate::error::Result;
@@ -15,6 +17,8 @@ pub struct Scenario {
     pub motor: Motor,
     /// What the base model does not know.
     pub effects: Vec<Effect>,
+    /// What a user wrote as formulas.
+    pub formulas: Vec<Custom>,
     /// How it is recorded; its rate is that of `rate_hz`.
     pub run: Run,
     /// Samples per second.
@@ -30,7 +34,16 @@ pub struct Scenario {
 impl Scenario {
     /// A motor recorded at 1 kHz without disturbance, noise or faults.
     pub fn new(motor: Motor, effects: Vec<Effect>, seed: u64) -> Self {
-        Self { motor, effects, run: Run::at(1000.0), rate_hz: 1000, seed, current: false, supply: false }
+        Self {
+            motor,
+            effects,
+            formulas: Vec::new(),
+            run: Run::at(1000.0),
+            rate_hz: 1000,
+            seed,
+            current: false,
+            supply: false,
+        }
     }
 
     /// Plays the programmes one after the other on one motor; a record each.
@@ -38,7 +51,8 @@ impl Scenario {
     /// # Errors
     /// Wrong usage where a programme cannot be played at this rate.
     pub fn records(&self, plays: &[Play]) -> Result<Vec<Record>> {
-        let mut plant = VirtualMotor::new(&self.motor, &self.effects, self.seed);
+        let mut plant = VirtualMotor::new(&self.motor, &self.effects, self.seed)
+            .with_laws(self.formulas.iter().map(Custom::law).collect());
         let run = Run { rate_hz: f64::from(self.rate_hz), ..self.run.clone() };
         plays
             .iter()
@@ -50,6 +64,12 @@ impl Scenario {
                 Ok(self.record(play, plant.record(&volts, &run)))
             })
             .collect()
+    }
+
+    /// All effects with their sizes, as they could be typed.
+    pub fn effect_texts(&self) -> Vec<String> {
+        let library = self.effects.iter().map(ToString::to_string);
+        library.chain(self.formulas.iter().map(ToString::to_string)).collect()
     }
 
     fn record(&self, play: &Play, recording: Recording) -> Record {

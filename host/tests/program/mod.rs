@@ -14,6 +14,7 @@ pub struct Ran {
 
 impl Ran {
     /// The one document on standard output.
+    #[allow(dead_code)] // each test file is a crate of its own and uses what it needs
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {}{}", self.out, self.err))
     }

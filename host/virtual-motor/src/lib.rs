@@ -15,6 +15,7 @@
 //! ```
 
 mod effect;
+mod law;
 mod mechanics;
 mod motor;
 mod noise;
@@ -24,6 +25,7 @@ mod table;
 mod virtual_motor;
 
 pub use effect::{Effect, EffectError};
+pub use law::{Law, LawPort, Moment};
 pub use motor::{EncoderShaft, Motor};
 pub use record::{Recording, Run};
 pub use table::{Kind, Parameter, Row};

@@ -53,6 +53,12 @@ pub struct Surroundings {
     pub resistance: f64,
     /// Disturbance at the motor shaft, N m against forward motion.
     pub torque: f64,
+    /// Torque at the output shaft, N m against forward motion.
+    pub load_torque: f64,
+    /// Dry friction at the motor shaft beside the motor's own, N m.
+    pub friction: f64,
+    /// Voltage lost against the current beside the motor's own, V.
+    pub drop: f64,
 }
 
 /// The immutable equations of motion.
@@ -106,13 +112,18 @@ impl Mechanics {
             Terminal::Floating(_) if m.current == 0.0 => emf,
             Terminal::Floating(bus) => -(bus + DIODES_V).copysign(m.current),
         };
-        let voltage = push - outside.resistance * m.current - emf - self.electric.drop(m.current);
+        let voltage = push
+            - outside.resistance * m.current
+            - emf
+            - self.electric.drop(m.current)
+            - outside.drop * self.electric.direction(m.current);
         let motor_torque = self.torque_constant * field * m.current;
         let mut torque = motor_torque
             - self.rotor_damping * m.motor_speed
             - self.load.at_motor(m.motor_angle, m.motor_speed)
             - outside.torque;
-        let on_load = self.load.at_output(m.load_angle) + self.load_damping * m.load_speed;
+        let on_load =
+            self.load.at_output(m.load_angle) + self.load_damping * m.load_speed + outside.load_torque;
         let mut inertia = self.rotor_inertia;
         let mut load_acceleration = 0.0;
         match self.coupling {
@@ -132,7 +143,7 @@ impl Mechanics {
             Contact::Free => torque / inertia,
             Contact::Stuck => 0.0,
             Contact::Sliding(direction) => {
-                let level = self.friction.level(direction, m.motor_speed, motor_torque);
+                let level = self.friction.level(direction, m.motor_speed, motor_torque) + outside.friction;
                 (torque - direction * level) / inertia
             }
         };
@@ -184,7 +195,7 @@ impl Mechanics {
         let torque = self.slopes(m, Contact::Free, outside).motor_speed * self.moved_inertia();
         let motor_torque = self.torque_constant * self.electric.field(m.current) * m.current;
         let direction = 1f64.copysign(torque);
-        if torque.abs() > self.friction.level(direction, 0.0, motor_torque) {
+        if torque.abs() > self.friction.level(direction, 0.0, motor_torque) + outside.friction {
             *contact = Contact::Sliding(direction);
         }
     }

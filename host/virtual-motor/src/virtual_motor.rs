@@ -1,6 +1,7 @@
 //! Motor, driver and encoder together, advanced in time.
 
 use crate::effect::Effect;
+use crate::law::{self, Law, LawPort, Moment};
 use crate::mechanics::{Contact, Mechanics, Motion, Surroundings, Terminal};
 use crate::motor::{EncoderShaft, Motor};
 use crate::parts::driver::{Driver, DriverState};
@@ -31,6 +32,7 @@ pub struct VirtualMotor {
     driver: Driver,
     sensor: Sensor,
     state: State,
+    laws: Vec<Law>,
     pub(crate) rng: ChaCha8Rng,
 }
 
@@ -62,7 +64,20 @@ impl VirtualMotor {
             encoder: sensor.rest(&mut rng),
             disturbance_nm: 0.0,
         };
-        Self { motor: motor.clone(), mechanics, driver, sensor, state, rng }
+        Self { motor: motor.clone(), mechanics, driver, sensor, state, laws: Vec::new(), rng }
+    }
+
+    /// The same motor under further laws; at rest.
+    #[must_use]
+    pub fn with_laws(mut self, laws: Vec<Law>) -> Self {
+        self.laws = laws;
+        self.state.contact = self.contact_at_rest();
+        self
+    }
+
+    fn contact_at_rest(&self) -> Contact {
+        let friction = self.laws.iter().any(|law| law.port == LawPort::Friction);
+        if friction { Contact::Stuck } else { self.mechanics.contact_at_rest() }
     }
 
     /// Back to rest at angle zero with a full supply; the heat stays.
@@ -70,7 +85,7 @@ impl VirtualMotor {
         self.state = State {
             time_s: 0.0,
             motion: Motion::default(),
-            contact: self.mechanics.contact_at_rest(),
+            contact: self.contact_at_rest(),
             heat: self.state.heat,
             bridge: self.driver.rest(),
             encoder: self.sensor.rest(&mut self.rng),
@@ -115,17 +130,30 @@ impl VirtualMotor {
     /// One step during which the bridge's switches stay as they are.
     #[inline]
     fn step(&mut self, dt: f64, output: Bridge) {
+        let bus_v = self.state.bridge.bus_v;
+        let applied = match output {
+            Bridge::Volts(volts) => volts * bus_v / self.driver.nominal_v(),
+            Bridge::Floating => 0.0,
+        };
+        let more = if self.laws.is_empty() {
+            law::Sums::default()
+        } else {
+            law::sums(&self.laws, &self.moment(applied))
+        };
+        let volt = self.motor.torque_of_volts(1.0);
         let state = &mut self.state;
-        let bus_v = state.bridge.bus_v;
         let before = state.motion.current;
         let terminal = match output {
-            Bridge::Volts(volts) => Terminal::Driven(volts * bus_v / self.driver.nominal_v()),
+            Bridge::Volts(_) => Terminal::Driven(applied + more.voltage),
             Bridge::Floating => Terminal::Floating(bus_v),
         };
         let outside = Surroundings {
             terminal,
-            resistance: self.motor.resistance_ohm * (1.0 + state.heat.winding),
+            resistance: self.motor.resistance_ohm * (1.0 + state.heat.winding + more.resistance),
             torque: state.disturbance_nm,
+            load_torque: -more.torque * volt * self.motor.gear_ratio,
+            friction: more.friction * volt,
+            drop: more.drop,
         };
         self.mechanics.step(&mut state.motion, &mut state.contact, &outside, dt);
         let drawn = match output {
@@ -134,11 +162,29 @@ impl VirtualMotor {
         };
         self.driver.draw(&mut state.bridge, drawn, dt);
         self.mechanics.electric.heat(&mut state.heat, state.motion.current, dt);
-        let (angle, speed) = match self.sensor.shaft {
-            EncoderShaft::Motor => (state.motion.motor_angle, state.motion.motor_speed),
-            EncoderShaft::Output => (state.motion.load_angle, state.motion.load_speed),
+        let (angle, speed, per_output) = match self.sensor.shaft {
+            EncoderShaft::Motor => {
+                (state.motion.motor_angle, state.motion.motor_speed, self.motor.gear_ratio)
+            }
+            EncoderShaft::Output => (state.motion.load_angle, state.motion.load_speed, 1.0),
         };
-        self.sensor.look(&mut state.encoder, angle, speed, dt, &mut self.rng);
+        let error = if self.laws.is_empty() { 0.0 } else { law::sensed(&self.laws, &self.moment(applied)) };
+        let angle = angle + error * per_output;
+        self.sensor.look(&mut self.state.encoder, angle, speed, dt, &mut self.rng);
+    }
+
+    /// What the laws see while `voltage` is at the terminals.
+    fn moment(&self, voltage: f64) -> Moment {
+        let m = &self.state.motion;
+        Moment {
+            voltage,
+            current: m.current * self.motor.resistance_ohm,
+            speed: m.load_speed,
+            angle: m.load_angle,
+            motor_speed: m.motor_speed,
+            motor_angle: m.motor_angle,
+            time: self.state.time_s,
+        }
     }
 
     /// A torque from outside, N m at the motor shaft against forward motion; it stays until the next call.

@@ -57,7 +57,13 @@ impl Electric {
         if self.drop_v == 0.0 {
             return 0.0;
         }
-        self.drop_v * current / current.hypot(self.drop_current)
+        self.drop_v * self.direction(current)
+    }
+
+    /// The current's direction, -1 to 1, rounded at zero.
+    #[inline]
+    pub fn direction(&self, current: f64) -> f64 {
+        current / current.hypot(self.drop_current)
     }
 
     /// The heat after `dt` seconds at this current: a winding that heats by its loss and a housing that cools it.

@@ -170,8 +170,14 @@ impl Definition {
 }
 
 /// A [`Definition`] as a kind of effect; two of the same name are the same.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct UserDefined(pub &'static Definition);
+
+impl core::fmt::Debug for UserDefined {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.0.spec.name)
+    }
+}
 
 impl PartialEq for UserDefined {
     fn eq(&self, other: &Self) -> bool {

@@ -1,0 +1,273 @@
+//! What is odd about the content of records, though each could be used as it is.
+//!
+//! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
+//! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
+
+use super::motion::{peak, slope, speed};
+use super::quantum::quantum;
+use super::timing::median_interval;
+use super::weak::Weak;
+use super::{Record, Warning};
+
+/// A finding about one record: short name, column, cause, remedy.
+type Odd = (&'static str, &'static str, String, String);
+
+/// Everything odd about `records`, each by itself and against each other.
+pub fn suspicions(records: &[Record]) -> Vec<Warning> {
+    let checks = [beyond_supply, constant_supply, clipped, shifted, stale, jumps, drifting_count, wrong_gear];
+    let mut found = Vec::new();
+    for record in records {
+        for (name, column, why, fix) in checks.iter().filter_map(|check| check(record)) {
+            let place = format!("{}, column {column}", record.path.display());
+            let place = if place.starts_with(", ") { format!("{}{place}", record.name) } else { place };
+            found.push(Warning { place, what: format!("{name}: {why}"), fix });
+        }
+    }
+    found.extend(disagreeing(records));
+    found
+}
+
+/// A voltage that the supply cannot give is a command.
+fn beyond_supply(record: &Record) -> Option<Odd> {
+    let supply = record.supply_v.as_ref()?;
+    let beyond = record.voltage_v.iter().zip(supply).filter(|(v, s)| v.abs() > 1.05 * s.abs()).count();
+    (beyond as f64 > 0.005 * record.len() as f64).then(|| {
+        (
+            "commanded_voltage",
+            "voltage_v",
+            format!("{beyond} samples lie above the supply's own voltage, so this is the command and not what was applied"),
+            "give the duty instead: --map duty=COLUMN:FULL,supply=SUPPLY, which follows the supply".into(),
+        )
+    })
+}
+
+/// A duty times one number is a command too.
+fn constant_supply(record: &Record) -> Option<Odd> {
+    let how = record.meta.get("voltage")?;
+    Some((
+        "commanded_voltage",
+        "voltage_v",
+        format!("the voltage was not measured: {how}"),
+        "log the supply's voltage with every sample (--map supply=COLUMN), or the motor's own; until then a sag of the \
+         supply looks like a property of the motor"
+            .into(),
+    ))
+}
+
+/// Share of the highest voltage below which a clip would be told, and how much better it must fit.
+const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
+const CLIP_BETTER: f64 = 0.6;
+
+/// The motor does not answer to more than a certain voltage.
+fn clipped(record: &Record) -> Option<Odd> {
+    let weak = Weak::new(record)?;
+    let plain = weak.regress(0.0, |v| v)?;
+    let highest = peak(&record.voltage_v);
+    let at = |share: f64| {
+        Some((share * highest, weak.regress(0.0, |v| v.clamp(-share * highest, share * highest))?))
+    };
+    let (limit, best) =
+        CLIP_SHARES.iter().filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
+    let above = record.voltage_v.iter().filter(|v| v.abs() > limit).count() as f64 / record.len() as f64;
+    (best.left < CLIP_BETTER * plain.left && plain.left > 0.05 && above > 0.03).then(|| {
+        (
+            "clipped_voltage",
+            "voltage_v",
+            format!(
+                "the motor answers as if no more than {limit:.2} V reached it, and the log goes up to {highest:.2} V"
+            ),
+            "log the voltage behind the driver's limit, or command less than the supply can give".into(),
+        )
+    })
+}
+
+/// Shifts tried, s.
+const FURTHEST_S: f64 = 0.12;
+const SHIFT_BETTER: f64 = 0.6;
+
+/// Motion that comes before its voltage, or long after it.
+fn shifted(record: &Record) -> Option<Odd> {
+    let weak = Weak::new(record)?;
+    let interval = weak.interval_s();
+    let step = interval.max(0.002);
+    let plain = weak.regress(0.0, |v| v)?;
+    let most = (FURTHEST_S / step).floor().min(24.0) as i32;
+    let (best, shift) = (-most..=most)
+        .filter_map(|k| Some((weak.regress(f64::from(k) * step, |v| v)?.left, f64::from(k) * step)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let early = shift < -0.9 * interval.max(0.003);
+    let late = shift > (2.0 * interval).max(0.012);
+    let clear = best < SHIFT_BETTER * plain.left && best < 0.3;
+    (clear && (early || late)).then(|| {
+        let ms = 1e3 * shift.abs();
+        let samples = shift.abs() / interval;
+        if early {
+            (
+                "shifted_samples",
+                "voltage_v",
+                format!("the motor moves {ms:.0} ms ({samples:.1} samples) before its voltage: the voltage is logged late"),
+                "log the voltage and the motion of one instant in one row, or move the voltage up by that many rows".into(),
+            )
+        } else {
+            (
+                "shifted_samples",
+                "voltage_v",
+                format!("the motion comes {ms:.0} ms ({samples:.1} samples) after its voltage"),
+                "check that the columns of a row belong to one instant; if the drive is that slow, add the effect delay (or sensor_lag)".into(),
+            )
+        }
+    })
+}
+
+/// Share of the samples in clear motion that repeat the one before.
+const STALE_SHARE: f64 = 0.2;
+
+/// The motion is read less often than it is logged.
+fn stale(record: &Record) -> Option<Odd> {
+    let (column, values) = measured(record)?;
+    let step = quantum(values).unwrap_or(0.0);
+    let interval = median_interval(&record.time_s);
+    let rate = if record.angle_rad.is_some() { speed(record) } else { slope(&record.time_s, values) };
+    let fast = 0.2 * peak(&rate);
+    // Where several counts should pass in a sample, none is no accident.
+    let moving = |k: &usize| rate[*k].abs() > fast && rate[*k].abs() * interval > 4.0 * step;
+    let all: Vec<usize> = (1..values.len()).filter(moving).collect();
+    let same = all.iter().filter(|k| values[**k] == values[**k - 1]).count();
+    if all.len() < 40 || (same as f64) < STALE_SHARE * all.len() as f64 {
+        return None;
+    }
+    let every = all.len() as f64 / (all.len() - same).max(1) as f64;
+    Some((
+        "stale_samples",
+        column,
+        format!(
+            "{:.0} % of the samples repeat the one before while the motor turns: a new value comes about every {every:.1} samples",
+            100.0 * same as f64 / all.len() as f64
+        ),
+        "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of it".into(),
+    ))
+}
+
+/// A change of angle this many times the largest of the motion around it is none.
+const JUMP: f64 = 8.0;
+
+/// The counter was reset, overflowed, or a reading was garbled.
+fn jumps(record: &Record) -> Option<Odd> {
+    let angle = record.angle_rad.as_ref()?;
+    let steps: Vec<f64> = angle.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    // The fastest motion, without the jumps themselves.
+    let usual = *sorted.get(sorted.len() * 199 / 200)?;
+    let count = quantum(angle).unwrap_or(0.0);
+    let limit = JUMP * usual.max(count) + 4.0 * count;
+    let far: Vec<usize> = (0..steps.len()).filter(|k| steps[*k] > limit && usual > 0.0).collect();
+    let first = *far.first()?;
+    (far.len() < 1 + steps.len() / 400).then(|| {
+        (
+            "lost_counts",
+            "angle_rad",
+            format!(
+                "the angle jumps {} times, first by {:.3} rad at {:.3} s, which no motion explains: the counter was reset, overflowed or lost counts",
+                far.len(),
+                angle[first + 1] - angle[first],
+                record.time_s[first + 1]
+            ),
+            "read the counter in full width and without pauses; cut the file at the jumps and give the parts as records".into(),
+        )
+    })
+}
+
+/// Angle and integrated speed may differ by this share.
+const DRIFT: f64 = 0.02;
+
+/// The angle falls behind the speed that stands beside it.
+fn drifting_count(record: &Record) -> Option<Odd> {
+    let (angle, speed) = (record.angle_rad.as_ref()?, record.speed_rad_s.as_ref()?);
+    let (mut way, mut lost) = (0.0, 0.0);
+    for k in 1..record.len() {
+        let passed = 0.5 * (speed[k] + speed[k - 1]) * (record.time_s[k] - record.time_s[k - 1]);
+        way += passed.abs();
+        lost += (passed - (angle[k] - angle[k - 1])) * passed.signum();
+    }
+    let share = lost / way;
+    // A whole factor is a matter of units, and told as such.
+    (way > 1.0 && share.abs() > DRIFT && share.abs() < 0.3).then(|| {
+        (
+            "lost_counts",
+            "angle_rad",
+            format!("the angle misses {:.1} % of the way that the speed beside it makes", 100.0 * share),
+            "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
+        )
+    })
+}
+
+/// The encoder's count shows on which side of the gears the angle is.
+fn wrong_gear(record: &Record) -> Option<Odd> {
+    let gear = record.meta.gear_ratio().filter(|g| *g > 1.5)?;
+    let told = record.angle_rad.as_ref().and_then(|angle| {
+        let ratio = quantum(angle)? * record.meta.counts_per_rev()? / std::f64::consts::TAU;
+        [(gear, "the motor's shaft"), (1.0 / gear, "geared down twice")]
+            .into_iter()
+            .find(|(factor, _)| (ratio / factor - 1.0).abs() < 0.03)
+            .map(|(factor, what)| (format!("one encoder count is {ratio:.4} times what it is at the output shaft: the angle is of {what}"), factor))
+    });
+    let by_plate = || {
+        let plate = record.meta.no_load_gain()?;
+        let ratio = Weak::new(record)?.regress(0.0, |v| v)?.gain / plate;
+        [gear, 1.0 / gear]
+            .into_iter()
+            .find(|factor| gear > 4.0 && (ratio / factor).ln().abs() < 0.35)
+            .map(|factor| (format!("the motor turns {ratio:.3} times as far per volt as its name plate says, which is the gear ratio"), factor))
+    };
+    let (why, factor) = told.or_else(by_plate)?;
+    let column = if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" };
+    let (quantity, unit) = if record.angle_rad.is_some() { ("angle", "rad") } else { ("speed", "rad/s") };
+    let turn = if factor > 1.0 { format!("/{gear}") } else { format!("*{gear}") };
+    Some((
+        "wrong_gear_ratio",
+        column,
+        why,
+        format!("say --map {quantity}={column}:{unit}{turn}, or correct gear_ratio and counts_per_rev"),
+    ))
+}
+
+/// Gains of most records lie this close together; one that is this far off is in other units.
+const TOGETHER: f64 = 1.2;
+const APART: f64 = 1.33;
+/// A record whose regression leaves more than this says nothing about the gain.
+const UNCLEAR: f64 = 0.3;
+
+/// One record in other volts, or of another motor.
+fn disagreeing(records: &[Record]) -> Vec<Warning> {
+    let gain = |r: &Record| Weak::new(r)?.regress(0.0, |v| v).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
+    let gains: Vec<(usize, f64)> =
+        records.iter().enumerate().filter_map(|(k, r)| Some((k, gain(r)?.gain))).collect();
+    if gains.len() < 3 {
+        return Vec::new();
+    }
+    let mut sorted: Vec<f64> = gains.iter().map(|g| g.1).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    let off = |g: f64| (g / median).max(median / g);
+    let odd: Vec<&(usize, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
+    let agree = gains.iter().filter(|g| off(g.1) < TOGETHER).count();
+    if agree + odd.len() < gains.len() || odd.len() * 2 >= agree {
+        return Vec::new();
+    }
+    odd.into_iter()
+        .map(|(k, g)| Warning {
+            place: format!("{}, column voltage_v", records[*k].path.display()),
+            what: format!(
+                "records_disagree: {} turns {:.3} rad/s per volt, the other records {median:.3}",
+                records[*k].name, g
+            ),
+            fix: "check that all records have one motor, one supply and one unit of voltage; leave this one out or correct it".into(),
+        })
+        .collect()
+}
+
+fn measured(record: &Record) -> Option<(&'static str, &Vec<f64>)> {
+    let angle = record.angle_rad.as_ref().map(|a| ("angle_rad", a));
+    angle.or_else(|| record.speed_rad_s.as_ref().map(|s| ("speed_rad_s", s)))
+}

@@ -1,0 +1,195 @@
+//! The motor's equation in a form that needs neither a simulation nor a derivative.
+//!
+//! `v = w / gain + (tau_m / gain) w' + friction sign(w) + load`, multiplied by a smooth bump and integrated by parts,
+//! is linear in its coefficients. It is rough (no electrical lag, no other effect), but a shift of the columns, a
+//! clipped voltage or a record in another unit shows in it at once.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Record;
+use super::motion::{peak, speed};
+use super::timing::median_interval;
+
+/// Width of a bump, s, and in samples where these are slow.
+const WIDTH_S: f64 = 0.1;
+const WIDTH_SAMPLES: f64 = 20.0;
+/// Windows looked at.
+const MOST_WINDOWS: usize = 160;
+const FEWEST_WINDOWS: usize = 20;
+/// Below this share of the highest speed the direction of friction is unclear.
+const STILL: f64 = 0.03;
+
+/// A record prepared for the regression.
+pub struct Weak {
+    windows: Vec<Window>,
+    time_s: Vec<f64>,
+    voltage: Vec<f64>,
+    half_s: f64,
+    interval_s: f64,
+}
+
+struct Window {
+    centre: f64,
+    /// Speed, acceleration, direction and one under the bump.
+    motion: [f64; 4],
+    area: f64,
+}
+
+/// What a regression found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Regression {
+    /// Output speed per volt, rad/s/V.
+    pub gain: f64,
+    /// Share of the voltage's variation that is left, 0 ..= 1.
+    pub left: f64,
+}
+
+impl Weak {
+    /// Prepares `record`; none where it is too short or does not move.
+    pub fn new(record: &Record) -> Option<Self> {
+        let interval_s = median_interval(&record.time_s);
+        let half_s = 0.5 * WIDTH_S.max(WIDTH_SAMPLES * interval_s);
+        let time_s = record.time_s.clone();
+        let (first, last) = (*time_s.first()?, *time_s.last()?);
+        let shape = Shape { half_s };
+        let w = speed(record);
+        let still = STILL * peak(&w);
+        let span = last - first - 2.0 * half_s;
+        let count = ((span / (0.5 * half_s)) as usize).min(MOST_WINDOWS);
+        if count < FEWEST_WINDOWS || still == 0.0 {
+            return None;
+        }
+        let windows = (0..count)
+            .map(|k| {
+                let centre = first + half_s + span * k as f64 / (count - 1) as f64;
+                let mut motion = [0.0; 4];
+                let inside = around(&time_s, centre, half_s);
+                // Sums over samples are integrals but for rounding, which a large angle would multiply.
+                let origin =
+                    record.angle_rad.as_ref().and_then(|x| x.get(inside.start)).copied().unwrap_or(0.0);
+                for i in inside {
+                    let t = time_s[i] - centre;
+                    let dt = step(&time_s, i);
+                    let (bump, slope, curve) = (shape.at(t), shape.slope(t), shape.curve(t));
+                    match (&record.angle_rad, &record.speed_rad_s) {
+                        (Some(x), _) => {
+                            motion[0] -= (x[i] - origin) * slope * dt;
+                            motion[1] += (x[i] - origin) * curve * dt;
+                        }
+                        (None, Some(w)) => {
+                            motion[0] += w[i] * bump * dt;
+                            motion[1] -= w[i] * slope * dt;
+                        }
+                        (None, None) => {}
+                    }
+                    if w[i].abs() > still {
+                        motion[2] += w[i].signum() * bump * dt;
+                    }
+                    motion[3] += bump * dt;
+                }
+                Window { centre, motion, area: motion[3] }
+            })
+            .filter(|w| w.area > 0.3 * half_s)
+            .collect::<Vec<_>>();
+        if windows.len() < FEWEST_WINDOWS {
+            return None;
+        }
+        Some(Self { windows, time_s, voltage: record.voltage_v.clone(), half_s, interval_s })
+    }
+
+    /// Median time between samples, s.
+    pub fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    /// Speed, acceleration, direction and one, each averaged under a bump, and the voltage there.
+    pub fn rows(&self) -> Vec<([f64; 4], f64)> {
+        self.rows_of(0.0, |v| v)
+    }
+
+    fn rows_of(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Vec<([f64; 4], f64)> {
+        let shape = Shape { half_s: self.half_s };
+        let row = |window: &Window| {
+            let mut v = 0.0;
+            for i in around(&self.time_s, window.centre - late_s, self.half_s + self.interval_s) {
+                // Held until the next sample: its middle counts.
+                let held = self.time_s.get(i + 1).map_or(self.interval_s, |next| next - self.time_s[i]);
+                let t = self.time_s[i] + 0.5 * held + late_s - window.centre;
+                v += law(self.voltage[i]) * shape.at(t) * held;
+            }
+            (window.motion.map(|m| m / window.area), v / window.area)
+        };
+        self.windows.iter().map(row).collect()
+    }
+
+    /// Regresses the voltage, `late_s` seconds later than logged and changed by `law`, on the motion.
+    pub fn regress(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Option<Regression> {
+        let rows = self.rows_of(late_s, law);
+        let mut h = SMatrix::<f64, 4, 4>::zeros();
+        let mut g = SVector::<f64, 4>::zeros();
+        let (mut vv, mut v1) = (0.0, 0.0);
+        for (row, v) in &rows {
+            let row = SVector::<f64, 4>::from(*row);
+            h += row * row.transpose();
+            g += row * *v;
+            (vv, v1) = (vv + v * v, v1 + v);
+        }
+        for k in 0..4 {
+            h[(k, k)] *= 1.0 + 1e-9;
+            h[(k, k)] += 1e-12;
+        }
+        let x = h.cholesky()?.solve(&g);
+        let left: f64 = rows.iter().map(|(row, v)| (v - SVector::<f64, 4>::from(*row).dot(&x)).powi(2)).sum();
+        let variation = vv - v1 * v1 / rows.len() as f64;
+        (variation > 0.0 && x[0] != 0.0)
+            .then(|| Regression { gain: 1.0 / x[0], left: (left / variation).sqrt() })
+    }
+}
+
+/// Time that sample `i` stands for, s.
+fn step(time_s: &[f64], i: usize) -> f64 {
+    let (from, to) = (i.saturating_sub(1), (i + 1).min(time_s.len() - 1));
+    (time_s[to] - time_s[from]) / (to - from).max(1) as f64
+}
+
+/// Samples within `reach` of `centre`.
+fn around(time_s: &[f64], centre: f64, reach: f64) -> std::ops::Range<usize> {
+    time_s.partition_point(|t| *t < centre - reach)..time_s.partition_point(|t| *t <= centre + reach)
+}
+
+/// The bump (1 - s^2)^4 over `half_s` either way, with its derivatives in time.
+struct Shape {
+    half_s: f64,
+}
+
+impl Shape {
+    fn inside(&self, t: f64) -> Option<f64> {
+        let s = t / self.half_s;
+        (s.abs() < 1.0).then_some(s)
+    }
+    fn at(&self, t: f64) -> f64 {
+        self.inside(t).map_or(0.0, |s| (1.0 - s * s).powi(4))
+    }
+    fn slope(&self, t: f64) -> f64 {
+        self.inside(t).map_or(0.0, |s| -8.0 * s * (1.0 - s * s).powi(3) / self.half_s)
+    }
+    fn curve(&self, t: f64) -> f64 {
+        let at = |s: f64| (1.0 - s * s).powi(2) * (56.0 * s * s - 8.0) / (self.half_s * self.half_s);
+        self.inside(t).map_or(0.0, at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::usable::tests::motor;
+
+    #[test]
+    fn the_gain_of_a_first_order_motor_is_found_and_little_is_left() {
+        let weak = Weak::new(&motor()).unwrap();
+        let found = weak.regress(0.0, |v| v).unwrap();
+        assert!((found.gain - 0.6).abs() < 0.03, "{found:?}");
+        let later = weak.regress(0.1, |v| v).unwrap();
+        assert!(later.left > 2.0 * found.left, "{found:?} {later:?}");
+    }
+}

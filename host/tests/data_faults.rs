@@ -1,0 +1,122 @@
+//! Faults of the data, made on purpose in records of clean virtual motors; and none found in the clean ones.
+
+use motorlens::exam::case::{Case, Conditions};
+use motorlens::log::{Record, Warning, suspicions};
+
+/// Clean motors looked at; all forty where the whole test run asks for it.
+fn seeds() -> std::ops::Range<u64> {
+    let most = if std::env::var_os("MOTORLENS_LONG_TESTS").is_some() { 40 } else { 6 };
+    500..500 + most
+}
+
+fn clean(seed: u64) -> Vec<Record> {
+    let case = Case::new(seed, &[], Conditions { disturbed: 0.5, spoilt: 0.25 });
+    let mut records = case.records;
+    for record in &mut records {
+        record.path = format!("{}.csv", record.name).into();
+        let known = [("gear_ratio", case.motor.gear_ratio), ("counts_per_rev", case.motor.counts_per_rev)];
+        for (key, value) in known {
+            record.meta.insert(key, &value.unwrap().to_string()).unwrap();
+        }
+    }
+    records
+}
+
+fn names(found: &[Warning]) -> Vec<String> {
+    found.iter().map(|w| w.what.split(':').next().unwrap().to_owned()).collect()
+}
+
+fn angle(record: &mut Record) -> &mut Vec<f64> {
+    record.angle_rad.as_mut().unwrap()
+}
+
+/// Moves the voltage down by `rows`: late, or early where negative.
+fn shift(record: &mut Record, rows: i64) {
+    let old = record.voltage_v.clone();
+    let last = old.len() as i64 - 1;
+    for (k, v) in record.voltage_v.iter_mut().enumerate() {
+        *v = old[(k as i64 - rows).clamp(0, last) as usize];
+    }
+}
+
+/// Speed beside an angle that lost 6 % of its way.
+fn lose(record: &mut Record) {
+    let (time, x) = (record.time_s.clone(), record.angle_rad.clone().unwrap());
+    let last = x.len() - 1;
+    let speed = |k: usize| {
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+        (x[b] - x[a]) / (time[b] - time[a])
+    };
+    record.speed_rad_s = Some((0..x.len()).map(speed).collect());
+    angle(record).iter_mut().for_each(|x| *x *= 0.94);
+}
+
+/// A new reading only every `every` samples.
+fn hold(record: &mut Record, every: usize) {
+    let old = record.angle_rad.clone().unwrap();
+    for (k, x) in angle(record).iter_mut().enumerate() {
+        *x = old[k - k % every];
+    }
+}
+
+fn interval(record: &Record) -> f64 {
+    record.duration_s() / (record.len() - 1) as f64
+}
+
+#[test]
+fn clean_motors_have_no_fault_and_every_fault_made_is_found() {
+    // The programmes that move every motor well: multisine, PRBS, staircase.
+    type Edit = fn(&mut Vec<Record>);
+    let faults: [(&str, Edit); 10] = [
+        ("shifted_samples", |r| r.iter_mut().for_each(|r| shift(r, (0.02 / interval(r)).ceil() as i64 + 1))),
+        ("shifted_samples", |r| {
+            r.iter_mut().for_each(|r| shift(r, -((0.03 / interval(r)).ceil() as i64) - 2))
+        }),
+        ("stale_samples", |r| r.iter_mut().for_each(|r| hold(r, 6))),
+        ("clipped_voltage", |r| {
+            r.iter_mut().for_each(|r| {
+                r.voltage_v.iter_mut().for_each(|v| {
+                    // What the driver could not give: the log shows more than 40 % of the peak, the motor saw no more.
+                    let limit = 2.5;
+                    if v.abs() >= limit {
+                        *v = v.signum() * (limit + 4.0 * (v.abs() - limit));
+                    }
+                })
+            })
+        }),
+        ("lost_counts", |r| r.iter_mut().for_each(lose)),
+        ("lost_counts", |r| angle(&mut r[2]).iter_mut().skip(1000).for_each(|x| *x -= 40.0)),
+        ("wrong_gear_ratio", |r| {
+            r.iter_mut().for_each(|r| {
+                let gear = r.meta.gear_ratio().unwrap();
+                angle(r).iter_mut().for_each(|x| *x *= gear);
+            })
+        }),
+        ("commanded_voltage", |r| r.iter_mut().for_each(|r| r.supply_v = Some(vec![4.0; r.len()]))),
+        ("commanded_voltage", |r| r[0].meta.insert("voltage", "a duty times 7.9 V").unwrap()),
+        ("records_disagree", |r| r[2].voltage_v.iter_mut().for_each(|v| *v *= 1.8)),
+    ];
+    let (mut missed, mut alarms) = ([0_u32; 10], 0);
+    let count = seeds().count() as u32;
+    for seed in seeds() {
+        let records = clean(seed);
+        let odd = suspicions(&records);
+        if !odd.is_empty() {
+            println!("clean seed {seed}: {odd:?}");
+            alarms += 1;
+        }
+        for (k, (name, edit)) in faults.iter().enumerate() {
+            let mut bad = records.clone();
+            edit(&mut bad);
+            let found = suspicions(&bad);
+            if !names(&found).iter().any(|n| n == name) {
+                missed[k] += 1;
+                println!("seed {seed}: {name} (edit {k}) not in {found:?}");
+            }
+            assert!(found.iter().all(|w| !w.fix.is_empty() && w.place.contains("column")), "{found:?}");
+        }
+    }
+    println!("missed, of {count} motors: {missed:?}");
+    assert_eq!(alarms, 0, "of {count} clean motors");
+    assert!(missed.iter().all(|m| *m * 10 <= count), "missed {missed:?} of {count}");
+}
