@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use motorlens::log::quantum::quantum;
-use motorlens::log::{Format, ReadOptions, Record, check_usable, content_faults, read};
+use motorlens::log::{Format, ReadOptions, Record, check_usable, content_faults, read, suspicions};
 
 fn data(directory: &str) -> Option<PathBuf> {
     let root = std::env::var_os("MOTORLENS_DATA")
@@ -112,5 +112,42 @@ fn the_servo_with_a_pendulum_gives_an_inferred_voltage() {
         if let Some(step) = step {
             assert!((step - std::f64::consts::TAU / 4096.0).abs() < 1e-6, "{file}: {step}");
         }
+    }
+}
+
+fn told(records: &[Record]) -> Vec<String> {
+    suspicions(records).into_iter().map(|w| format!("{}: {}", w.place, w.what)).collect()
+}
+
+#[test]
+fn faults_of_real_data_are_told_and_none_is_made_up() {
+    if let Some(directory) = data("undcmotor-jl") {
+        let map = "time=t,voltage=u,speed=y:deg/s";
+        let records =
+            ["prbs", "step"].map(|n| one(&directory.join(format!("DCmotor_{n}_open_exp.csv")), map));
+        println!("undcmotor-jl: {:#?}", told(&records));
+        assert!(!told(&records).iter().any(|t| t.contains("stale") || t.contains("lost_counts")));
+    }
+    if let Some(directory) = data("micromouse") {
+        let options = ReadOptions {
+            map: Some("time=time:ms,duty=leftCommand:255,speed=leftSpeed:rpm".parse().unwrap()),
+            supply_volts: Some(7.9),
+            ..ReadOptions::default()
+        };
+        let read = |n: u32| {
+            let path = directory.join(format!("controllerDelayImpact{n}ms.csv"));
+            read(&path, &options).unwrap_or_else(|error| panic!("{error}")).remove(0)
+        };
+        let told = told(&[1, 2, 5, 10].map(read));
+        println!("micromouse: {told:#?}");
+        let commanded = told.iter().filter(|t| t.contains("commanded_voltage")).count();
+        assert_eq!(commanded, 4, "a duty times one voltage, in every file: {told:#?}");
+    }
+    if let Some(directory) = data("bam-sts3250") {
+        let options = ReadOptions { format: Format::BamJson, ..ReadOptions::default() };
+        let record = read(&directory.join("2024-10-26_12h23m27.json"), &options).unwrap().remove(0);
+        let told = told(&[record]);
+        println!("bam-sts3250: {told:#?}");
+        assert!(told.iter().any(|t| t.contains("commanded_voltage") && t.contains("inferred")), "{told:#?}");
     }
 }

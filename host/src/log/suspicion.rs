@@ -3,9 +3,8 @@
 //! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
-use super::motion::{peak, slope, speed};
+use super::motion::peak;
 use super::quantum::quantum;
-use super::timing::median_interval;
 use super::weak::Weak;
 use super::{Record, Warning};
 
@@ -14,17 +13,21 @@ type Odd = (&'static str, &'static str, String, String);
 
 /// Everything odd about `records`, each by itself and against each other.
 pub fn suspicions(records: &[Record]) -> Vec<Warning> {
-    let checks = [beyond_supply, constant_supply, clipped, shifted, stale, jumps, drifting_count, wrong_gear];
+    let checks = [beyond_supply, constant_supply, clipped, stale, jumps, drifting_count, wrong_gear];
     let mut found = Vec::new();
     for record in records {
         for (name, column, why, fix) in checks.iter().filter_map(|check| check(record)) {
-            let place = format!("{}, column {column}", record.path.display());
-            let place = if place.starts_with(", ") { format!("{}{place}", record.name) } else { place };
-            found.push(Warning { place, what: format!("{name}: {why}"), fix });
+            found.push(Warning { place: place_of(record, column), what: format!("{name}: {why}"), fix });
         }
     }
+    found.extend(shifted(records));
     found.extend(disagreeing(records));
     found
+}
+
+fn place_of(record: &Record, column: &str) -> String {
+    let file = record.path.display().to_string();
+    format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
 
 /// A voltage that the supply cannot give is a command.
@@ -83,68 +86,82 @@ fn clipped(record: &Record) -> Option<Odd> {
 
 /// Shifts tried, s.
 const FURTHEST_S: f64 = 0.12;
-const SHIFT_BETTER: f64 = 0.6;
+/// Share of the unshifted remainder, in the mean of all records, at which a shift is told.
+const SHIFT_BETTER: f64 = 0.7;
+/// Records in which less than this is left need no shift, and those with more than the other cannot show one.
+const NOTHING_LEFT: f64 = 0.03;
+const SHIFT_UNCLEAR: f64 = 0.9;
 
-/// Motion that comes before its voltage, or long after it.
-fn shifted(record: &Record) -> Option<Odd> {
-    let weak = Weak::new(record)?;
-    let interval = weak.interval_s();
+/// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
+fn shifted(records: &[Record]) -> Option<Warning> {
+    let weak: Vec<(&Record, Weak, f64)> = records
+        .iter()
+        .filter_map(|r| {
+            let weak = Weak::new(r)?;
+            let left = weak.regress(0.0, |v| v)?.left;
+            (NOTHING_LEFT..SHIFT_UNCLEAR).contains(&left).then_some((r, weak, left))
+        })
+        .collect();
+    let (first, ..) = weak.first()?;
+    let interval = weak.iter().map(|w| w.1.interval_s()).fold(0.0, f64::max);
     let step = interval.max(0.002);
-    let plain = weak.regress(0.0, |v| v)?;
     let most = (FURTHEST_S / step).floor().min(24.0) as i32;
+    let mean = |shift: f64| {
+        let ratio = |(_, w, plain): &(&Record, Weak, f64)| Some((w.regress(shift, |v| v)?.left / plain).ln());
+        let all: Vec<f64> = weak.iter().filter_map(ratio).collect();
+        (all.iter().sum::<f64>() / all.len().max(1) as f64).exp()
+    };
     let (best, shift) = (-most..=most)
-        .filter_map(|k| Some((weak.regress(f64::from(k) * step, |v| v)?.left, f64::from(k) * step)))
+        .map(|k| (mean(f64::from(k) * step), f64::from(k) * step))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let early = shift < -0.9 * interval.max(0.003);
     let late = shift > (2.0 * interval).max(0.012);
-    let clear = best < SHIFT_BETTER * plain.left && best < 0.3;
-    (clear && (early || late)).then(|| {
-        let ms = 1e3 * shift.abs();
-        let samples = shift.abs() / interval;
-        if early {
-            (
-                "shifted_samples",
-                "voltage_v",
-                format!("the motor moves {ms:.0} ms ({samples:.1} samples) before its voltage: the voltage is logged late"),
-                "log the voltage and the motion of one instant in one row, or move the voltage up by that many rows".into(),
-            )
-        } else {
-            (
-                "shifted_samples",
-                "voltage_v",
-                format!("the motion comes {ms:.0} ms ({samples:.1} samples) after its voltage"),
-                "check that the columns of a row belong to one instant; if the drive is that slow, add the effect delay (or sensor_lag)".into(),
-            )
-        }
-    })
-}
-
-/// Share of the samples in clear motion that repeat the one before.
-const STALE_SHARE: f64 = 0.2;
-
-/// The motion is read less often than it is logged.
-fn stale(record: &Record) -> Option<Odd> {
-    let (column, values) = measured(record)?;
-    let step = quantum(values).unwrap_or(0.0);
-    let interval = median_interval(&record.time_s);
-    let rate = if record.angle_rad.is_some() { speed(record) } else { slope(&record.time_s, values) };
-    let fast = 0.2 * peak(&rate);
-    // Where several counts should pass in a sample, none is no accident.
-    let moving = |k: &usize| rate[*k].abs() > fast && rate[*k].abs() * interval > 4.0 * step;
-    let all: Vec<usize> = (1..values.len()).filter(moving).collect();
-    let same = all.iter().filter(|k| values[**k] == values[**k - 1]).count();
-    if all.len() < 40 || (same as f64) < STALE_SHARE * all.len() as f64 {
+    if best > SHIFT_BETTER || !(early || late) {
         return None;
     }
-    let every = all.len() as f64 / (all.len() - same).max(1) as f64;
+    let (ms, samples) = (1e3 * shift.abs(), shift.abs() / interval);
+    let (what, fix) = if early {
+        (
+            format!(
+                "the motor moves {ms:.0} ms ({samples:.1} samples) before its voltage: the voltage is logged late"
+            ),
+            "log voltage and motion of one instant in one row, or move the voltage up by that many rows",
+        )
+    } else {
+        (
+            format!("the motion comes {ms:.0} ms ({samples:.1} samples) after its voltage"),
+            "check that the columns of a row belong to one instant; if the drive is that slow, add the effect delay (or \
+             sensor_lag)",
+        )
+    };
+    let place = place_of(first, "voltage_v");
+    Some(Warning { place, what: format!("shifted_samples: {what}"), fix: fix.into() })
+}
+
+/// Most samples for which a reading may be held, and the share of its changes that must fall on one beat.
+const LONGEST_HOLD: usize = 25;
+const ON_THE_BEAT: f64 = 0.9;
+const FEWEST_CHANGES: usize = 60;
+
+/// The motion is read less often than it is logged: it changes on a beat of several samples only.
+fn stale(record: &Record) -> Option<Odd> {
+    let (column, values) = measured(record)?;
+    let changes: Vec<usize> = (1..values.len()).filter(|k| values[*k] != values[*k - 1]).collect();
+    if changes.len() < FEWEST_CHANGES {
+        return None;
+    }
+    let on_beat = |every: usize| {
+        let mut count = vec![0_usize; every];
+        changes.iter().for_each(|k| count[k % every] += 1);
+        count.into_iter().max().unwrap_or(0) as f64 / changes.len() as f64
+    };
+    let every = (2..=LONGEST_HOLD).rev().find(|every| on_beat(*every) > ON_THE_BEAT)?;
     Some((
         "stale_samples",
         column,
-        format!(
-            "{:.0} % of the samples repeat the one before while the motor turns: a new value comes about every {every:.1} samples",
-            100.0 * same as f64 / all.len() as f64
-        ),
-        "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of it".into(),
+        format!("the reading changes only every {every} samples, and is old in between"),
+        "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of it"
+            .into(),
     ))
 }
 
@@ -257,7 +274,7 @@ fn disagreeing(records: &[Record]) -> Vec<Warning> {
     }
     odd.into_iter()
         .map(|(k, g)| Warning {
-            place: format!("{}, column voltage_v", records[*k].path.display()),
+            place: place_of(&records[*k], "voltage_v"),
             what: format!(
                 "records_disagree: {} turns {:.3} rad/s per volt, the other records {median:.3}",
                 records[*k].name, g
