@@ -7,6 +7,31 @@ use crate::supervisor::{Look, Supervisor};
 use motorlens_shared::excitation::Player;
 use motorlens_shared::link::{Cause, Reset, RunState, Sample, Scaling, Setup, Status};
 
+/// A run begins when the motor has stood still for so long, or has been waited for so long, us. The encoder's count goes
+/// on from run to run, so that what depends on the shaft's position is the same in all of them.
+const STANDING_US: u32 = 100_000;
+const PATIENCE_US: u32 = 6_000_000;
+/// Counts within which it stands.
+const STANDING_COUNTS: u32 = 2;
+
+/// Waiting for the motor to stand still.
+#[derive(Debug, Clone, Copy)]
+struct Wait {
+    began_us: u32,
+    count: i32,
+    since_us: u32,
+}
+
+impl Wait {
+    /// Whether the wait is over.
+    fn look(&mut self, now: u32, count: i32) -> bool {
+        if count.abs_diff(self.count) > STANDING_COUNTS {
+            (self.count, self.since_us) = (count, now);
+        }
+        now.wrapping_sub(self.since_us) >= STANDING_US || now.wrapping_sub(self.began_us) >= PATIENCE_US
+    }
+}
+
 /// The control of one motor.
 pub struct Control<H: 'static> {
     hardware: H,
@@ -17,6 +42,7 @@ pub struct Control<H: 'static> {
     player: Option<Player>,
     encoder: Extended,
     supervisor: Supervisor,
+    wait: Wait,
     origin_us: Option<u32>,
     heard_us: u32,
     duty: i16,
@@ -41,6 +67,7 @@ impl<H: Hardware> Control<H> {
             player: None,
             encoder: Extended::default(),
             supervisor: Supervisor::default(),
+            wait: Wait { began_us: 0, count: 0, since_us: 0 },
             origin_us: None,
             heard_us: 0,
             duty: 0,
@@ -64,16 +91,7 @@ impl<H: Hardware> Control<H> {
         if self.state != RunState::Running {
             return;
         }
-        let (origin, count) = match self.origin_us {
-            Some(origin) => (origin, count),
-            None => {
-                self.encoder.zero();
-                (*self.origin_us.insert(now), 0)
-            }
-        };
-        let elapsed_us = now.wrapping_sub(origin);
-        let late_us = self.skip_missed(elapsed_us);
-
+        let elapsed_us = self.origin_us.map_or(0, |origin| now.wrapping_sub(origin));
         let analog = self.hardware.analog();
         let supply_mv = analog.supply_mv().unwrap_or(self.setup.supply_mv);
         let current_ma = analog.current_ma();
@@ -89,6 +107,13 @@ impl<H: Hardware> Control<H> {
         if let Some(cause) = self.supervisor.check(&self.setup, &look) {
             return self.stop(cause);
         }
+        if self.origin_us.is_none() {
+            if !self.wait.look(now, count) {
+                return;
+            }
+            self.origin_us = Some(now);
+        }
+        let late_us = self.skip_missed(elapsed_us);
         let Some(volts) = self.player.as_mut().and_then(Player::next) else {
             return self.stop(Cause::Finished);
         };
@@ -116,12 +141,15 @@ impl<H: Hardware> Control<H> {
         late.clamp(i64::from(i16::MIN) + 1, i64::from(i16::MAX)) as i16
     }
 
-    /// Begins a run of `player` with the present setup.
+    /// Begins a run of `player` with the present setup, once the motor stands still; it waits with the bridge off.
     pub fn start(&mut self, run: u32, player: Player) {
         self.log.begin(run, self.scaling());
         self.player = Some(player);
         self.supervisor = Supervisor::default();
-        self.heard_us = self.hardware.now_us();
+        let now = self.hardware.now_us();
+        let count = self.encoder.look(self.hardware.count());
+        self.wait = Wait { began_us: now, count, since_us: now };
+        self.heard_us = now;
         (self.origin_us, self.duty) = (None, 0);
         self.state = RunState::Running;
     }

@@ -10,7 +10,7 @@ use embedded_io::{Read, ReadReady, Write, WriteReady};
 use heapless::{String, Vec};
 use motorlens_shared::excitation::{MAX_NAME, MAX_SEGMENTS, Segment};
 use motorlens_shared::link::{Decoder, FromBoard, Packet, RunState, Scaling, ToBoard};
-use motorlens_shared::quickfit::{Keeper, QuickFit};
+use motorlens_shared::quickfit::{Arithmetic, Keeper, QuickFit};
 use stream::Stream;
 
 /// How often the status is sent unasked, us.
@@ -22,6 +22,8 @@ pub trait Platform {
     const CORE_HZ: u32;
     /// The PWM's frequency, Hz.
     const PWM_HZ: u32;
+    /// The numbers that the quick fit searches in: integers where the core has no floating-point unit.
+    type Arithmetic: Arithmetic;
     /// The firmware's version.
     const VERSION: [u8; 3];
     /// The chip's own number.

@@ -8,7 +8,7 @@ use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{
     Cause, FromBoard, Refusal, Reset, RunState, Sample, Scaling, Setup, SetupFault, Status, ToBoard,
 };
-use motorlens_shared::quickfit::{Keeper, Request, fit};
+use motorlens_shared::quickfit::{Float, Keeper, Request, fit};
 use motorlens_virtual_motor::{Bridge, Effect, Motor};
 
 const HELLO: ToBoard = ToBoard::Hello { oldest: 1, newest: 1 };
@@ -107,7 +107,8 @@ fn every_fault_stops_the_motor_names_its_cause_and_keeps_the_log() {
     for (setup, fault, cause) in faults {
         let mut bench = ready(setup, &[]);
         start(&mut bench, &rise, 1);
-        pass_attended(&mut bench, 0.5);
+        // A tenth of a second to see that the motor stands, then the run.
+        pass_attended(&mut bench, 0.6);
         fault(&mut bench);
         pass_attended(&mut bench, 1.5);
         let status = status(&mut bench);
@@ -119,10 +120,42 @@ fn every_fault_stops_the_motor_names_its_cause_and_keeps_the_log() {
 }
 
 #[test]
+fn a_run_begins_when_the_motor_has_rolled_out_and_counts_go_on_from_run_to_run() {
+    let mut bench = ready(Setup::default(), &[]);
+    let push = Programme::single("push", Shape::Step { level_v: 8.0 }, 1.0);
+    start(&mut bench, &push, 1);
+    pass_attended(&mut bench, 1.2);
+    let rolling = status(&mut bench);
+    assert_eq!((rolling.state, rolling.next), (RunState::Stopped(Cause::Finished), 1000));
+    bench.heard.clear();
+    start(&mut bench, &push, 2);
+    pass_attended(&mut bench, 0.5);
+    let waiting = status(&mut bench);
+    assert_eq!((waiting.state, waiting.run, waiting.next), (RunState::Running, 2, 0));
+    assert_off(&bench);
+    pass_attended(&mut bench, 8.0);
+    let log = samples(&bench);
+    assert_eq!(log.len(), 1000);
+    assert!(log[0].count > 500, "where the first run ended, and not zero: {}", log[0].count);
+    // From rest the motor is slow at first.
+    assert!((log[1].count - log[0].count).abs() <= 1, "{:?}", &log[..2]);
+}
+
+#[test]
+fn the_emergency_input_ends_the_wait_for_the_motor_too() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(1.0), 1);
+    bench.pass(0.05);
+    bench.control(|control| control.hardware_mut().emergency = true);
+    bench.pass(0.01);
+    assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::Emergency));
+}
+
+#[test]
 fn silence_stops_the_motor_and_the_rest_of_the_log_comes_when_the_host_is_back() {
     let mut bench = ready(Setup::default(), &[]);
     start(&mut bench, &sine(10.0), 1);
-    pass_attended(&mut bench, 1.0);
+    pass_attended(&mut bench, 1.1);
     bench.heard.clear();
     bench.pass(2.0);
     assert_off(&bench);
@@ -210,7 +243,7 @@ fn the_boards_fit_is_the_hosts_fit_of_the_same_log() {
     let request = Request { coulomb: true, rad_per_count: 0.01, ..Request::default() };
     let mut keeper = Keeper::new(Scaling { pwm_top: TOP, rate_hz: 1000 }, 2);
     samples(&bench).iter().for_each(|sample| keeper.push(sample));
-    let host = fit(keeper.samples(), keeper.step_s(), &request, |_| ()).unwrap();
+    let host = fit::<Float>(keeper.samples(), keeper.step_s(), &request, |_| ()).unwrap();
     let FromBoard::Fit(Some(board)) = bench.ask(ToBoard::QuickFit(request)) else { panic!("no fit") };
     assert_eq!(board.samples, 2000);
     assert_eq!(motorlens_shared::quickfit::QuickFit { micros: 0, micros_search: 0, ..board }, host);

@@ -110,13 +110,13 @@ impl Station {
         Ok(())
     }
 
-    fn quick_fit<H: Hardware>(
+    fn quick_fit<H: Hardware, P: Platform>(
         &mut self,
         id: u16,
         request: &Request,
         line: &mut impl Line,
         control: &Shared<H>,
-        platform: &mut impl Platform,
+        platform: &mut P,
     ) {
         let Self { keeper, outbox, fit, .. } = self;
         let running = with(control, |control| control.status().state == RunState::Running);
@@ -129,7 +129,7 @@ impl Station {
         let now = || with(control, |control| control.now_us());
         let begin = now();
         let mut searched = None;
-        let found = quickfit::fit(keeper.samples(), keeper.step_s(), request, |progress| {
+        let found = quickfit::fit::<P::Arithmetic>(keeper.samples(), keeper.step_s(), request, |progress| {
             platform.alive();
             if progress.generation == progress.generations {
                 searched.get_or_insert_with(now);

@@ -5,6 +5,7 @@ use core::mem::MaybeUninit;
 use motorlens_firmware::Shared;
 use motorlens_firmware::station::Platform;
 use motorlens_shared::link::Reset;
+use motorlens_shared::quickfit::Float;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::signature::Uid;
@@ -45,6 +46,7 @@ impl Board {
 impl Platform for Board {
     const CORE_HZ: u32 = crate::CORE_HZ;
     const PWM_HZ: u32 = PWM_HZ;
+    type Arithmetic = Float;
     const VERSION: [u8; 3] = [0, 1, 0];
 
     fn unique(&self) -> [u8; 12] {

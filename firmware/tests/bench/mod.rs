@@ -116,6 +116,7 @@ pub struct Rest {
 impl Platform for Rest {
     const CORE_HZ: u32 = 84_000_000;
     const PWM_HZ: u32 = 20_000;
+    type Arithmetic = motorlens_shared::quickfit::Float;
     const VERSION: [u8; 3] = [0, 1, 0];
     fn unique(&self) -> [u8; 12] {
         *b"host-bench-1"

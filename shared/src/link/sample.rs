@@ -12,7 +12,7 @@ pub const LOG_SAMPLES: usize = 8;
 pub struct Sample {
     /// Applied duty in PWM ticks, sign included; [`Scaling::pwm_top`] is full voltage.
     pub duty: i16,
-    /// Encoder counts since the run began.
+    /// Encoder counts since the board started: what depends on the shaft's position is the same in every run.
     pub count: i32,
     /// Supply at the instant, mV: measured where fitted, stated otherwise.
     pub supply_mv: u16,

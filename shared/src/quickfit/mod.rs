@@ -5,10 +5,13 @@
 //! friction can join. Everything that reaches the result is addition, multiplication, division, square root or libm's
 //! software, so the same samples and seed give the same bits on a Cortex-M4F and on the host.
 
+mod arithmetic;
+mod discrete;
 mod keeper;
 mod polish;
 mod search;
 
+pub use arithmetic::{Arithmetic, Fixed, Float, Record};
 pub use keeper::{KEPT, Keeper};
 
 use crate::scalar::Scalar;
@@ -90,10 +93,10 @@ pub struct QuickFit {
 /// A kept sample: mean voltage to the next (V), its integral so far (V s), counts since the first.
 pub type Kept = [f32; 3];
 
-/// Fits samples kept every `step_s` seconds. `progress` is told after each generation, and the last of them
-/// again after each sweep of the polish, so that a caller who feeds a watchdog there is called often. `None` when there are fewer than
-/// [`FEWEST`] samples or nothing moved.
-pub fn fit(
+/// Fits samples kept every `step_s` seconds, searching in the numbers of `A`. `progress` is told after each generation,
+/// and the last of them again after each sweep of the polish, so that a caller who feeds a watchdog there is called
+/// often. `None` when there are fewer than [`FEWEST`] samples or nothing moved.
+pub fn fit<A: Arithmetic>(
     samples: &[Kept],
     step_s: f32,
     request: &Request,
@@ -106,7 +109,9 @@ pub fn fit(
     let area = f64::from(step_s) * f64::from(request.rad_per_count.abs());
     let mut evaluations = 0;
     let mut last = Progress { generation: 0, generations: request.generations, iae: 0.0 };
-    let found = search::run(samples, step_s, gain, request, &mut evaluations, |generation, sum| {
+    let peak_v = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
+    let record = Record { samples, step_s, gain, peak_v };
+    let found = search::run::<A>(&record, request, &mut evaluations, &mut |generation, sum| {
         last = Progress { generation, iae: (sum * area) as f32, ..last };
         progress(last);
     });
@@ -115,8 +120,7 @@ pub fn fit(
         progress(last);
     };
     let polished = if request.coulomb {
-        let peak = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
-        let starts = [0.0, 0.02, 0.1].map(|share| Model { coulomb: share * peak, ..found.model });
+        let starts = [0.0, 0.02, 0.1].map(|share| Model { coulomb: share * peak_v, ..found.model });
         // The search knows nothing of friction, so its time constants may be far off: several starts, the best wins.
         let ends = starts.map(|start| polish::run(samples, step_s, start, true, &mut count));
         ends.into_iter()

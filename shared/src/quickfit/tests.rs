@@ -41,7 +41,7 @@ fn close(estimate: Estimate, truth: f32, share: f32) {
 
 #[test]
 fn the_frictionless_motor_is_found_to_a_count() {
-    let fit = fit(&record(0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
+    let fit = fit::<Float>(&record(0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
     close(fit.gain, 0.9, 2e-3);
     close(fit.tau_m, 0.045, 5e-3);
     close(fit.tau_e, 0.0015, 0.1);
@@ -53,8 +53,8 @@ fn the_frictionless_motor_is_found_to_a_count() {
 #[test]
 fn friction_is_found_when_asked_for_and_makes_the_fit_better() {
     let samples = record(0.9, 0.7);
-    let without = fit(&samples, STEP, &request(false), |_| ()).unwrap();
-    let with = fit(&samples, STEP, &request(true), |_| ()).unwrap();
+    let without = fit::<Float>(&samples, STEP, &request(false), |_| ()).unwrap();
+    let with = fit::<Float>(&samples, STEP, &request(true), |_| ()).unwrap();
     close(with.coulomb.unwrap(), 0.7, 0.02);
     close(with.gain, 0.9, 0.01);
     close(with.tau_m, 0.045, 0.03);
@@ -63,14 +63,14 @@ fn friction_is_found_when_asked_for_and_makes_the_fit_better() {
 
 #[test]
 fn an_encoder_that_counts_backwards_gives_a_negative_gain() {
-    let fit = fit(&record(-0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
+    let fit = fit::<Float>(&record(-0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
     close(fit.gain, -0.9, 2e-3);
 }
 
 #[test]
 fn progress_falls_and_covers_every_generation() {
     let mut seen = Vec::new();
-    fit(&record(0.9, 0.2), STEP, &request(false), |progress| seen.push(progress)).unwrap();
+    fit::<Float>(&record(0.9, 0.2), STEP, &request(false), |progress| seen.push(progress)).unwrap();
     // The polish repeats the last one.
     seen.dedup();
     assert_eq!(seen.len(), 40);
@@ -82,6 +82,32 @@ fn progress_falls_and_covers_every_generation() {
 
 #[test]
 fn nothing_comes_of_nothing() {
-    assert_eq!(fit(&record(0.9, 0.0)[..FEWEST - 1], STEP, &request(false), |_| ()), None);
-    assert_eq!(fit(&[[0.0, 0.0, 0.0]; 200], STEP, &request(false), |_| ()), None);
+    assert_eq!(fit::<Float>(&record(0.9, 0.0)[..FEWEST - 1], STEP, &request(false), |_| ()), None);
+    assert_eq!(fit::<Float>(&[[0.0, 0.0, 0.0]; 200], STEP, &request(false), |_| ()), None);
+}
+
+#[test]
+fn the_fixed_point_search_leads_to_the_same_motor() {
+    let samples = record(0.9, 0.0);
+    let float = fit::<Float>(&samples, STEP, &request(false), |_| ()).unwrap();
+    let fixed = fit::<Fixed>(&samples, STEP, &request(false), |_| ()).unwrap();
+    // Two ways through the search end within a standard error of each other.
+    for (one, other) in [(float.gain, fixed.gain), (float.tau_m, fixed.tau_m), (float.tau_e, fixed.tau_e)] {
+        assert!((one.value - other.value).abs() < one.standard_error, "{one:?} and {other:?}");
+    }
+}
+
+#[test]
+fn a_candidate_has_the_same_error_in_floating_and_in_fixed_point() {
+    let samples = record(0.9, 0.0);
+    let gain = (0.9 / COUNT) as f32;
+    let record = Record { samples: &samples, step_s: STEP, gain, peak_v: 8.0 };
+    let motors = [[gain, 0.045, 0.0015], [1.5 * gain, 0.2, 0.004]];
+    let (mut float, mut fixed) = ([0.0; 2], [0.0; 2]);
+    Float::absolute_sums(&record, &motors, &mut float);
+    Fixed::absolute_sums(&record, &motors, &mut fixed);
+    for (float, fixed) in float.iter().zip(fixed) {
+        // A tenth of a count per sample: neither is exact.
+        assert!((float - fixed).abs() < 0.1 * samples.len() as f64, "{float} and {fixed} counts");
+    }
 }

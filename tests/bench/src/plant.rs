@@ -82,12 +82,11 @@ impl Plant {
         self.edges
     }
 
-    /// The counter at the first `samples` sampling instants at which the driver was on or just being switched on,
-    /// counted from the first of them: what a log of that run must hold.
+    /// The counter at the first `samples` sampling instants at which the driver was on or just being switched on: what
+    /// the log of the first run must hold.
     pub fn run_counts(&self, samples: usize) -> Vec<i64> {
         let first = self.first_driven.unwrap_or_default();
-        let origin = self.sampled.get(first).copied().unwrap_or_default();
-        self.sampled.iter().skip(first).take(samples).map(|count| count - origin).collect()
+        self.sampled.iter().skip(first).take(samples).copied().collect()
     }
 
     /// Lets the motor run up to `at` under the bridge as it was, and gives the encoder's edges to the chip.
