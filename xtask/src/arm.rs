@@ -88,11 +88,39 @@ pub fn image_directory() -> PathBuf {
     process::root().join("firmware/stm32f4")
 }
 
-/// Builds the board image as it is flashed and returns its ELF.
+/// A board that the image can be built for.
+pub struct Board {
+    /// The feature that stands for it.
+    pub feature: &'static str,
+}
+
+/// Every board; the first is the default, and the one that the virtual bench emulates.
+pub const BOARDS: [Board; 3] =
+    [Board { feature: "stm32f407" }, Board { feature: "nucleo-f446re" }, Board { feature: "blackpill-f411" }];
+
+/// Builds the default board's image as it is flashed and returns its ELF.
 pub fn build_image() -> Result<PathBuf> {
+    build_image_for(&BOARDS[0])
+}
+
+/// Builds a board's image, with both sensors, and returns its ELF.
+pub fn build_image_for(board: &Board) -> Result<PathBuf> {
     let compiler = Compiler::find_or_install(CORTEX_M4F)?;
-    process::run(compiler.cargo("build", &image_directory()).arg("--release"))?;
-    Ok(compiler.artifact("motorlens-stm32f4"))
+    let features = format!("{},supply-sense,current-sense", board.feature);
+    let mut build = compiler.cargo("build", &image_directory());
+    process::run(build.args(["--release", "--no-default-features", "--features", &features]))?;
+    // A name of its own: the next board's image takes the place of this one.
+    let image = compiler.artifact("motorlens-stm32f4");
+    let kept = image.with_file_name(format!("motorlens-{}", board.feature));
+    std::fs::copy(&image, &kept).with_context(|| format!("cannot copy {}", image.display()))?;
+    Ok(kept)
+}
+
+/// Builds the release program `name` of the workspace in `directory` and returns its ELF.
+pub fn build_program(target: &'static str, directory: &Path, name: &str) -> Result<PathBuf> {
+    let compiler = Compiler::find_or_install(target)?;
+    process::run(compiler.cargo("build", directory).arg("--release"))?;
+    Ok(compiler.artifact(name))
 }
 
 /// Builds the crates that run on boards for a core, to show that they need neither std nor an FPU.

@@ -1,9 +1,10 @@
 //! The virtual bench: the unmodified image on an emulated STM32F4 with a simulated motor.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 
 use crate::report::Count;
@@ -23,10 +24,26 @@ pub fn serve(options: &Options) -> Result<()> {
     process::run(bench_cargo("run").arg("--").arg("--image").arg(image).args(&options.arguments))
 }
 
-/// Runs the bench's own tests on the image.
+/// Runs the bench's own tests on the image, and the host program against it.
 pub fn tests() -> Result<Count> {
     let image = arm::build_image()?;
-    process::run_tests(bench_cargo("test").env("MOTORLENS_IMAGE", image))
+    process::run(process::cargo().args(["build", "--release", "--package", "motorlens", "--locked"]))?;
+    let program = process::root().join("target/release/motorlens");
+    process::run_tests(bench_cargo("test").env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program))
+}
+
+/// Instructions on the emulated core, by name.
+pub fn instructions() -> Result<BTreeMap<String, f64>> {
+    let image = arm::build_image()?;
+    let told =
+        process::output(bench_cargo("run").args(["--quiet", "--bin", "instructions", "--"]).arg(image))?;
+    let count = |line: &str| {
+        let (name, count) = line.rsplit_once(' ')?;
+        Some((name.to_owned(), count.parse().ok()?))
+    };
+    let counts: BTreeMap<_, _> = told.lines().filter_map(count).collect();
+    ensure!(!counts.is_empty(), "the bench told no counts: {told}");
+    Ok(counts)
 }
 
 /// A cargo command in the bench's workspace. The emulator declares a newer compiler than it needs.

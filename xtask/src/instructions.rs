@@ -1,4 +1,5 @@
-//! Instructions per sample of the host's kernels, counted by callgrind and held against a recorded figure.
+//! Instructions per sample of the host's kernels, counted by callgrind, and of the firmware, counted by the emulator, held
+//! against recorded figures.
 //!
 //! Counts do not depend on what else the machine does, so a slip of a tenth shows on any of them.
 
@@ -9,7 +10,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::{apt, peers, process};
+use crate::{apt, bench, peers, process};
 
 /// A kernel may cost this much more than recorded.
 const ALLOWED: f64 = 1.10;
@@ -27,43 +28,57 @@ const KERNELS: [(&str, &str); 5] = [
 pub struct Options {
     /// Write the counts down as the new figures instead of comparing with the old
     #[arg(long)]
-    record: bool,
+    pub record: bool,
+    /// Count on the emulated board (docs/board-instructions.json) instead of on the host
+    #[arg(long)]
+    pub board: bool,
 }
 
-/// Counts every kernel; fails where one costs more than a tenth over its recorded figure.
+/// Counts; fails where something costs more than a tenth over its recorded figure.
 pub fn check(options: &Options) -> Result<()> {
-    apt::ensure_apt(&["valgrind"])?;
-    let program = build()?;
-    let path = process::root().join("docs/instructions.json");
-    let mut counts = BTreeMap::new();
-    for (level, kernel) in KERNELS {
-        counts.insert(format!("{level} {kernel}"), count(&program, level, kernel)?);
-    }
+    let (file, counts) = if options.board {
+        ("docs/board-instructions.json", bench::instructions()?)
+    } else {
+        ("docs/instructions.json", kernels()?)
+    };
+    let path = process::root().join(file);
     if options.record {
         let text: Vec<String> = counts.iter().map(|(k, n)| format!("  \"{k}\": {n:.2}")).collect();
         std::fs::write(&path, format!("{{\n{}\n}}\n", text.join(",\n")))?;
         println!("wrote {}", path.display());
         return Ok(());
     }
+    let again = if options.board { "--board --record" } else { "--record" };
     let recorded = recorded(&path)?;
     let mut risen = Vec::new();
     for (name, now) in &counts {
         let before = recorded.get(name).with_context(|| {
-            format!("{} has no \"{name}\"; run cargo xtask instructions --record", path.display())
+            format!("{} has no \"{name}\"; run cargo xtask instructions {again}", path.display())
         })?;
-        println!("{name:<24} {now:>9.2} instructions per sample, recorded {before:.2}");
+        println!("{name:<32} {now:>9.2} instructions, recorded {before:.2}");
         if *now > ALLOWED * before {
             risen.push(format!("{name} from {before:.2} to {now:.2}"));
         }
     }
     if !risen.is_empty() {
         bail!(
-            "instructions per sample rose by more than a tenth: {}; find out why, or accept it with \
-             cargo xtask instructions --record",
+            "instructions rose by more than a tenth: {}; find out why, or accept it with \
+             cargo xtask instructions {again}",
             risen.join(", ")
         );
     }
     Ok(())
+}
+
+/// Instructions per sample of the host's kernels, by name.
+fn kernels() -> Result<BTreeMap<String, f64>> {
+    apt::ensure_apt(&["valgrind"])?;
+    let program = build()?;
+    let mut counts = BTreeMap::new();
+    for (level, kernel) in KERNELS {
+        counts.insert(format!("{level} {kernel}"), count(&program, level, kernel)?);
+    }
+    Ok(counts)
 }
 
 fn build() -> Result<PathBuf> {

@@ -4,6 +4,7 @@ mod apt;
 mod arm;
 mod bench;
 mod browser;
+mod cortex_m0;
 mod exports;
 mod instructions;
 mod licences;
@@ -30,7 +31,7 @@ struct Cli {
 enum Task {
     /// Run everything: format, lints, documents, licences, tests, the ARM image, the virtual bench.
     Test(test::Options),
-    /// Build the ARM image and print its use of flash and RAM against the limits.
+    /// Build the image for every board and print its use of flash and RAM against the limits.
     Sizes,
     /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
     Bench(bench::Options),
@@ -40,7 +41,7 @@ enum Task {
     Licences,
     /// Run the paper's search beside that of others (scipy, pygad, pymoo, DEAP, genevo, Octave) and print the ratios.
     Peers,
-    /// Count the instructions per sample of the host's kernels and hold them against docs/instructions.json.
+    /// Count the instructions of the host's kernels, or of the firmware, and hold them against the recorded ones.
     Instructions(instructions::Options),
 }
 

@@ -17,19 +17,23 @@ struct Sizes {
     ram: u64,
 }
 
-/// Builds the image, prints its sizes, fails when one is over its limit.
+/// Builds every board's image, prints its sizes, fails when one is over its limit.
 pub fn print() -> Result<()> {
-    let elf = arm::build_image()?;
-    let bytes = std::fs::read(&elf).with_context(|| format!("cannot read {}", elf.display()))?;
-    let sizes = measure(&bytes)?;
-    println!("flash {:>7} of {FLASH_LIMIT} bytes ({:.1} KiB)", sizes.flash, sizes.flash as f64 / 1024.0);
-    println!(
-        "RAM   {:>7} of {RAM_LIMIT} bytes ({:.1} KiB), without the stack",
-        sizes.ram,
-        sizes.ram as f64 / 1024.0
-    );
-    ensure!(sizes.flash <= FLASH_LIMIT, "the image takes more flash than it may");
-    ensure!(sizes.ram <= RAM_LIMIT, "the image takes more RAM than it may");
+    for board in &arm::BOARDS {
+        let elf = arm::build_image_for(board)?;
+        let bytes = std::fs::read(&elf).with_context(|| format!("cannot read {}", elf.display()))?;
+        let Sizes { flash, ram } = measure(&bytes)?;
+        println!(
+            "{:<16} flash {:.1} KiB of {}, RAM {:.1} KiB of {} without the stack",
+            board.feature,
+            flash as f64 / 1024.0,
+            FLASH_LIMIT / 1024,
+            ram as f64 / 1024.0,
+            RAM_LIMIT / 1024,
+        );
+        ensure!(flash <= FLASH_LIMIT, "the image for {} takes more flash than it may", board.feature);
+        ensure!(ram <= RAM_LIMIT, "the image for {} takes more RAM than it may", board.feature);
+    }
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, bench, browser, exports, instructions, licences, process, sizes};
+use crate::{arm, bench, browser, cortex_m0, exports, instructions, licences, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 13] = [
+const PARTS: [Part; 15] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -48,7 +48,11 @@ const PARTS: [Part; 13] = [
     }),
     ("no_std on Cortex-M4F", || one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))),
     ("no_std on Cortex-M0", || one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))),
-    ("image and its sizes", || one(sizes::print())),
+    ("quick fit on an emulated Cortex-M0", || one(cortex_m0::run())),
+    ("images of all boards and their sizes", || one(sizes::print())),
+    ("instructions on the board", || {
+        one(instructions::check(&instructions::Options { board: true, ..Default::default() }))
+    }),
     ("virtual bench", bench::tests),
     ("browser", browser::tests),
 ];
@@ -66,7 +70,8 @@ pub fn run(options: &Options) -> ExitCode {
 
 /// The workspaces beside the host's are formatted like it.
 fn format() -> Result<()> {
-    for directory in [process::root(), arm::image_directory(), bench::directory(), browser::directory()] {
+    let beside = [arm::image_directory(), bench::directory(), browser::directory(), cortex_m0::directory()];
+    for directory in std::iter::once(process::root()).chain(beside) {
         process::run(process::cargo().current_dir(directory).args(["fmt", "--all", "--check"]))?;
     }
     Ok(())

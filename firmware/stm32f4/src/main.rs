@@ -69,6 +69,8 @@ fn main() -> ! {
     core.DWT.enable_cycle_counter();
 
     let clocks = rcc::Config::hse(CRYSTAL_HZ.Hz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+    // The debugger on a Nucleo gives a clock, not a crystal.
+    let clocks = if cfg!(feature = "nucleo-f446re") { clocks.bypass_hse_oscillator() } else { clocks };
     let mut rcc = device.RCC.freeze(clocks);
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);

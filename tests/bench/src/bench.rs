@@ -9,7 +9,7 @@ use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
 
 use crate::cable::{Cable, Socket};
-use crate::machine::{CORE_HZ, Machine};
+use crate::machine::{self, CORE_HZ, Machine};
 use crate::plant::Plant;
 
 /// Registers whose writes mean something to the surroundings.
@@ -89,6 +89,10 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         stop: Stop,
         _: &mut dyn Host,
     ) -> Option<VirtualNanos> {
+        self.failed_at = machine::stray(session);
+        if self.failed_at.is_some() {
+            return None;
+        }
         let machine = session.board_mut();
         let scene = &mut self.scene;
         scene.plant.advance(stop.at, machine);
@@ -128,7 +132,7 @@ pub struct Done<R> {
 /// Runs an image on the bench at this rate of instructions until the remote end has enough.
 ///
 /// # Panics
-/// When the image cannot be read or the emulator gives up.
+/// When the image cannot be read, touches what the chip has not, or the emulator gives up.
 pub fn run<R: Remote>(
     image: &Path,
     instructions_per_second: u64,

@@ -33,6 +33,9 @@ struct Options {
     /// Let this number pick effects and tell nobody
     #[arg(long, value_name = "SEED", conflicts_with = "effects")]
     hidden: Option<u64>,
+    /// Tell what the number of --hidden hides, and end
+    #[arg(long, requires = "hidden")]
+    reveal: bool,
     /// An effect of the motor, for example coulomb=0.3; repeatable
     #[arg(long = "effect", value_name = "NAME[=SIZE]", value_parser = Effect::parse)]
     effects: Vec<Effect>,
@@ -68,7 +71,9 @@ impl Remote for Server {
         }
         let Some(client) = &mut self.client else { return true };
         let mut buffer = [0; 1024];
-        let mut alive = client.write_all(received).is_ok();
+        // A client that does not read loses bytes, as on a serial line.
+        let lost = |error: std::io::Error| error.kind() == ErrorKind::WouldBlock;
+        let mut alive = client.write_all(received).map_or_else(lost, |()| true);
         match client.read(&mut buffer) {
             Ok(0) => alive = false,
             Ok(length) => send.extend_from_slice(&buffer[..length]),
@@ -88,6 +93,11 @@ fn main() -> std::io::Result<()> {
         Some(seed) => motorlens::simulate::hidden(seed, &motor),
         None => options.effects,
     };
+    if options.reveal {
+        let names: Vec<String> = effects.iter().map(ToString::to_string).collect();
+        println!("{}", if names.is_empty() { "nothing is hidden".to_owned() } else { names.join("  ") });
+        return Ok(());
+    }
     let driver = match options.drive {
         Wired::Brake => DriveMode::SignMagnitudeBrake,
         Wired::Coast => DriveMode::SignMagnitudeCoast,
@@ -97,10 +107,11 @@ fn main() -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let turns = if motor.encoder_shaft == EncoderShaft::Motor { motor.gear_ratio } else { 1.0 };
     println!(
-        "the board answers at tcp://{}, its encoder gives {} counts per turn of the output shaft",
+        "the board answers at tcp://{}; --counts-per-rev {}",
         listener.local_addr()?,
         motor.encoder_counts * turns
     );
+    std::io::stdout().flush()?;
     let plant = Plant::new(VirtualMotor::new(&motor, &effects, options.hidden.unwrap_or(1)), driver);
     let server = Server { listener, client: None, start: Instant::now(), speed: options.speed };
     bench::run(&options.image, CORE_HZ, plant, Cable::new(options.spoil, 1), server);

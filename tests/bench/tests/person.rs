@@ -1,0 +1,157 @@
+//! What a person without hardware does: starts the bench with something hidden, captures, fits on the board, discovers.
+
+use std::collections::BTreeSet;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use std::{env, fs, thread};
+
+use serde_json::Value;
+
+/// Virtual seconds in a second. Half of the link's timeout is then 125 ms on the wall: a busy machine keeps up.
+const SPEED: &str = "2";
+
+/// A running bench; it ends with the test.
+struct Bench {
+    child: Child,
+    address: String,
+    counts_per_rev: String,
+}
+
+impl Bench {
+    fn start(hidden: &str) -> Self {
+        let mut child = bench(hidden)
+            .args(["--port", "0", "--speed", SPEED])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the bench starts");
+        let mut line = String::new();
+        let said = child.stdout.take().expect("piped above");
+        BufReader::new(said).read_line(&mut line).expect("the bench says where it is");
+        let word = |after: &str| {
+            let rest = line.split_once(after).expect("the bench's line").1;
+            rest.split([';', '\n']).next().expect("one word at least").trim().to_owned()
+        };
+        let (address, counts_per_rev) = (word("answers at "), word("--counts-per-rev "));
+        Bench { child, address, counts_per_rev }
+    }
+
+    /// `motorlens VERB... --port ... --json`.
+    fn program(&self, verb: &[&str]) -> Command {
+        let mut command = program(verb);
+        command.args(["--port", &self.address]);
+        command
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        // It may have ended by itself; then there is nothing to end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn bench(hidden: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motorlens-bench"));
+    command.arg("--image").arg(motorlens_bench::machine::image()).args(["--hidden", hidden]);
+    command
+}
+
+fn program(verb: &[&str]) -> Command {
+    let program = env::var_os("MOTORLENS_PROGRAM")
+        .expect("MOTORLENS_PROGRAM names the host program; run the bench by `cargo xtask test --only bench`");
+    let mut command = Command::new(program);
+    command.args(verb).args(["--json", "--quiet"]);
+    command
+}
+
+fn json(mut command: Command) -> Value {
+    let output = command.stderr(Stdio::inherit()).output().expect("the program starts");
+    assert!(output.status.success(), "{command:?}: {}", output.status);
+    serde_json::from_slice(&output.stdout).expect("one document")
+}
+
+fn fresh_directory(name: &str) -> PathBuf {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&directory);
+    directory
+}
+
+/// Names of the effects that a number hides. The board measures its supply, so the log's voltage holds the sag already.
+fn hidden(seed: &str) -> BTreeSet<String> {
+    let output = bench(seed).arg("--reveal").output().expect("the bench starts");
+    let told = String::from_utf8(output.stdout).expect("text");
+    let names = told.split_whitespace().filter_map(|word| word.split_once('=')).map(|(name, _)| name);
+    let first = names.filter_map(|name| name.rsplit(',').next()).map(str::to_owned);
+    first.filter(|name| name != "supply_sag").collect()
+}
+
+/// Captures the default protocol, fits on the board, discovers: the truth, and an error of at most twice the floor.
+fn finds_what_is_hidden(seed: &str) {
+    let out = fresh_directory(&format!("hidden-{seed}"));
+    let bench = Bench::start(seed);
+    let mut capture = bench.program(&["capture"]);
+    capture.args(["--programme", "default", "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
+    let captured = json(capture);
+    let logs = captured["logs"].as_array().expect("a list");
+    assert_eq!(logs.len(), 7);
+    for log in logs {
+        assert_eq!((&log["samples"], &log["missing"]), (&Value::from(8000), &Value::from(0)), "{log}");
+    }
+    let mut fit = bench.program(&["device", "fit"]);
+    fit.args(["--coulomb", "--counts-per-rev", &bench.counts_per_rev]);
+    let fit = json(fit);
+    let gain = fit["fit"]["gain"]["value"].as_f64().expect("a number");
+    assert!((0.3..0.9).contains(&gain), "no-load speed per volt on the board: {gain}");
+
+    let mut discover = program(&["discover"]);
+    for log in logs {
+        let path = log["log"].as_str().expect("a path");
+        let held_out = path.contains("holdout");
+        discover.args(held_out.then_some("--validate")).arg(path);
+    }
+    let found = json(discover);
+    let named = found["effects"].as_array().expect("a list").iter().filter_map(Value::as_str);
+    let named: BTreeSet<String> = named.map(str::to_owned).collect();
+    let floor = found["noise_floor_rad"].as_f64().expect("a number");
+    let ladder = found["ladder"].as_array().expect("a list");
+    let unseen = |rung: &Value| rung["validation"]["rmse"].as_f64().expect("a number");
+    let (before, after) = (unseen(&ladder[0]), unseen(&ladder[ladder.len() - 1]));
+    println!(
+        "hidden {seed}: found {named:?}, unseen error {before:.2e} -> {after:.2e}, floor {floor:.2e} rad"
+    );
+    assert_eq!(named, hidden(seed));
+    assert!(after <= 2.0 * floor, "{after} rad is more than twice the floor of {floor}");
+}
+
+#[test]
+fn capture_device_fit_and_discover_find_what_hidden_7_hides() {
+    finds_what_is_hidden("7");
+}
+
+#[test]
+fn capture_device_fit_and_discover_find_what_hidden_8_hides() {
+    finds_what_is_hidden("8");
+}
+
+#[test]
+fn a_capture_that_is_killed_leaves_no_half_file_and_a_board_that_stopped_and_answers() {
+    let out = fresh_directory("killed");
+    let bench = Bench::start("1");
+    let mut capture = bench.program(&["capture"]);
+    capture.args(["--programme", "multisine", "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
+    let mut capture = capture.stdout(Stdio::null()).spawn().expect("the program starts");
+    // Asking how far it is would take the line away and keep the motor running: the waits go by the clock.
+    thread::sleep(Duration::from_secs(2));
+    capture.kill().expect("it still runs");
+    capture.wait().expect("it ended");
+    thread::sleep(Duration::from_secs(5));
+    let left: Vec<_> = fs::read_dir(&out).expect("the directory was made").collect();
+    assert!(left.is_empty(), "{left:?}");
+    let status = json(bench.program(&["device", "hello"]))["status"].clone();
+    assert_eq!(status["state"]["Stopped"], "link_loss");
+    assert!(status["next"].as_u64() > Some(0), "the log is kept: {status}");
+    assert_eq!(json(bench.program(&["device", "stop"]))["stopped"], true);
+}

@@ -1,0 +1,80 @@
+//! The quick fit and the link's decoder on a Cortex-M0: no floating-point unit, no divider, 16 KiB of RAM. The build has
+//! done the same on the host; every bit must agree.
+#![no_std]
+#![no_main]
+
+mod spoil;
+
+use cortex_m_rt::{ExceptionFrame, entry, exception};
+use cortex_m_semihosting::{debug, hprintln};
+use motorlens_shared::quickfit::{Arithmetic, Fixed, Float, Kept, QuickFit, Request, fit};
+
+/// What the host made of it.
+mod host {
+    include!(concat!(env!("OUT_DIR"), "/expected.rs"));
+}
+
+/// The record, in flash: it would fill the RAM.
+static SAMPLES: [Kept; host::SAMPLES.len()] = {
+    let mut samples = [[0.0; 3]; host::SAMPLES.len()];
+    let mut k = 0;
+    while k < samples.len() {
+        let [voltage, integral, count] = host::SAMPLES[k];
+        samples[k] = [f32::from_bits(voltage), f32::from_bits(integral), f32::from_bits(count)];
+        k += 1;
+    }
+    samples
+};
+
+/// Fits, and compares every byte with the host's fit.  Not inlined: two frames of a fit would fill the RAM.
+#[inline(never)]
+fn agrees<A: Arithmetic>(name: &str, request: &Request, host: &[u8]) -> bool {
+    let Some(here) = fit::<A>(&SAMPLES, host::STEP_S, request, |_| ()) else {
+        hprintln!("{}: no fit", name);
+        return false;
+    };
+    let mut room = [0; 128];
+    let same = postcard::to_slice(&here, &mut room).is_ok_and(|bytes| bytes == host);
+    let QuickFit { gain, tau_m, tau_e, coulomb, .. } = here;
+    hprintln!(
+        "{}: gain {} tau_m {} tau_e {} coulomb {:?}; {}",
+        name,
+        gain.value,
+        tau_m.value,
+        tau_e.value,
+        coulomb.map(|estimate| estimate.value),
+        if same { "the host's bits" } else { "NOT the host's bits" }
+    );
+    same
+}
+
+#[entry]
+fn main() -> ! {
+    let request = Request { rad_per_count: host::RAD_PER_COUNT, ..Request::default() };
+    let friction = Request { coulomb: true, generations: 5, ..request };
+    let mut good = agrees::<Fixed>("fixed point, 16 x 40", &request, host::FIXED);
+    good &= agrees::<Float>("floating point in software, 16 x 40", &request, host::FLOAT);
+    good &= agrees::<Fixed>("fixed point with friction", &friction, host::FRICTION);
+    let verdicts = spoil::verdicts();
+    hprintln!("decoder's verdicts on spoiled frames: {:08x}, on the host {:08x}", verdicts, host::VERDICTS);
+    good &= verdicts == host::VERDICTS;
+    leave(good)
+}
+
+/// Ends the emulation with this outcome.
+fn leave(good: bool) -> ! {
+    debug::exit(if good { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {}
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    hprintln!("{}", info);
+    leave(false)
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    hprintln!("hard fault at {:#x}", frame.pc());
+    leave(false)
+}
