@@ -27,8 +27,9 @@ pub fn serve(options: &Options) -> Result<()> {
 /// Runs the bench's own tests on the image, and the host program against it.
 pub fn tests() -> Result<Count> {
     let image = arm::build_image()?;
-    process::run(process::cargo().args(["build", "--release", "--package", "motorlens", "--locked"]))?;
-    let program = process::root().join("target/release/motorlens");
+    // As the host's own tests have built it already.
+    process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
+    let program = process::root().join("target/debug/motorlens");
     process::run_tests(bench_cargo("test").env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program))
 }
 
