@@ -6,8 +6,8 @@ use motorlens_shared::link::{
 };
 use motorlens_shared::quickfit::Request;
 
-/// Inputs per direction: the whole ten million in an optimised build, a hundredth in a quick one.
-const INPUTS: u64 = if cfg!(debug_assertions) { 50_000 } else { 5_000_000 };
+/// Inputs per direction, host and board: ten million in an optimised build, a two-hundredth in a quick one.
+const INPUTS: u64 = if cfg!(debug_assertions) { 50_000 } else { 10_000_000 };
 
 /// A small fast generator (xorshift64*, Vigna 2016); the same inputs in every run.
 struct Random(u64);

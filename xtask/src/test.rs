@@ -42,7 +42,7 @@ const PARTS: [Part; 15] = [
     }),
     ("exports in their tools", exports::tests),
     ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
-    ("decoder on ten million inputs", || {
+    ("decoders of host and board on ten million inputs each", || {
         let test = ["test", "--release", "-p", "motorlens-shared", "--test", "link_any_bytes"];
         process::run_tests(process::cargo().args(test))
     }),

@@ -132,8 +132,8 @@ fn capture_device_fit_and_discover_find_what_hidden_7_hides() {
 }
 
 #[test]
-fn capture_device_fit_and_discover_find_what_hidden_8_hides() {
-    finds_what_is_hidden("8");
+fn capture_device_fit_and_discover_find_what_hidden_2_hides() {
+    finds_what_is_hidden("2");
 }
 
 #[test]

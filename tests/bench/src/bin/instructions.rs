@@ -10,7 +10,7 @@ use motorlens_bench::cable::Cable;
 use motorlens_bench::machine;
 use motorlens_bench::plant::Plant;
 use motorlens_bench::remote::Session;
-use motorlens_shared::excitation::{Programme, Shape};
+use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{FromBoard, Setup, ToBoard};
 use motorlens_shared::quickfit::Request;
 use motorlens_virtual_motor::{Motor, VirtualMotor};
@@ -20,11 +20,20 @@ const CANDIDATES: f64 = 16.0 + 39.0 * 15.0;
 /// The core's instructions in a microsecond.
 const PER_MICROSECOND: f64 = machine::CORE_HZ as f64 * 1e-6;
 
+/// The default protocol's shapes in 8 s: the interrupt that begins a segment is a long one.
+fn every_shape() -> Programme {
+    let protocol = Programme::default_protocol(12.0);
+    let segments = protocol.training.iter().flat_map(|programme| programme.segments.clone());
+    let mut programme = Programme::sequence("every shape", segments).expect("they are few enough");
+    let scale = 8.0 / programme.seconds();
+    programme.segments.iter_mut().for_each(|segment| segment.seconds *= scale);
+    programme
+}
+
 fn main() {
     let image = PathBuf::from(std::env::args_os().nth(1).expect("the image's ELF is the argument"));
     let setup = Setup { keep_every: 4, ..Setup::default() };
-    let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.2, high_hz: 8.0, tones: 14, seed: 2 };
-    let capture = Capture::new(setup, &Programme::single("multisine", shape, 4.0), 1);
+    let capture = Capture::new(setup, &every_shape(), 1);
     let request = Request { rad_per_count: 0.001, ..Request::default() };
     let session = Session::new(capture, Duration::from_secs(30), Box::new(|_, _, _| ()))
         .then(Inquiry::new([ToBoard::QuickFit(request)]));
