@@ -31,7 +31,7 @@ pub struct Args {
 
 impl Default for Args {
     fn default() -> Self {
-        Self { hidden: 25, out: "motorlens-demo".into() }
+        Self { hidden: crate::serve::DEMO, out: "motorlens-demo".into() }
     }
 }
 

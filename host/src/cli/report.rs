@@ -48,7 +48,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         schema: 1,
         report: args.out.clone(),
         bytes: size.len(),
-        summary: words::summary(&story),
+        summary: words::summary(&story.ladder, story.floor, story.unit),
         verdict: found.verdict,
         effects: found.effects.clone(),
     };

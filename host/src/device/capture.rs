@@ -78,6 +78,16 @@ impl Capture {
         self.collector.len()
     }
 
+    /// Samples from number `from` on that have come without a gap.
+    pub fn samples_from(&self, from: usize) -> Vec<(u32, Sample)> {
+        self.collector.samples_from(from)
+    }
+
+    /// What the raw numbers mean, once the board has told it for this setup.
+    pub fn scaling(&self) -> Option<Scaling> {
+        self.capabilities.as_ref().map(|capabilities| capabilities.scaling)
+    }
+
     /// Frames that arrived damaged.
     pub fn damaged(&self) -> u64 {
         self.exchange.damaged()

@@ -92,6 +92,17 @@ impl Collector {
         self.places.is_empty()
     }
 
+    /// Samples from number `from` on that have come without a gap, with their numbers.
+    pub fn samples_from(&self, from: usize) -> Vec<(u32, Sample)> {
+        let numbered = (0..).zip(&self.places).skip(from);
+        let here = numbered.map_while(|(index, place)| match place {
+            Place::Here(sample) => Some((index, *sample)),
+            Place::Gone => Some((index, Sample::MISSED)),
+            Place::Missing => None,
+        });
+        here.collect()
+    }
+
     /// What to ask for now: first sample and count of each range.
     pub fn requests(&mut self, now: Duration) -> Vec<(u32, u16)> {
         if self.is_complete() || self.asked.is_some_and(|asked| now.saturating_sub(asked) < AGAIN) {
@@ -149,6 +160,10 @@ mod tests {
         collector.block(&LogBlock { run: 6, ..block(8, 8) });
         let now = Duration::from_secs(1);
         assert_eq!(collector.requests(now), [(8, 8), (24, 16)]);
+        assert_eq!(
+            collector.samples_from(3).iter().map(|(index, _)| *index).collect::<Vec<_>>(),
+            [3, 4, 5, 6, 7]
+        );
         assert_eq!(collector.requests(now + AGAIN / 2), []);
         collector.block(&block(8, 8));
         collector.block(&block(24, 8));

@@ -67,7 +67,7 @@ impl Candidate {
 }
 
 /// Records fitted and records kept out, as the diagnosis uses them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Evidence {
     /// All records to learn from, whole.
     pub whole: Problem,

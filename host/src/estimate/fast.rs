@@ -49,9 +49,9 @@ pub(crate) fn textbook(problem: &Problem, effects: &[Kind]) -> Searched {
 /// Evidence in which nothing is kept out.
 pub(super) fn all_of(problem: &Problem) -> Evidence {
     Evidence {
-        whole: problem.clone_without_count(),
-        train: problem.clone_without_count(),
-        unseen: problem.clone_without_count(),
+        whole: problem.clone(),
+        train: problem.clone(),
+        unseen: problem.clone(),
         floor: Errors::COUNTING,
     }
 }

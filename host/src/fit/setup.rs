@@ -82,6 +82,13 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     (problem, start)
 }
 
+/// A copy counts its passes from zero.
+impl Clone for Problem {
+    fn clone(&self) -> Self {
+        self.on(self.grids.clone())
+    }
+}
+
 impl Problem {
     /// The same rig and noise, other records.
     #[must_use]
@@ -93,12 +100,6 @@ impl Problem {
             fixed: self.fixed.clone(),
             simulations: std::cell::Cell::new(0),
         }
-    }
-
-    /// The same problem with its count of passes at zero.
-    #[must_use]
-    pub fn clone_without_count(&self) -> Self {
-        self.on(self.grids.clone())
     }
 
     /// Fits the base alone: increments first, then the error itself.

@@ -1,12 +1,14 @@
 //! Step 2, Where it fails: the residual torque from every side, before and after.
 
-use serde_json::{Value, json};
-
-use super::figure::{Figure, axes, in_words, line, numbers, with};
-use super::story::{Shown, Story, Torques};
+use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
+use super::story::{Shown, Torques};
+use crate::compare::free_run::FreeRun;
 use crate::compare::residual_views::{
     Binned, around_reversals, autocorrelation, by_angle, by_speed, by_voltage, orders,
 };
+
+/// Height of a figure of this step, CSS pixels.
+const HEIGHT: u32 = 240;
 
 /// A side from which the residual torque is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,59 +122,52 @@ fn step_in_words(seen: &Binned) -> String {
 
 /// A view of the residual torque: base model and model over one axis, with the spread of the model.
 pub fn view(side: Side, id: &str, base: &Binned, model: &Binned, names: [&str; 2]) -> Figure {
-    let mut layout = axes(side.axis(), "Residual torque (V)");
+    let mut x = Axis::titled(side.axis());
     if matches!(side, Side::OutputAngle | Side::MotorAngle) {
-        layout["xaxis"]["range"] = json!([0, 360]);
-        layout["xaxis"]["dtick"] = json!(60);
+        (x.range, x.step) = (Some([0.0, 360.0]), Some(60.0));
     }
-    let curve = |role: &str, name: &str, seen: &Binned| {
-        let trace =
-            line(role, name, numbers(seen.at.iter().copied(), 5), numbers(seen.mean_v.iter().copied(), 4));
-        with(trace, json!({ "mode": "lines+markers" }))
+    let curve = |role, name: &str, on, seen: &Binned| Curve {
+        draw: Draw::Dotted,
+        ..Curve::line(role, name, on, Numbers::new(seen.mean_v.iter().copied(), 4))
     };
-    let edge = |sign: f64| {
-        let y = model.mean_v.iter().zip(&model.spread_v).map(|(m, s)| m + sign * s);
-        let more = json!({ "line": { "width": 0 }, "showlegend": false, "hoverinfo": "skip" });
-        with(line("model", "spread", numbers(model.at.iter().copied(), 5), numbers(y, 4)), more)
-    };
-    let upper = with(edge(1.0), json!({ "fill": "tonexty" }));
+    let spread = Some(Numbers::new(model.spread_v.iter().copied(), 3));
+    let curves =
+        vec![curve("base", names[0], 0, base), Curve { spread, ..curve("model", names[1], 1, model) }];
     Figure {
         id: id.into(),
         title: side.title().into(),
         reading: side.reading(base, model),
-        data: vec![edge(-1.0), upper, curve("base", names[0], base), curve("model", names[1], model)],
-        layout,
-        height: 320,
+        x,
+        columns: [base, model].map(|seen| Numbers::new(seen.at.iter().copied(), 5)).into(),
+        panels: vec![panel("Residual torque (V)", curves)],
     }
 }
 
-/// Every figure of the step.
-pub fn figures(story: &Story) -> Vec<Figure> {
-    let gear = story.model.rig.gear_ratio;
-    let geared = (gear - 1.0).abs() > 1e-6;
+fn panel(title: &str, curves: Vec<Curve>) -> Panel {
+    Panel { y: Axis::titled(title), height: HEIGHT, curves, floor: None }
+}
+
+/// Every figure of the step, of records with the residual torques of base model and model.
+pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> Vec<Figure> {
+    let geared = (gear_ratio - 1.0).abs() > 1e-6;
     let mut all: Vec<Figure> = Side::ALL
         .into_iter()
         .filter(|side| geared || *side != Side::MotorAngle)
         .map(|side| {
-            let (base, model) =
-                (side.binned(&story.base_torques, gear), side.binned(&story.model_torques, gear));
+            let [base, model] = torques.map(|t| side.binned(t, gear_ratio));
             view(side, side.id(), &base, &model, ["base model", "model"])
         })
         .collect();
-    all.push(memory(&story.records));
-    all.push(harmonics(story));
+    all.push(memory(records));
+    all.push(harmonics(torques, gear_ratio));
     all
 }
 
 /// Autocorrelation of the error with its bounds.
-fn memory(records: &[Shown]) -> Figure {
-    let of = |pick: fn(&Shown) -> &crate::compare::free_run::FreeRun| {
-        autocorrelation(&records.iter().map(pick).collect::<Vec<_>>())
-    };
+fn memory(records: &[&Shown]) -> Figure {
+    let of =
+        |pick: fn(&Shown) -> &FreeRun| autocorrelation(&records.iter().map(|r| pick(r)).collect::<Vec<_>>());
     let (base, model) = (of(|r| &r.base), of(|r| &r.model));
-    let curve = |role: &str, name: &str, a: &crate::compare::residual_views::Autocorrelation| {
-        line(role, name, numbers(a.lag_s.iter().copied(), 4), numbers(a.correlation.iter().copied(), 3))
-    };
     let outside = model.correlation.iter().filter(|c| c.abs() > model.bound).count();
     let share = 100 * outside / model.correlation.len().max(1);
     let reading = if share > 5 {
@@ -182,25 +177,27 @@ fn memory(records: &[Shown]) -> Figure {
     } else {
         format!("{share} % of the lags leave the 99 % bounds: what is left looks like noise.")
     };
-    let mut layout = axes("Lag (s)", "Autocorrelation of the error (1)");
-    layout["yaxis"]["range"] = json!([-1.05, 1.05]);
-    layout["shapes"] = json!([{ "type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": -model.bound,
-        "y1": model.bound, "role": "floor" }]);
+    let curve =
+        |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
+    let curves = vec![
+        curve("base", "base model", 0, &base.correlation),
+        curve("model", "model", 1, &model.correlation),
+    ];
+    let plain = panel("Autocorrelation of the error (1)", curves);
+    let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
         id: "autocorrelation".into(),
         title: "Memory of the error".into(),
         reading,
-        data: vec![curve("base", "base model", &base), curve("model", "model", &model)],
-        layout,
-        height: 320,
+        x: Axis::titled("Lag (s)"),
+        columns: [&base, &model].map(|a| Numbers::new(a.lag_s.iter().copied(), 4)).into(),
+        panels: vec![Panel { y, floor: Some([-model.bound, model.bound]), ..plain }],
     }
 }
 
 /// Amplitudes by order of the motor's turn.
-fn harmonics(story: &Story) -> Figure {
-    let gear = story.model.rig.gear_ratio;
-    let (base, model) =
-        (orders(&story.base_torques.records, gear), orders(&story.model_torques.records, gear));
+fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
+    let [base, model] = torques.map(|t| orders(&t.records, gear_ratio));
     let best = (0..model.order.len()).max_by(|a, b| model.amplitude_v[*a].total_cmp(&model.amplitude_v[*b]));
     let reading = best.map_or_else(String::new, |k| {
         let mut sorted = model.amplitude_v.clone();
@@ -213,17 +210,18 @@ fn harmonics(story: &Story) -> Figure {
             format!("No order stands out; the largest is {place}.")
         }
     });
-    let bars = |role: &str, name: &str, s: &crate::compare::residual_views::Spectrum| -> Value {
-        line(role, name, numbers(s.order.iter().copied(), 5), numbers(s.amplitude_v.iter().copied(), 3))
-    };
-    let mut layout = axes("Order (cycles per turn of the motor)", "Amplitude (V)");
-    layout["yaxis"]["rangemode"] = json!("tozero");
+    let curve =
+        |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
+    let curves = vec![
+        curve("base", "base model", 0, &base.amplitude_v),
+        curve("model", "model", 1, &model.amplitude_v),
+    ];
     Figure {
         id: "harmonics".into(),
         title: "Harmonics of the motor's turn".into(),
         reading,
-        data: vec![bars("base", "base model", &base), bars("model", "model", &model)],
-        layout,
-        height: 320,
+        x: Axis::titled("Order (cycles per turn of the motor)"),
+        columns: [&base, &model].map(|s| Numbers::new(s.order.iter().copied(), 5)).into(),
+        panels: vec![panel("Amplitude (V)", curves)],
     }
 }

@@ -1,8 +1,6 @@
 //! Step 5, Falls: the ladder from the base model to the noise floor.
 
-use serde_json::json;
-
-use super::figure::{Figure, in_words, numbers};
+use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::measures::Measures;
 use crate::diagnose::discover::Rung;
 
@@ -29,40 +27,60 @@ pub fn steps(ladder: &[Rung]) -> Vec<String> {
     names
 }
 
-/// The waterfall.
+/// The error of the last rung in noise floors.
+pub fn last_over_floor(ladder: &[Rung], floor: f64) -> f64 {
+    ladder.last().map_or(0.0, |rung| judged(rung).rmse) / floor.max(1e-300)
+}
+
+/// The waterfall: each rung's error, and above it what the step from the rung before has taken away.
 pub fn figure(ladder: &[Rung], floor: f64, unit: &str) -> Figure {
-    let names = steps(ladder);
     let values: Vec<f64> = ladder.iter().map(|rung| judged(rung).rmse).collect();
-    let text = values.iter().map(|v| in_words(*v, unit));
     let unseen = ladder.iter().any(|r| r.validation.is_some());
-    // Numbered, because an effect may come twice.
-    let labels: Vec<String> = names.iter().enumerate().map(|(k, n)| format!("{}. {n}", k + 1)).collect();
-    let bars = json!({ "type": "bar", "name": if unseen { "error on unseen records" } else { "error" },
-        "x": labels, "y": numbers(values.iter().copied(), 5), "text": text.collect::<Vec<_>>(),
-        "textposition": "auto", "meta": { "role": "model" }, "hovertemplate": "%{x}: %{y:.4g} ".to_owned() + unit });
-    let train = json!({ "type": "scatter", "mode": "markers", "name": "on training records", "x": labels,
-        "y": numbers(ladder.iter().map(|r| r.train.rmse), 5), "meta": { "role": "measured" },
-        "marker": { "size": 10, "symbol": "diamond" } });
-    let last = values.last().copied().unwrap_or(0.0);
     let reading = format!(
         "From {} to {}, {:.2} times the noise floor of {}{}.",
         in_words(values.first().copied().unwrap_or(0.0), unit),
-        in_words(last, unit),
-        last / floor.max(1e-300),
+        in_words(values.last().copied().unwrap_or(0.0), unit),
+        last_over_floor(ladder, floor),
         in_words(floor, unit),
         if unseen { ", on records that no fit has seen" } else { "" }
     );
-    let layout = json!({
-        "xaxis": { "title": { "text": "Model" }, "type": "category" },
-        "yaxis": { "title": { "text": format!("Error, rms ({unit})") }, "type": "log" },
-        "shapes": [{ "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": floor, "y1": floor, "role": "floor" }],
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0 },
-        "meta": { "last_over_floor": last / floor.max(1e-300) },
-    });
-    let at_floor = json!({ "type": "scatter", "mode": "lines", "name": format!("noise floor, {}", in_words(floor, unit)),
-        "x": labels, "y": vec![floor; labels.len()], "line": { "dash": "dash" }, "meta": { "role": "floor" } });
-    let data = if unseen { vec![bars, train, at_floor] } else { vec![bars, at_floor] };
-    Figure { id: "ladder".into(), title: "The error falls".into(), reading, data, layout, height: 380 }
+    let before = values.iter().enumerate().map(|(k, v)| if k == 0 { *v } else { values[k - 1].max(*v) });
+    let bars = |role, name: &str, values: &mut dyn Iterator<Item = f64>| Curve {
+        draw: Draw::Bars,
+        ..Curve::line(role, name, 0, Numbers::new(values, 5))
+    };
+    let error = if unseen { "error on unseen records" } else { "error" };
+    let mut curves = vec![
+        bars("gone", "taken away by the step", &mut before.clone()),
+        Curve {
+            words: values.iter().map(|v| in_words(*v, unit)).collect(),
+            ..bars("model", error, &mut values.iter().copied())
+        },
+    ];
+    if unseen {
+        let train = Numbers::new(ladder.iter().map(|r| r.train.rmse), 5);
+        curves.push(Curve { draw: Draw::Points, ..Curve::line("measured", "on training records", 1, train) });
+    }
+    // Room above the highest bar for its words, and below the lowest one for seeing that it is a bar.
+    let all = || before.clone().chain(values.iter().copied()).chain(ladder.iter().map(|r| r.train.rmse));
+    let high = 2.0 * all().fold(floor, f64::max).max(1e-300);
+    let low = 0.4 * all().filter(|v| *v > 0.0).fold(high, f64::min).min(floor.max(1e-4 * high));
+    Figure {
+        id: "ladder".into(),
+        title: "The error falls".into(),
+        reading,
+        x: Axis { names: steps(ladder), ..Axis::titled("Model (step)") },
+        // The points stand beside the words over the bars.
+        columns: [0.0, 0.28]
+            .map(|beside| Numbers::new((0..ladder.len()).map(|k| k as f64 + beside), 5))
+            .into(),
+        panels: vec![Panel {
+            y: Axis { log: true, range: Some([low, high]), ..Axis::titled(format!("Error, rms ({unit})")) },
+            height: 300,
+            curves,
+            floor: Some([floor, floor]),
+        }],
+    }
 }
 
 #[cfg(test)]

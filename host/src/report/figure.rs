@@ -1,10 +1,9 @@
-//! A plot as data: traces and layout of Plotly, with colours named by their role.
+//! A plot as data: panels of curves over one horizontal axis, with colours named by their role.
 //!
-//! The page turns roles into colours of its light or dark scheme, so a figure is drawn alike in the report file
-//! and in the live page.
+//! The page turns roles into colours of its light or dark scheme and draws with its plotting library, so a figure
+//! looks alike in the report file and in the live page, and nothing here knows how it is drawn.
 
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde::{Serialize, Serializer};
 
 use super::decimate::rounded;
 
@@ -17,42 +16,122 @@ pub struct Figure {
     pub title: String,
     /// What it shows, in one line.
     pub reading: String,
-    /// Plotly's traces.
-    pub data: Vec<Value>,
-    /// Plotly's layout; the page adds colours and fonts.
-    pub layout: Value,
+    /// The horizontal axis of all panels.
+    pub x: Axis,
+    /// Places along it; a curve says on which of these columns it lies.
+    pub columns: Vec<Numbers>,
+    /// From top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Axis {
+    /// With the unit in brackets.
+    pub title: String,
+    /// Lowest and highest value shown; else what the curves need.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Distance of the marks; else what fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<f64>,
+    /// Whether it is logarithmic.
+    pub log: bool,
+    /// What the places 0, 1, 2... are called, where they are no numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<String>,
+}
+
+impl Axis {
+    /// An axis that shows what its curves need.
+    pub fn titled(title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..Self::default() }
+    }
+}
+
+/// Curves over one vertical axis.
+#[derive(Debug, Clone, Serialize)]
+pub struct Panel {
+    /// The vertical axis.
+    pub y: Axis,
     /// Height on the screen, CSS pixels.
     pub height: u32,
+    /// Drawn in this order.
+    pub curves: Vec<Curve>,
+    /// Values between which noise lies; two equal ones are a line.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor: Option<[f64; 2]>,
 }
 
-/// Numbers as the page gets them.
-pub fn numbers(values: impl IntoIterator<Item = f64>, digits: i32) -> Value {
-    values.into_iter().map(|v| rounded(v, digits)).collect::<Vec<_>>().into()
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Draw {
+    /// Straight from point to point.
+    Line,
+    /// The same, with the points marked.
+    Dotted,
+    /// Held until the next point.
+    Steps,
+    /// Points alone.
+    Points,
+    /// Bars from the bottom, each with its value in words.
+    Bars,
 }
 
-/// A line in the colour of `role`, with its legend.
-pub fn line(role: &str, name: &str, x: Value, y: Value) -> Value {
-    json!({ "type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "meta": { "role": role } })
+/// A curve.
+#[derive(Debug, Clone, Serialize)]
+pub struct Curve {
+    /// What it is, which decides its colour: measured, base, model, voltage, floor.
+    pub role: &'static str,
+    /// Name in the legend.
+    pub name: String,
+    /// Which of the figure's columns it lies on.
+    pub on: usize,
+    /// Its values.
+    pub y: Numbers,
+    /// How it is drawn.
+    pub draw: Draw,
+    /// Half the width of the band around it, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Numbers>,
+    /// What the sliders of the live page call it, where they move it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slide: Option<&'static str>,
+    /// Each point in words, where they stand beside it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<String>,
 }
 
-/// `trace` with more settings.
-pub fn with(mut trace: Value, more: Value) -> Value {
-    if let (Some(trace), Value::Object(more)) = (trace.as_object_mut(), more) {
-        trace.extend(more);
+impl Curve {
+    /// A line on the figure's column `on`.
+    pub fn line(role: &'static str, name: impl Into<String>, on: usize, y: Numbers) -> Self {
+        let draw = Draw::Line;
+        Self { role, name: name.into(), on, y, draw, spread: None, slide: None, words: Vec::new() }
     }
-    trace
 }
 
-/// A layout of one pair of axes with these titles.
-pub fn axes(x: &str, y: &str) -> Value {
-    json!({
-        "xaxis": { "title": { "text": x } },
-        "yaxis": { "title": { "text": y } },
-        "hovermode": "x unified",
-    })
+/// A column of numbers, rounded to what a screen can show.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Numbers {
+    values: Vec<f64>,
+    digits: i32,
 }
 
-/// `x` with four digits and its unit, small or large numbers with a prefix.
+impl Numbers {
+    /// `values` with so many significant digits.
+    pub fn new(values: impl IntoIterator<Item = f64>, digits: i32) -> Self {
+        Self { values: values.into_iter().collect(), digits }
+    }
+}
+
+impl Serialize for Numbers {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(self.values.iter().map(|v| rounded(*v, self.digits)))
+    }
+}
+
+/// `x` with three digits and its unit, small or large numbers with a prefix.
 pub fn in_words(x: f64, unit: &str) -> String {
     let (scale, prefix) = match x.abs() {
         a if a == 0.0 || a >= 0.1 => (1.0, ""),

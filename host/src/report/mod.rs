@@ -19,7 +19,7 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use serde_json::json;
 
-pub use story::{Shown, Story, Suspect, Torques, faults, shown, title, torques};
+pub use story::{DRAWN, Shown, Story, Suspect, Torques, faults, title, torques};
 
 use crate::atomic_file;
 use crate::error::{Error, Result};
@@ -31,17 +31,11 @@ pub const STYLE: &str = include_str!("assets/style.css");
 pub const PLOTS: &str = include_str!("assets/plots.js");
 const PAGE: &str = include_str!("assets/report.html");
 
-/// The plotting library, from the crate that embeds it.
-pub fn plotting_library() -> &'static str {
-    static LIBRARY: std::sync::LazyLock<String> = std::sync::LazyLock::new(|| {
-        let sources = plotly::Plot::offline_js_sources();
-        // The crate gives Plotly and a typesetter for formulas as two script elements; the first is Plotly.
-        let begin = sources.find('>').map_or(0, |k| k + 1);
-        let end = sources[begin..].find("</script>").map_or(sources.len(), |k| begin + k);
-        sources[begin..end].to_owned()
-    });
-    &LIBRARY
-}
+/// The plotting library, uPlot 1.6.32 (MIT), which comes along with its licence.
+pub const LIBRARY: &str = include_str!("assets/uplot/uPlot.iife.min.js");
+
+/// What the plotting library wants of the style sheet.
+pub const LIBRARY_STYLE: &str = include_str!("assets/uplot/uPlot.min.css");
 
 /// The figures of every step.
 #[derive(Debug, Serialize)]
@@ -58,14 +52,21 @@ pub struct Figures {
 
 /// Figures and cards of `story`.
 pub fn figures(story: &Story) -> (Figures, Vec<missing::Card>) {
-    let compare = story.records.iter().enumerate().map(|(k, shown)| {
-        let torques = [&story.base_torques.records[k], &story.model_torques.records[k]];
-        records::figure(&format!("record-{k}"), shown, torques, story.floor, None)
-    });
-    let (cards, missing) = missing::cards(story);
+    let compare = story.records.iter().enumerate();
+    let compare = compare.map(|(k, shown)| records::figure(&format!("record-{k}"), shown, story.floor, None));
+    let shown: Vec<&Shown> = story.records.iter().collect();
+    let torques = [&story.base_torques, &story.model_torques];
+    let before = if story.diagnosed_model { ("model", torques[1]) } else { ("base model", torques[0]) };
+    let setting = missing::Setting {
+        tried_on: before,
+        rivals: &story.rivals,
+        in_model: story.model.effects.iter().map(|e| e.effect).collect(),
+        gear_ratio: story.model.rig.gear_ratio,
+    };
+    let (cards, missing) = missing::cards(&story.suspects, &setting);
     let figures = Figures {
         compare: compare.collect(),
-        fails: fails::figures(story),
+        fails: fails::figures(&shown, torques, story.model.rig.gear_ratio),
         missing,
         falls: vec![falls::figure(&story.ladder, story.floor, story.unit)],
     };
@@ -88,9 +89,10 @@ pub fn html(story: &Story) -> Result<String> {
     };
     environment.add_template("report", PAGE).map_err(fault)?;
     let template = environment.get_template("report").map_err(fault)?;
+    let style = [LIBRARY_STYLE, STYLE].concat();
     let content = json!({
         "title": story.title,
-        "summary": words::summary(story),
+        "summary": words::summary(&story.ladder, story.floor, story.unit),
         "verdict": words::verdict(story),
         "figures": figures,
         "cards": cards,
@@ -99,9 +101,13 @@ pub fn html(story: &Story) -> Result<String> {
         "parameters": words::estimate_rows(&story.parameters),
         "combinations": words::estimate_rows(&story.combinations),
         "records": words::record_rows(story),
+        "rivals": story.rivals,
+        "next": story.next,
+        "rungs": words::rung_rows(story),
+        "moved": words::moved_rows(story),
         "version": env!("CARGO_PKG_VERSION"),
-        "style": STYLE,
-        "library": plotting_library(),
+        "style": style,
+        "library": LIBRARY,
         "plots": PLOTS,
         "data": data,
     });

@@ -1,109 +1,114 @@
 //! Step 1, Compare: measurement and model over time, one figure a record.
 
-use serde_json::{Value, json};
-
 use super::decimate::keep;
-use super::figure::{Figure, line, numbers, with};
+use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use super::story::Shown;
-use crate::compare::residual_torque::ResidualTorque;
+use crate::compare::free_run::FreeRun;
 use crate::fit::grid::Quantity;
+use crate::log::timing::median_interval;
 
 /// Points of a curve; a wide screen has about twice as many columns.
-const POINTS: usize = 1200;
+pub const POINTS: usize = 1200;
+/// Half the span over which speeds are taken from angles, s.
+const HALF_SPAN_S: f64 = 0.025;
 
 /// A window of time, s.
 pub type Window = (f64, f64);
 
-/// The figure of one record: measured and simulated, speeds, residual and voltage on one time axis.
-///
-/// `torques` hold the smoothed speeds of the base model's and of the model's comparison.
-pub fn figure(
-    id: &str,
-    shown: &Shown,
-    torques: [&ResidualTorque; 2],
-    floor: f64,
-    window: Option<Window>,
-) -> Figure {
-    let points = POINTS;
-    let run = &shown.model;
+/// The figure of one record: measured and simulated, speeds, residual and voltage over one time axis.
+pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Figure {
+    let (run, base) = (&shown.model, &shown.base);
     let unit = run.quantity.unit();
-    let of_angle = run.quantity == Quantity::Angle;
-    let residual = |r: &crate::compare::free_run::FreeRun| {
-        r.measured.iter().zip(&r.simulated).map(|(y, p)| y - p).collect::<Vec<f64>>()
-    };
-    let (left, base_left) = (residual(run), residual(&shown.base));
+    let (left, base_left) = (residual(run), residual(base));
     let (from, to) = places_within(&run.time_s, window);
-    let kept = keep(&[&run.measured, &run.simulated, &left, &run.voltage_v], from, to, points);
-    let pick = |column: &[f64], digits| numbers(kept.iter().map(|k| column[*k]), digits);
-    let time = pick(&run.time_s, 7);
-    let trace = |role: &str, name: &str, column: &[f64], row: usize| {
-        let more = json!({ "yaxis": axis_name(row), "legendgroup": role, "showlegend": row == 0 });
-        with(line(role, name, time.clone(), pick(column, 6)), more)
-    };
-    let rows = if of_angle { 4 } else { 3 };
-    let residual_row = rows - 2;
-    let mut data = vec![
-        trace("measured", "measured", &run.measured, 0),
-        trace("base", "base model", &shown.base.simulated, 0),
-        slid("run", trace("model", "model", &run.simulated, 0)),
-    ];
+    let kept = keep(&[&run.measured, &run.simulated, &left, &run.voltage_v], from, to, POINTS);
+    let curve = |role, name: &str, column: &[f64]| Curve::line(role, name, 0, pick(column, &kept, 6));
+    let mut columns = vec![pick(&run.time_s, &kept, 7)];
+    let of_angle = run.quantity == Quantity::Angle;
+    let panel = |title: String, height, curves| Panel { y: Axis::titled(title), height, curves, floor: None };
+    let mut panels = vec![panel(
+        format!("{} ({unit})", if of_angle { "Angle" } else { "Speed" }),
+        if of_angle { 230 } else { 280 },
+        vec![
+            curve("measured", "measured", &run.measured),
+            curve("base", "base model", &base.simulated),
+            slid("run", curve("model", "model", &run.simulated)),
+        ],
+    )];
     if of_angle {
-        data.extend(speeds(torques, window, points));
+        let [measured, simulated] = [speed(run, &run.measured), speed(run, &run.simulated)];
+        let kept = keep(&[&measured, &simulated], from, to, POINTS);
+        let base = speed(base, &base.simulated);
+        columns.push(pick(&run.time_s, &kept, 7));
+        let curve = |role, name: &str, column: &[f64]| Curve::line(role, name, 1, pick(column, &kept, 5));
+        panels.push(panel(
+            "Speed (rad/s)".into(),
+            170,
+            vec![
+                curve("measured", "measured", &measured),
+                curve("base", "base model", &base),
+                slid("speed", curve("model", "model", &simulated)),
+            ],
+        ));
     }
-    data.push(trace("base", "base model", &base_left, residual_row));
-    data.push(slid("left", trace("model", "model", &left, residual_row)));
-    let volts = trace("voltage", "voltage", &run.voltage_v, rows - 1);
-    data.push(with(volts, json!({ "line": { "shape": "hv" }, "showlegend": false })));
-    let main = if of_angle { "Angle" } else { "Speed" };
-    let mut titles = vec![format!("{main} ({unit})")];
-    if of_angle {
-        titles.push("Speed (rad/s)".into());
-    }
-    titles.extend([format!("Residual ({unit})"), "Voltage (V)".into()]);
-    let rmse = run.measures().rmse;
-    let base_rmse = shown.base.measures().rmse;
-    let reading = format!(
-        "{}: error {} rms with the model, {} with the base model; the noise floor is {}.",
-        if shown.unseen { "Unseen record" } else { "Training record" },
-        super::figure::in_words(rmse, unit),
-        super::figure::in_words(base_rmse, unit),
-        super::figure::in_words(floor, unit),
-    );
-    let band = json!({ "type": "rect", "xref": "paper", "x0": 0, "x1": 1, "yref": axis_name(residual_row),
-        "y0": -2.0 * floor, "y1": 2.0 * floor, "role": "floor" });
-    let mut layout = stacked(&titles, &[3.0, 2.0, 2.0, 1.0][..rows]);
-    layout["shapes"] = json!([band]);
+    let residuals =
+        vec![curve("base", "base model", &base_left), slid("left", curve("model", "model", &left))];
+    let noise = Some([-2.0 * floor, 2.0 * floor]);
+    panels.push(Panel { floor: noise, ..panel(format!("Residual ({unit})"), 170, residuals) });
+    let volts = Curve { draw: Draw::Steps, ..curve("voltage", "voltage", &run.voltage_v) };
+    panels.push(panel("Voltage (V)".into(), 130, vec![volts]));
     Figure {
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "unseen" } else { "training" }),
-        reading,
-        data,
-        layout,
-        height: 150 * rows as u32 + 60,
+        reading: format!(
+            "{}: error {} rms with the model, {} with the base model; the noise floor is {}.",
+            if shown.unseen { "Unseen record" } else { "Training record" },
+            in_words(run.measures().rmse, unit),
+            in_words(base.measures().rmse, unit),
+            in_words(floor, unit),
+        ),
+        x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
+        columns,
+        panels,
     }
 }
 
-/// Names a trace for the sliders of the live page, which replace its points.
-fn slid(name: &str, mut trace: Value) -> Value {
-    trace["meta"]["slide"] = name.into();
-    trace
+/// The curves that a slider moves: what they are called, and their new points.
+pub fn moved(run: &FreeRun, window: Option<Window>) -> Vec<(&'static str, [Numbers; 2])> {
+    let left = residual(run);
+    let (from, to) = places_within(&run.time_s, window);
+    let kept = keep(&[&run.simulated, &left], from, to, POINTS / 2);
+    let curve = |name, column: &[f64]| (name, [pick(&run.time_s, &kept, 7), pick(column, &kept, 6)]);
+    let mut all = vec![curve("run", &run.simulated), curve("left", &left)];
+    if run.quantity == Quantity::Angle {
+        all.push(curve("speed", &speed(run, &run.simulated)));
+    }
+    all
 }
 
-/// The smoothed speeds, on the second row.
-fn speeds(torques: [&ResidualTorque; 2], window: Option<Window>, points: usize) -> Vec<Value> {
-    let [base, model] = torques;
-    let (from, to) = places_within(&model.time_s, window);
-    let kept = keep(&[&model.speed_rad_s, &model.simulated_speed_rad_s], from, to, points);
-    let pick = |column: &[f64], digits| numbers(kept.iter().filter_map(|k| column.get(*k).copied()), digits);
-    let trace = |role: &str, name: &str, column: &[f64]| {
-        let curve = line(role, name, pick(&model.time_s, 7), pick(column, 5));
-        with(curve, json!({ "yaxis": axis_name(1), "legendgroup": role, "showlegend": false }))
+fn pick(column: &[f64], kept: &[usize], digits: i32) -> Numbers {
+    Numbers::new(kept.iter().map(|k| column[*k]), digits)
+}
+
+/// Names a curve for the sliders of the live page, which replace its points.
+fn slid(name: &'static str, curve: Curve) -> Curve {
+    Curve { slide: Some(name), ..curve }
+}
+
+fn residual(run: &FreeRun) -> Vec<f64> {
+    run.measured.iter().zip(&run.simulated).map(|(y, p)| y - p).collect()
+}
+
+/// Mean speed over 50 ms around each sample of an angle.
+fn speed(run: &FreeRun, angle: &[f64]) -> Vec<f64> {
+    let interval = median_interval(&run.time_s).max(1e-9);
+    let beside = ((HALF_SPAN_S / interval).round() as usize).max(1);
+    let last = angle.len().saturating_sub(1);
+    let at = |k: usize| {
+        let (a, b) = (k.saturating_sub(beside), (k + beside).min(last));
+        (angle[b] - angle[a]) / (run.time_s[b] - run.time_s[a])
     };
-    vec![
-        trace("measured", "measured", &model.speed_rad_s),
-        trace("base", "base model", &base.simulated_speed_rad_s),
-        slid("speed", trace("model", "model", &model.simulated_speed_rad_s)),
-    ]
+    (0..angle.len()).map(at).collect()
 }
 
 /// Places of the samples within `window`, and one beside each end.
@@ -114,26 +119,40 @@ fn places_within(time_s: &[f64], window: Option<Window>) -> (usize, usize) {
     (from.min(to), to)
 }
 
-fn axis_name(row: usize) -> String {
-    if row == 0 { "y".into() } else { format!("y{}", row + 1) }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Rows over one time axis, with these titles and shares of the height.
-fn stacked(titles: &[String], shares: &[f64]) -> Value {
-    let whole: f64 = shares.iter().sum();
-    let gap = 0.05;
-    let mut layout = json!({
-        "xaxis": { "title": { "text": "Time (s)" }, "anchor": axis_name(titles.len() - 1) },
-        "hovermode": "x", "hoversubplots": "axis",
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0 },
-    });
-    let mut top = 1.0;
-    for (row, (title, share)) in titles.iter().zip(shares).enumerate() {
-        let height = (1.0 - gap * (titles.len() - 1) as f64) * share / whole;
-        let name = if row == 0 { "yaxis".into() } else { format!("yaxis{}", row + 1) };
-        let bottom: f64 = top - height;
-        layout[name] = json!({ "title": { "text": title }, "domain": [bottom.max(0.0), top] });
-        top = bottom - gap;
+    fn turning() -> Shown {
+        let time_s: Vec<f64> = (0..100_000).map(|k| f64::from(k) * 1e-3).collect();
+        let run = FreeRun {
+            record: "r".into(),
+            measured: time_s.iter().map(|t| 3.0 * t).collect(),
+            simulated: time_s.iter().map(|t| 2.9 * t).collect(),
+            voltage_v: vec![1.0; time_s.len()],
+            time_s,
+            quantity: Quantity::Angle,
+        };
+        Shown { unseen: false, base: run.clone(), model: run }
     }
-    layout
+
+    #[test]
+    fn a_window_is_drawn_with_its_own_samples() {
+        let shown = turning();
+        let whole = serde_json::to_value(figure("r", &shown, 1e-3, None)).unwrap();
+        let part = serde_json::to_value(figure("r", &shown, 1e-3, Some((40.0, 40.5)))).unwrap();
+        let times = |f: &serde_json::Value| f["columns"][0].as_array().unwrap().clone();
+        assert!(times(&whole).len() <= POINTS + 2);
+        assert!(times(&part).len() >= 500 && times(&part)[1] == 40.0, "{:?}", times(&part)[1]);
+        assert_eq!(part["x"]["range"], serde_json::json!([40.0, 40.5]));
+    }
+
+    #[test]
+    fn speeds_are_those_of_the_angles_to_the_ends() {
+        let shown = turning();
+        let speed = speed(&shown.model, &shown.model.simulated);
+        assert!(speed.iter().all(|w| (w - 2.9).abs() < 1e-6));
+        let names: Vec<_> = moved(&shown.model, None).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["run", "left", "speed"]);
+    }
 }

@@ -5,6 +5,7 @@ use motorlens_shared::effects::Kind;
 use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::diagnose::plan::Limits;
 use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -62,6 +63,8 @@ pub struct Story {
     pub diagnosed_model: bool,
     /// Sets that these records cannot tell apart.
     pub rivals: Vec<Vec<Kind>>,
+    /// The experiment that would tell them apart, in words.
+    pub next: Option<String>,
     /// How the search for effects ended; none while nothing was searched for.
     pub verdict: Option<Verdict>,
     /// What is odd about the data.
@@ -77,7 +80,7 @@ pub struct Story {
 }
 
 /// Candidates whose evidence is drawn.
-const DRAWN: usize = 3;
+pub const DRAWN: usize = 3;
 
 impl Story {
     /// The story of a discovery on `records`, judged on `validation`.
@@ -88,6 +91,7 @@ impl Story {
         let whole = &discovery.evidence.whole;
         let unseen = (!validation.is_empty()).then_some(&discovery.evidence.unseen);
         let shown = shown(whole, unseen, &base, &values);
+        let next = discovery.plan(Limits { volts: discovery.highest_voltage(), seconds: 8.0 });
         let suspects = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
             let candidate = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&ranked.effect));
             let torques = candidate
@@ -106,6 +110,7 @@ impl Story {
             suspects: suspects.collect(),
             diagnosed_model: false,
             rivals: discovery.rivals.clone(),
+            next: next.map(|plan| plan.why()),
             verdict: Some(discovery.verdict),
             faults: records.iter().chain(validation).flat_map(faults).collect(),
             parameters: estimates(whole, &values),
@@ -117,7 +122,7 @@ impl Story {
 }
 
 /// Runs of both models on all records, training first.
-pub fn shown(whole: &Problem, unseen: Option<&Problem>, base: &Values, values: &Values) -> Vec<Shown> {
+fn shown(whole: &Problem, unseen: Option<&Problem>, base: &Values, values: &Values) -> Vec<Shown> {
     let pairs = |problem: &Problem, unseen| {
         let runs = free_runs(problem, base).into_iter().zip(free_runs(problem, values));
         runs.map(move |(base, model)| Shown { unseen, base, model }).collect::<Vec<_>>()

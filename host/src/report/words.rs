@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::falls::judged;
+use super::falls::{judged, steps};
 use super::figure::in_words;
 use super::story::Story;
-use crate::diagnose::discover::Verdict;
+use crate::diagnose::discover::{Rung, Verdict};
 use crate::fit::uncertainty::Estimate;
 use crate::report::decimate::rounded;
 
@@ -32,24 +32,20 @@ pub struct RecordRow {
 }
 
 /// The whole in one sentence.
-pub fn summary(story: &Story) -> String {
-    let (Some(first), Some(last)) = (story.ladder.first(), story.ladder.last()) else { return String::new() };
-    let error = |m: f64| in_words(m, story.unit);
+pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
+    let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
+    let error = |m: f64| in_words(m, unit);
     let effects: Vec<String> = last.effects.iter().map(|e| e.spec().title.to_owned()).collect();
     let (before, after) = (judged(first).rmse, judged(last).rmse);
     if effects.is_empty() {
-        return format!(
-            "The base model leaves {} rms; the noise floor is {}.",
-            error(before),
-            error(story.floor)
-        );
+        return format!("The base model leaves {} rms; the noise floor is {}.", error(before), error(floor));
     }
     format!(
         "Adding {} lowers the error from {} to {} rms; the noise floor is {}.",
         effects.join(" and "),
         error(before),
         error(after),
-        error(story.floor)
+        error(floor)
     )
 }
 
@@ -86,6 +82,48 @@ pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
         },
         unit: e.unit.clone(),
         identifiable: if e.identifiable { "yes" } else { "no" },
+    });
+    rows.collect()
+}
+
+/// A step of the ladder.
+#[derive(Debug, Serialize)]
+pub struct RungRow {
+    step: String,
+    train: String,
+    unseen: Option<String>,
+}
+
+/// The steps that led to the model.
+pub fn rung_rows(story: &Story) -> Vec<RungRow> {
+    let rows = steps(&story.ladder).into_iter().zip(&story.ladder).map(|(step, rung)| RungRow {
+        step,
+        train: in_words(rung.train.rmse, story.unit),
+        unseen: rung.validation.map(|m| in_words(m.rmse, story.unit)),
+    });
+    rows.collect()
+}
+
+/// A parameter before and after the effects came.
+#[derive(Debug, Serialize)]
+pub struct MovedRow {
+    name: String,
+    before: Option<f64>,
+    after: f64,
+    unit: String,
+}
+
+/// The parameters of the model beside those of the base model.
+pub fn moved_rows(story: &Story) -> Vec<MovedRow> {
+    let b = &story.base.base;
+    let before =
+        [("gain", b.gain), ("tau_m", b.tau_m), ("tau_e", b.tau_e), ("viscous_share", b.viscous_share)];
+    let was = |name: &str| before.iter().find(|(n, _)| *n == name).map(|(_, value)| rounded(*value, 5));
+    let rows = story.parameters.iter().map(|e| MovedRow {
+        before: was(&e.name),
+        name: e.name.clone(),
+        after: rounded(e.value, 5),
+        unit: e.unit.clone(),
     });
     rows.collect()
 }

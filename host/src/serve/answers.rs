@@ -1,7 +1,7 @@
 //! What the page asks for: itself, the state, the figures, the exports, the events.
 
 use std::convert::Infallible;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, Query, State};
@@ -16,12 +16,22 @@ use tokio_stream::wrappers::BroadcastStream;
 use tokio_stream::{Stream, StreamExt};
 
 use super::App;
-use super::jobs::{Answer, refused};
+use super::jobs::{self, Answer, refused};
+use crate::report::missing::Setting;
 use crate::report::{self, fails, falls, missing, records, words};
 
 const PAGE: &str = include_str!("assets/page.html");
-const SCRIPT: &str = include_str!("assets/page.js");
 const STYLE: &str = include_str!("assets/page.css");
+
+/// The scripts of the page by name, in the order in which it loads them.
+const SCRIPTS: [(&str, &str); 6] = [
+    ("uplot.js", report::LIBRARY),
+    ("plots.js", report::PLOTS),
+    ("page.js", include_str!("assets/page.js")),
+    ("steps.js", include_str!("assets/steps.js")),
+    ("log.js", include_str!("assets/log.js")),
+    ("device.js", include_str!("assets/device.js")),
+];
 
 fn asset(kind: &'static str, body: impl IntoResponse) -> impl IntoResponse {
     ([(CONTENT_TYPE, kind), (CACHE_CONTROL, "no-cache")], body)
@@ -32,29 +42,24 @@ pub async fn page() -> impl IntoResponse {
     Html(PAGE)
 }
 
-/// The plotting library; it changes with the program only.
-pub async fn library() -> impl IntoResponse {
-    ([(CONTENT_TYPE, "text/javascript"), (CACHE_CONTROL, "max-age=3600")], report::plotting_library())
-}
-
-/// How figures are drawn.
-pub async fn plots() -> impl IntoResponse {
-    asset("text/javascript", report::PLOTS)
-}
-
-/// What the page does.
-pub async fn script() -> impl IntoResponse {
-    asset("text/javascript", SCRIPT)
+/// A script of the page.
+pub async fn script(
+    Path(name): Path<String>,
+) -> Result<impl IntoResponse, (StatusCode, Json<serde_json::Value>)> {
+    let script = SCRIPTS.iter().find(|script| script.0 == name);
+    let (_, text) = script.ok_or_else(|| refused(StatusCode::NOT_FOUND, "there is no such script"))?;
+    Ok(asset("text/javascript", *text))
 }
 
 /// How it looks.
 pub async fn style() -> impl IntoResponse {
-    asset("text/css", format!("{}{STYLE}", report::STYLE))
+    asset("text/css", [report::LIBRARY_STYLE, report::STYLE, STYLE].concat())
 }
 
 /// Everything but the figures.
 pub async fn state(State(app): State<Arc<App>>) -> Answer {
-    let running = app.job.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+    let running = jobs::running(&app);
+    let device = app.device().as_ref().map(|device| json!(device));
     let session = app.session();
     let layout = &session.current.layout;
     let plain = layout.axes.iter().enumerate().map(|(k, axis)| {
@@ -79,33 +84,49 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         "parameters": plain.collect::<Vec<_>>(),
         "effects": effects.collect::<Vec<_>>(),
         "ladder": session.ladder,
-        "steps": falls::steps(&session.ladder),
         "floor": session.floor,
         "unit": session.unit(),
+        "counts_per_rev": session.motor.counts_per_rev,
+        "gear_ratio": session.motor.gear_ratio,
         "diagnosed": session.diagnosis.is_some(),
         "puzzle": puzzle,
         "running": running,
+        "device": device,
     })))
 }
 
-/// The figures and tables of a step.
+/// The figures and words of a step.
 pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> Answer {
     tokio::task::block_in_place(|| {
-        let mut session = app.session();
-        let diagnosed = session.diagnosis.is_some();
-        let story = session.story();
+        let scene = app.session().scene();
+        let view = &scene.view;
         let answer = match step.as_str() {
-            "fails" => json!({ "figures": fails::figures(story) }),
+            "fails" => {
+                let [base, model] = view.torques();
+                json!({ "figures": fails::figures(&view.all_shown(), [base, model], scene.gear_ratio()) })
+            }
             "missing" => {
-                let (cards, figures) = missing::cards(story);
-                json!({ "figures": figures, "cards": cards, "faults": story.faults, "diagnosed": diagnosed })
+                let diagnosis = scene.diagnosis.as_deref().cloned().unwrap_or_default();
+                let setting = Setting {
+                    tried_on: ("model", &view.torques()[1]),
+                    rivals: &diagnosis.rivals,
+                    in_model: scene.effects(),
+                    gear_ratio: scene.gear_ratio(),
+                };
+                let (cards, figures) = missing::cards(&diagnosis.suspects, &setting);
+                json!({ "figures": figures, "cards": cards, "rivals": diagnosis.rivals, "next": diagnosis.next,
+                        "worth": diagnosis.worth, "diagnosed": scene.diagnosis.is_some(), "faults": scene.faults })
             }
             "falls" => json!({
-                "figures": [falls::figure(&story.ladder, story.floor, story.unit)],
-                "parameters": words::estimate_rows(&story.parameters),
-                "combinations": words::estimate_rows(&story.combinations),
-                "summary": words::summary(story),
+                "figures": [falls::figure(&scene.ladder, scene.floor, scene.unit)],
+                "last_over_floor": falls::last_over_floor(&scene.ladder, scene.floor),
+                "summary": words::summary(&scene.ladder, scene.floor, scene.unit),
             }),
+            "estimates" => {
+                let [parameters, combinations] = view.estimates();
+                json!({ "parameters": words::estimate_rows(parameters),
+                        "combinations": words::estimate_rows(combinations) })
+            }
             _ => return Err(refused(StatusCode::NOT_FOUND, "there is no such step")),
         };
         Ok(Json(answer))
@@ -126,29 +147,48 @@ pub async fn record(
     Query(part): Query<Part>,
 ) -> Answer {
     tokio::task::block_in_place(|| {
-        let mut session = app.session();
-        let floor = session.floor;
-        let (shown, [base, model]) =
-            session.drawn(number).ok_or_else(|| refused(StatusCode::NOT_FOUND, "there is no such record"))?;
-        let figure = records::figure("record", shown, [base, model], floor, part.from.zip(part.to));
-        Ok(Json(json!(figure)))
+        let (view, floor) = {
+            let session = app.session();
+            (session.view(), session.floor)
+        };
+        let shown =
+            view.shown(number).ok_or_else(|| refused(StatusCode::NOT_FOUND, "there is no such record"))?;
+        Ok(Json(json!(records::figure("record", shown, floor, part.from.zip(part.to)))))
     })
+}
+
+fn attachment(kind: &'static str, named: &'static str, body: String) -> impl IntoResponse {
+    ([(CONTENT_TYPE, kind), (CONTENT_DISPOSITION, named)], body)
 }
 
 /// The model file.
 pub async fn model(State(app): State<Arc<App>>) -> impl IntoResponse {
     let text = serde_json::to_string_pretty(&app.session().model()).unwrap_or_default();
-    ([(CONTENT_TYPE, "application/json"), (CONTENT_DISPOSITION, "attachment; filename=\"model.json\"")], text)
+    attachment("application/json", "attachment; filename=\"model.json\"", text)
+}
+
+/// The programme of the next experiment.
+pub async fn programme(
+    State(app): State<Arc<App>>,
+) -> Result<impl IntoResponse, (StatusCode, Json<serde_json::Value>)> {
+    let diagnosis = app.session().diagnosis.clone();
+    let next = diagnosis.and_then(|d| d.next.clone());
+    let next =
+        next.ok_or_else(|| refused(StatusCode::NOT_FOUND, "no experiment is needed, or none was sought"))?;
+    let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
+    Ok(attachment("application/json", "attachment; filename=\"programme.json\"", text))
 }
 
 /// The report file.
 pub async fn report(
     State(app): State<Arc<App>>,
 ) -> Result<impl IntoResponse, (StatusCode, Json<serde_json::Value>)> {
-    let page = tokio::task::block_in_place(|| report::html(app.session().story()));
+    let page = tokio::task::block_in_place(|| {
+        let scene = app.session().scene();
+        report::html(&scene.story())
+    });
     let page = page.map_err(|e| (StatusCode::INTERNAL_SERVER_ERROR, Json(e.to_json())))?;
-    let named = "attachment; filename=\"motorlens-report.html\"";
-    Ok(([(CONTENT_TYPE, "text/html; charset=utf-8"), (CONTENT_DISPOSITION, named)], page))
+    Ok(attachment("text/html; charset=utf-8", "attachment; filename=\"motorlens-report.html\"", page))
 }
 
 /// What jobs tell, as they go.

@@ -1,22 +1,19 @@
-//! Long work: one job at a time, told as it goes, stopped when asked.
+//! Long work: one job at a time, told as it goes, stopped at once when asked.
+//!
+//! A job works on copies and hands over what is to change; a stopped one changes nothing. A search looks at the
+//! wish to stop only between two of its steps, so the page does not wait for it: it is left to end by itself.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use motorlens_shared::effects::Kind;
-use motorlens_shared::simulator::MAX_EFFECTS;
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::App;
-use super::steps::{self, Step};
-use crate::diagnose::candidate::{Candidate, Evidence};
-use crate::diagnose::climb::worth;
-use crate::diagnose::stage::{self, Effort};
+use super::session::Session;
 
 /// An answer, or why not.
 pub type Answer = Result<Json<Value>, (StatusCode, Json<Value>)>;
@@ -26,181 +23,127 @@ pub fn refused(status: StatusCode, why: &str) -> (StatusCode, Json<Value>) {
     (status, Json(json!({ "why": why })))
 }
 
+/// What a job changes in the session.
+pub type Change = Box<dyn FnOnce(&mut Session) + Send>;
+
 /// How a job ends.
 pub enum End {
-    /// With this message.
-    Done(String),
-    /// As the user wished.
-    Stopped,
+    /// With this message and this change.
+    Done(String, Change),
+    /// As the user wished, with this message.
+    Stopped(String),
     /// With what is wrong.
     Failed(Value),
 }
 
-/// Unwinds out of a search whose user wants it to stop.
-struct Stopped;
+/// A job that runs.
+#[derive(Debug)]
+pub struct Running {
+    what: String,
+    stop: AtomicBool,
+    /// Whether to wait for the end of a stopped job: a motor has to stand before one may say so.
+    waited_for: bool,
+}
 
-/// Starts `work` in a thread of its own, if nothing else runs.
-pub fn start(
+/// What a job sees of the page.
+pub struct Job<'a> {
+    /// What all requests share.
+    pub app: &'a App,
+    running: &'a Arc<Running>,
+}
+
+impl Job<'_> {
+    /// Whether the user wants it to stop.
+    pub fn stopped(&self) -> bool {
+        self.running.stop.load(Ordering::Relaxed)
+    }
+
+    /// Tells the page, unless it waits no longer.
+    pub fn tell(&self, event: Value) {
+        if self.running.waited_for || !self.stopped() {
+            self.app.tell(event);
+        }
+    }
+}
+
+/// Starts `work`, a search, in a thread of its own if nothing else runs.
+pub fn start(app: &Arc<App>, what: &str, work: impl FnOnce(&Job) -> End + Send + 'static) -> Answer {
+    launch(app, what, false, work)
+}
+
+/// Starts `work` on a device: when it is stopped the page waits until it has ended.
+pub fn start_on_device(
     app: &Arc<App>,
     what: &str,
-    work: impl FnOnce(&App, &AtomicBool) -> End + Send + 'static,
+    work: impl FnOnce(&Job) -> End + Send + 'static,
 ) -> Answer {
+    launch(app, what, true, work)
+}
+
+fn launch(
+    app: &Arc<App>,
+    what: &str,
+    waited_for: bool,
+    work: impl FnOnce(&Job) -> End + Send + 'static,
+) -> Answer {
+    let mine = Arc::new(Running { what: what.into(), stop: AtomicBool::new(false), waited_for });
     let mut running = app.job.lock().unwrap_or_else(PoisonError::into_inner);
     if running.is_some() {
         return Err(refused(StatusCode::CONFLICT, "something else is running; stop it first"));
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    *running = Some(Arc::clone(&stop));
+    *running = Some(Arc::clone(&mine));
     drop(running);
-    app.tell(json!({ "type": "started", "what": what }));
+    app.tell(json!({ "type": "started", "what": what, "device": waited_for }));
     let app = Arc::clone(app);
     std::thread::spawn(move || {
-        let end = catch_unwind(AssertUnwindSafe(|| work(&app, &stop)));
-        *app.job.lock().unwrap_or_else(PoisonError::into_inner) = None;
-        app.tell(match end {
-            Ok(End::Done(message)) => json!({ "type": "done", "message": message }),
-            Ok(End::Stopped) => json!({ "type": "stopped" }),
-            Ok(End::Failed(error)) => json!({ "type": "failed", "error": error }),
-            Err(cause) if cause.is::<Stopped>() => json!({ "type": "stopped" }),
-            Err(_) => {
-                json!({ "type": "failed", "error": { "why": "the search failed; please report these logs" } })
-            }
-        });
+        let job = Job { app: &app, running: &mine };
+        let end = catch_unwind(AssertUnwindSafe(|| work(&job)));
+        finish(
+            &app,
+            &mine,
+            end.unwrap_or_else(|_| {
+                End::Failed(json!({ "why": "the work failed; please report these logs" }))
+            }),
+        );
     });
     Ok(Json(json!({ "started": true })))
 }
 
-/// Asks the running job to stop.
+/// Ends a job, if it is still the one that runs.
+fn finish(app: &App, mine: &Arc<Running>, end: End) {
+    let mut running = app.job.lock().unwrap_or_else(PoisonError::into_inner);
+    if !running.as_ref().is_some_and(|job| Arc::ptr_eq(job, mine)) {
+        return;
+    }
+    *running = None;
+    let event = match end {
+        End::Done(message, change) => {
+            change(&mut app.session());
+            json!({ "type": "done", "message": message })
+        }
+        End::Stopped(message) => json!({ "type": "stopped", "message": message }),
+        End::Failed(error) => json!({ "type": "failed", "error": error }),
+    };
+    drop(running);
+    app.tell(event);
+}
+
+/// What runs, where something does.
+pub fn running(app: &App) -> Option<String> {
+    app.job.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|job| job.what.clone())
+}
+
+/// Stops the running job.
 pub async fn stop(State(app): State<Arc<App>>) -> Answer {
-    match &*app.job.lock().unwrap_or_else(PoisonError::into_inner) {
-        Some(job) => job.store(true, Ordering::Relaxed),
-        None => return Err(refused(StatusCode::CONFLICT, "nothing is running")),
+    let mut running = app.job.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(job) = running.clone() else {
+        return Err(refused(StatusCode::CONFLICT, "nothing is running"));
+    };
+    job.stop.store(true, Ordering::Relaxed);
+    if !job.waited_for {
+        *running = None;
+        drop(running);
+        app.tell(json!({ "type": "stopped", "message": "Stopped. The model is as it was." }));
     }
     Ok(Json(json!({ "stopping": true })))
-}
-
-/// A copy to work on while the page goes on with the original.
-fn copy(app: &App) -> (Evidence, Candidate) {
-    let session = app.session();
-    let e = &session.evidence;
-    let evidence = Evidence {
-        whole: e.whole.clone_without_count(),
-        train: e.train.clone_without_count(),
-        unseen: e.unseen.clone_without_count(),
-        floor: e.floor,
-    };
-    (evidence, session.current.clone())
-}
-
-fn tell_step(app: &App, step: &Step) {
-    app.tell(json!({ "type": "step", "step": step }));
-}
-
-/// Tries `library` on `model`, telling which effect is on trial.
-fn tried(
-    app: &App,
-    stop: &AtomicBool,
-    evidence: &Evidence,
-    model: &Candidate,
-    library: &[Kind],
-) -> Vec<Candidate> {
-    let mut count = 0;
-    let effort = if model.kinds().is_empty() { Effort::FIRST } else { Effort::LATER };
-    stage::run(evidence, model, library, effort, &mut |effect| {
-        if stop.load(Ordering::Relaxed) {
-            resume_unwind(Box::new(Stopped));
-        }
-        count += 1;
-        let title = effect.spec().title;
-        app.tell(json!({ "type": "trying", "effect": title, "done": count, "of": library.len() }));
-    })
-}
-
-/// What is missing from the current model?
-pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
-    start(&app, "Looking for what is missing", |app, stop| {
-        let (evidence, model) = copy(app);
-        let found = tried(app, stop, &evidence, &model, Kind::ALL);
-        if stop.load(Ordering::Relaxed) {
-            return End::Stopped;
-        }
-        let good = found.first().is_some_and(|best| worth(best, &model));
-        app.session().diagnosed(found);
-        End::Done(if good {
-            "The best suspect comes first. Add it and watch the error fall.".into()
-        } else {
-            "Nothing of the library is worth adding to this model.".into()
-        })
-    })
-}
-
-/// Which effect.
-#[derive(Debug, Deserialize)]
-pub struct Which {
-    effect: String,
-}
-
-impl Which {
-    fn kind(&self) -> Result<Kind, (StatusCode, Json<Value>)> {
-        Kind::by_name(&self.effect)
-            .ok_or_else(|| refused(StatusCode::UNPROCESSABLE_ENTITY, "there is no effect of that name"))
-    }
-}
-
-/// Adds an effect and fits everything again.
-pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answer {
-    let kind = which.kind()?;
-    let has = app.session().current.kinds().to_vec();
-    if has.contains(&kind) || has.len() >= MAX_EFFECTS {
-        return Err(refused(
-            StatusCode::CONFLICT,
-            "the model has it already, or has as many effects as it can",
-        ));
-    }
-    start(&app, &format!("Adding {kind}"), move |app, stop| {
-        let (evidence, model) = copy(app);
-        let known = app
-            .session()
-            .diagnosis
-            .as_ref()
-            .and_then(|d| d.candidates.iter().find(|c| c.kinds().last() == Some(&kind)).cloned());
-        let known = known.or_else(|| tried(app, stop, &evidence, &model, &[kind]).into_iter().next());
-        let Some(known) = known else {
-            return End::Failed(json!({ "why": format!("{kind} cannot be added to this model") }));
-        };
-        // The old parameters start where they are, so that one sees them give way.
-        let parameters = known.values().effects.pop().map(|e| e.1).unwrap_or_default();
-        let begin = model.values().with(kind, parameters);
-        let Some(new) = steps::search(&evidence, &begin, stop, &mut |s| tell_step(app, &s)) else {
-            return End::Stopped;
-        };
-        let good = worth(&new, &model);
-        app.session().step_to(new);
-        End::Done(format!(
-            "{} is in the model{}",
-            kind.spec().title,
-            if good {
-                "."
-            } else {
-                ", but unseen data do not say that it is worth its parameters. Remove it?"
-            }
-        ))
-    })
-}
-
-/// Takes an effect out and fits the rest again.
-pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answer {
-    let kind = which.kind()?;
-    if !app.session().current.kinds().contains(&kind) {
-        return Err(refused(StatusCode::CONFLICT, "the model does not have it"));
-    }
-    start(&app, &format!("Removing {kind}"), move |app, stop| {
-        let (evidence, model) = copy(app);
-        let begin = model.values().without(kind);
-        let Some(new) = steps::search(&evidence, &begin, stop, &mut |s| tell_step(app, &s)) else {
-            return End::Stopped;
-        };
-        app.session().step_to(new);
-        End::Done(format!("{} is out of the model.", kind.spec().title))
-    })
 }

@@ -5,16 +5,20 @@
 //! records and models; long work runs in one thread at a time and tells of itself in server-sent events.
 
 mod answers;
+mod device;
+mod diagnosis;
+mod fits;
 mod guard;
 mod jobs;
 mod puzzle;
+mod runs;
 mod session;
 mod slide;
 mod steps;
 mod upload;
+mod view;
 
 use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::extract::DefaultBodyLimit;
@@ -23,7 +27,7 @@ use axum::{Router, middleware};
 use serde_json::Value;
 use tokio::sync::broadcast;
 
-pub use puzzle::demo;
+pub use puzzle::{DEMO, demo};
 pub use session::Session;
 
 use crate::error::{Error, Result};
@@ -36,13 +40,17 @@ const LARGEST_UPLOAD: usize = 200_000_000;
 pub struct App {
     session: Mutex<Session>,
     events: broadcast::Sender<Value>,
-    /// The running job's wish to stop.
-    job: Mutex<Option<Arc<AtomicBool>>>,
+    job: Mutex<Option<Arc<jobs::Running>>>,
+    device: Mutex<Option<device::Device>>,
 }
 
 impl App {
     fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn device(&self) -> MutexGuard<'_, Option<device::Device>> {
+        self.device.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn tell(&self, event: Value) {
@@ -84,27 +92,31 @@ pub fn serve(session: Session, port: u16, ready: impl FnOnce(SocketAddr)) -> Res
 fn router(session: Session, port: u16) -> Router {
     let app = Arc::new(App {
         session: Mutex::new(session),
-        events: broadcast::channel(256).0,
+        events: broadcast::channel(1024).0,
         job: Mutex::new(None),
+        device: Mutex::new(None),
     });
     Router::new()
         .route("/", get(answers::page))
-        .route("/plotly.js", get(answers::library))
-        .route("/plots.js", get(answers::plots))
-        .route("/page.js", get(answers::script))
+        .route("/script/{name}", get(answers::script))
         .route("/style.css", get(answers::style))
         .route("/api/state", get(answers::state))
         .route("/api/figures/{step}", get(answers::figures))
         .route("/api/record/{number}", get(answers::record))
         .route("/api/events", get(answers::events))
         .route("/api/slide", post(slide::slide))
-        .route("/api/diagnose", post(jobs::diagnose))
-        .route("/api/add", post(jobs::add))
-        .route("/api/remove", post(jobs::remove))
+        .route("/api/diagnose", post(fits::diagnose))
+        .route("/api/add", post(fits::add))
+        .route("/api/remove", post(fits::remove))
         .route("/api/stop", post(jobs::stop))
         .route("/api/upload", post(upload::upload))
         .route("/api/puzzle", post(puzzle::start))
         .route("/api/reveal", post(puzzle::reveal))
+        .route("/api/device/ports", get(device::ports))
+        .route("/api/device/connect", post(device::connect))
+        .route("/api/device/disconnect", post(device::disconnect))
+        .route("/api/device/run", post(runs::run))
+        .route("/export/programme.json", get(answers::programme))
         .route("/export/model.json", get(answers::model))
         .route("/export/report.html", get(answers::report))
         .layer(DefaultBodyLimit::max(LARGEST_UPLOAD))

@@ -17,8 +17,8 @@ use crate::error::{Error, Result};
 use crate::motor_file::MotorFile;
 use crate::simulate::{self, Role, SimulateArgs};
 
-/// The seed of the demo.
-const DEMO: u64 = 7;
+/// Picks what the demo hides.
+pub const DEMO: u64 = 25;
 
 /// The session of the demo's records.
 ///
@@ -56,11 +56,11 @@ pub struct Wish {
 pub async fn start(State(app): State<Arc<App>>, Json(wish): Json<Wish>) -> Answer {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |d| d.subsec_nanos());
     let seed = wish.seed.unwrap_or_else(|| u64::from(now) % 100_000);
-    jobs::start(&app, &format!("Hiding effects, puzzle {seed}"), move |app, _| match hidden(seed) {
-        Ok(session) => {
-            *app.session() = session;
-            End::Done(format!("Puzzle {seed}: what is this motor's model missing?"))
-        }
+    jobs::start(&app, &format!("Hiding effects, puzzle {seed}"), move |_| match hidden(seed) {
+        Ok(new) => End::Done(
+            format!("Puzzle {seed}: what is this motor's model missing?"),
+            Box::new(move |session| *session = new),
+        ),
         Err(error) => End::Failed(error.to_json()),
     })
 }

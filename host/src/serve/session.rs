@@ -1,38 +1,20 @@
 //! What the page shows: records, the model and how it came about.
 
-use std::collections::HashMap;
+use std::sync::Arc;
 
 use motorlens_shared::effects::Kind;
 
+use super::diagnosis::Diagnosis;
+use super::view::{Tracks, View};
 use crate::compare::free_run::{free_runs, pooled};
-use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::diagnose::candidate::{Candidate, Evidence};
-use crate::diagnose::climb::Climb;
-use crate::diagnose::discover::{self, Ranked, Rung, prepare};
+use crate::diagnose::discover::{self, Rung, prepare};
 use crate::error::Result;
-use crate::estimate::combinations;
-use crate::fit::layout::Values;
-use crate::fit::search::Problem;
-use crate::fit::uncertainty::estimates;
-use crate::log::Record;
+use crate::log::{Record, Warning};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::{Shown, Story, Suspect, faults, shown, title, torques};
+use crate::report::{Story, faults, title};
 use crate::simulate::Answer;
-
-/// A record with what is drawn of it.
-pub type Drawn = (Shown, [ResidualTorque; 2]);
-
-/// Effects that helped, tried on the current model.
-#[derive(Debug, Clone, Default)]
-pub struct Diagnosis {
-    /// With their parameters, best first.
-    pub candidates: Vec<Candidate>,
-    /// The same in words.
-    pub ranked: Vec<Ranked>,
-    /// Sets that cannot be told apart.
-    pub rivals: Vec<Vec<Kind>>,
-}
 
 /// A hidden effect to be found.
 #[derive(Debug, Clone)]
@@ -54,20 +36,37 @@ pub struct Session {
     pub motor: MotorFile,
     /// The records as the search sees them.
     pub evidence: Evidence,
-    /// The base model of the first rung.
-    pub base: Values,
     /// The model as it is.
     pub current: Candidate,
     /// How it came about.
     pub ladder: Vec<Rung>,
     /// What is missing from the current model; none before the diagnosis.
-    pub diagnosis: Option<Diagnosis>,
+    pub diagnosis: Option<Arc<Diagnosis>>,
     /// What is hidden, where the records are a puzzle's.
     pub puzzle: Option<Puzzle>,
     /// Error that a perfect model would leave.
     pub floor: f64,
-    drawn: HashMap<usize, Drawn>,
-    story: Option<Story>,
+    view: Arc<View>,
+}
+
+/// A session at one moment, to be told without holding it up.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The model on the records.
+    pub view: Arc<View>,
+    /// How the model came about.
+    pub ladder: Vec<Rung>,
+    /// What is missing from it.
+    pub diagnosis: Option<Arc<Diagnosis>>,
+    /// Error that a perfect model would leave.
+    pub floor: f64,
+    /// Unit of what is compared.
+    pub unit: &'static str,
+    /// What is odd about the data.
+    pub faults: Vec<Warning>,
+    /// The model as a file.
+    pub model: Model,
+    title: String,
 }
 
 impl Session {
@@ -78,22 +77,20 @@ impl Session {
     pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Result<Self> {
         let (evidence, current) = prepare(&records, &validation, &motor)?;
         let floor = discover::noise_floor(&records, &validation, &evidence.whole);
-        let mut session = Self {
-            base: current.values(),
-            ladder: Vec::new(),
+        let tracks = Arc::new(Tracks::new(&evidence, !validation.is_empty()));
+        let base = current.values();
+        Ok(Self {
+            ladder: vec![rung(&evidence, !validation.is_empty(), &current)],
+            view: Arc::new(View::new(tracks, base.clone(), base)),
             diagnosis: None,
             puzzle: None,
-            drawn: HashMap::new(),
-            story: None,
             records,
             validation,
             motor,
             evidence,
             current,
             floor,
-        };
-        session.ladder.push(session.rung());
-        Ok(session)
+        })
     }
 
     /// Unit of what is compared.
@@ -101,66 +98,18 @@ impl Session {
         self.evidence.whole.grids.first().map_or("rad", |g| g.quantity.unit())
     }
 
-    /// The problem of the unseen records, where there are any.
-    pub fn unseen(&self) -> Option<&Problem> {
-        (!self.validation.is_empty()).then_some(&self.evidence.unseen)
-    }
-
-    /// The current model on all records.
-    fn rung(&self) -> Rung {
-        let values = self.current.values();
-        Rung {
-            effects: values.kinds(),
-            train: pooled(&free_runs(&self.evidence.whole, &values)).unwrap_or_default(),
-            validation: self.unseen().and_then(|u| pooled(&free_runs(u, &values))),
-        }
-    }
-
-    /// Takes `model` as the current one.
-    pub fn step_to(&mut self, model: Candidate) {
+    /// Takes `model` as the current one, whose errors are `rung`.
+    pub fn step_to(&mut self, model: Candidate, rung: Rung) {
+        let (tracks, base) = (Arc::clone(&self.view.tracks), self.view.base.clone());
+        self.view = Arc::new(View::new(tracks, base, model.values()));
         self.current = model;
         self.diagnosis = None;
-        self.forget_drawings();
-        self.ladder.push(self.rung());
+        self.ladder.push(rung);
     }
 
-    /// Keeps what a diagnosis of the current model found.
-    pub fn diagnosed(&mut self, candidates: Vec<Candidate>) {
-        let best = candidates.first().cloned();
-        let rungs = std::iter::once(self.current.clone()).chain(best).collect();
-        let climb = Climb { rungs, first: candidates, refused: Vec::new() };
-        let ranked = discover::rank(&climb, self.unseen());
-        let rivals = discover::rivals(&climb);
-        self.diagnosis = Some(Diagnosis { candidates: climb.first, ranked, rivals });
-        self.story = None;
-    }
-
-    fn forget_drawings(&mut self) {
-        self.drawn.clear();
-        self.story = None;
-    }
-
-    /// Record `number` (training first) with the runs of base model and model; none beyond the last.
-    pub fn drawn(&mut self, number: usize) -> Option<&Drawn> {
-        if !self.drawn.contains_key(&number) {
-            let fitted = self.evidence.whole.grids.len();
-            let (problem, place) = if number < fitted {
-                (&self.evidence.whole, number)
-            } else {
-                (self.unseen()?, number - fitted)
-            };
-            let one = problem.on(vec![problem.grids.get(place)?.clone()]);
-            let values = self.current.values();
-            let mut pair = shown(&one, None, &self.base, &values);
-            let mut record = pair.pop()?;
-            record.unseen = number >= fitted;
-            let torques = [
-                residual_torque(&record.base, &self.base.base),
-                residual_torque(&record.model, &values.base),
-            ];
-            self.drawn.insert(number, (record, torques));
-        }
-        self.drawn.get(&number)
+    /// The model on the records.
+    pub fn view(&self) -> Arc<View> {
+        Arc::clone(&self.view)
     }
 
     /// The model as a file.
@@ -174,51 +123,65 @@ impl Session {
         Model::new(&self.current.values(), &self.evidence.whole.rig, &self.evidence.whole.prior, origin)
     }
 
-    /// Everything that a report tells, made once for each model.
-    pub fn story(&mut self) -> &Story {
-        let told = match self.story.take() {
-            Some(story) => story,
-            None => self.tell(),
-        };
-        self.story.insert(told)
+    /// How things stand.
+    pub fn scene(&self) -> Scene {
+        Scene {
+            view: self.view(),
+            ladder: self.ladder.clone(),
+            diagnosis: self.diagnosis.clone(),
+            floor: self.floor,
+            unit: self.unit(),
+            faults: self.records.iter().chain(&self.validation).flat_map(faults).collect(),
+            model: self.model(),
+            title: title(&self.records),
+        }
+    }
+}
+
+/// `model` on all records of `evidence`.
+pub fn rung(evidence: &Evidence, has_unseen: bool, model: &Candidate) -> Rung {
+    let values = model.values();
+    Rung {
+        effects: values.kinds(),
+        train: pooled(&free_runs(&evidence.whole, &values)).unwrap_or_default(),
+        validation: has_unseen.then(|| pooled(&free_runs(&evidence.unseen, &values))).flatten(),
+    }
+}
+
+impl Scene {
+    /// Motor turns per turn of the output shaft.
+    pub fn gear_ratio(&self) -> f64 {
+        self.model.rig.gear_ratio
     }
 
-    fn tell(&mut self) -> Story {
-        let count = self.records.len() + self.validation.len();
-        let mut story_records = Vec::new();
-        let (mut base_torques, mut model_torques) = (Vec::new(), Vec::new());
-        for number in 0..count {
-            if let Some((record, [base, model])) = self.drawn(number) {
-                story_records.push(record.clone());
-                base_torques.push(base.clone());
-                model_torques.push(model.clone());
-            }
-        }
-        let values = self.current.values();
-        let whole = &self.evidence.whole;
-        let diagnosis = self.diagnosis.clone().unwrap_or_default();
-        let suspects = diagnosis.ranked.into_iter().enumerate().map(|(place, ranked)| {
-            let candidate = diagnosis.candidates.iter().find(|c| c.kinds().last() == Some(&ranked.effect));
-            let runs = candidate.filter(|_| place < 3).map(|c| (free_runs(whole, &c.values()), c.values()));
-            Suspect { torques: runs.map(|(runs, values)| torques(runs.iter(), &values)), ranked }
-        });
+    /// Effects in the model.
+    pub fn effects(&self) -> Vec<Kind> {
+        self.view.model.kinds()
+    }
+
+    /// Everything that a report tells.
+    pub fn story(&self) -> Story {
+        let [base_torques, model_torques] = self.view.torques().clone();
+        let [parameters, combinations] = self.view.estimates().clone();
+        let diagnosis = self.diagnosis.as_deref().cloned().unwrap_or_default();
         Story {
-            title: title(&self.records),
-            base: self.base.clone(),
-            unit: self.unit(),
+            title: self.title.clone(),
+            base: self.view.base.clone(),
+            unit: self.unit,
             floor: self.floor,
             ladder: self.ladder.clone(),
-            suspects: suspects.collect(),
+            suspects: diagnosis.suspects,
             diagnosed_model: true,
             rivals: diagnosis.rivals,
+            next: diagnosis.next.map(|next| next.why),
             verdict: None,
-            faults: self.records.iter().chain(&self.validation).flat_map(faults).collect(),
-            parameters: estimates(whole, &values),
-            combinations: combinations(whole, &values),
-            base_torques: crate::report::Torques { records: base_torques },
-            model_torques: crate::report::Torques { records: model_torques },
-            records: story_records,
-            model: self.model(),
+            faults: self.faults.clone(),
+            parameters,
+            combinations,
+            base_torques,
+            model_torques,
+            records: self.view.all_shown().into_iter().cloned().collect(),
+            model: self.model.clone(),
         }
     }
 }

@@ -1,7 +1,5 @@
 //! A search that shows each of its steps and can be stopped between any two.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use serde::Serialize;
 
 use crate::diagnose::candidate::{Candidate, Evidence};
@@ -15,8 +13,21 @@ pub struct Step {
     pub round: usize,
     /// Error on the records fitted, in noise units.
     pub error: f64,
-    /// Every parameter: its name, unit, value at the start and now.
-    pub parameters: Vec<(String, &'static str, f64, f64)>,
+    /// Every parameter.
+    pub parameters: Vec<Moving>,
+}
+
+/// A parameter on its way.
+#[derive(Debug, Clone, Serialize)]
+pub struct Moving {
+    /// Its name.
+    pub name: String,
+    /// Unit of both values.
+    pub unit: &'static str,
+    /// Before the search; none where the model did not have it.
+    pub before: Option<f64>,
+    /// Now.
+    pub now: f64,
 }
 
 /// Most steps of a search.
@@ -24,23 +35,30 @@ const STEPS: usize = 24;
 /// A step that gains less than this share of the cost is the last.
 const ENOUGH: f64 = 1e-4;
 
-/// Searches from `start` on the records fitted, telling each step. `None` if `stop` was raised.
+/// Searches from `start` on the records fitted, telling each step beside the model `before`. `None` once `stop` is
+/// true.
 pub fn search(
     evidence: &Evidence,
     start: &Values,
-    stop: &AtomicBool,
+    before: &Values,
+    stop: &dyn Fn() -> bool,
     tell: &mut dyn FnMut(Step),
 ) -> Option<Candidate> {
     let problem = &evidence.train;
     let layout = problem.layout(&start.kinds());
-    let begin = layout.pack(start);
-    let mut found = problem.search(&layout, Objective::Increments, &begin, 0, ENOUGH);
+    let old = problem.layout(&before.kinds());
+    let old_x = old.pack(before);
+    let was = |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, old_x[k]));
+    let mut found = problem.search(&layout, Objective::Increments, &layout.pack(start), 0, ENOUGH);
     for round in 0..=STEPS {
-        if stop.load(Ordering::Relaxed) {
+        if stop() {
             return None;
         }
-        let parameters = layout.axes.iter().enumerate().map(|(k, axis)| {
-            (axis.name.clone(), axis.unit, layout.plain(k, begin[k]), layout.plain(k, found.x[k]))
+        let parameters = layout.axes.iter().enumerate().map(|(k, axis)| Moving {
+            before: was(&axis.name),
+            name: axis.name.clone(),
+            unit: axis.unit,
+            now: layout.plain(k, found.x[k]),
         });
         let error = (found.cost / found.count.max(1) as f64).sqrt();
         tell(Step { round, error, parameters: parameters.collect() });
@@ -51,5 +69,10 @@ pub fn search(
             break;
         }
     }
-    (!stop.load(Ordering::Relaxed)).then(|| evidence.polish(layout, found))
+    if stop() {
+        return None;
+    }
+    let model = evidence.polish(layout, found);
+    // An accepted model is finished as the loop by itself finishes it.
+    Some(evidence.finish(model))
 }

@@ -34,11 +34,11 @@ pub async fn upload(State(app): State<Arc<App>>, Query(dropped): Query<Dropped>,
     let read = tokio::task::block_in_place(|| parse(&dropped, &body));
     let new = read.map_err(|error| (StatusCode::UNPROCESSABLE_ENTITY, Json(error.to_json())))?;
     let count = new.len();
-    jobs::start(&app, &format!("Reading {}", dropped.name), move |app, _| {
+    jobs::start(&app, &format!("Reading {}", dropped.name), move |job| {
         let (mut records, mut validation, motor) = match dropped.role.as_str() {
             "replace" => (Vec::new(), Vec::new(), MotorFile::default()),
             _ => {
-                let session = app.session();
+                let session = job.app.session();
                 (session.records.clone(), session.validation.clone(), session.motor.clone())
             }
         };
@@ -48,10 +48,10 @@ pub async fn upload(State(app): State<Arc<App>>, Query(dropped): Query<Dropped>,
             records.extend(new)
         }
         match Session::new(records, validation, motor) {
-            Ok(session) => {
-                *app.session() = session;
-                End::Done(format!("{} is in; the base model is fitted to it.", dropped.name))
-            }
+            Ok(new) => End::Done(
+                format!("{} is in; the base model is fitted to it.", dropped.name),
+                Box::new(move |session| *session = new),
+            ),
             Err(error) => End::Failed(error.to_json()),
         }
     })

@@ -31,7 +31,10 @@ impl Browser {
         let name = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".into());
         let mut child = Command::new(name)
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"])
+            .args(["--disable-component-update", "--disable-sync", "--disable-quic"])
             .args(["--remote-debugging-port=0", "--no-first-run", "--hide-scrollbars"])
+            // No name leads anywhere and no address but this machine's: there is no network.
+            .arg("--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1")
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg(format!("--window-size={width},{height}"))
             .arg("about:blank")
@@ -116,6 +119,53 @@ impl Browser {
     pub fn click(&mut self, selector: &str) {
         self.wait(&format!("document.querySelector('{selector}')"));
         self.value(&format!("document.querySelector('{selector}').click()"));
+    }
+
+    /// Presses and lets go of a key; `text` is what it types, if anything.
+    pub fn key(&mut self, key: &str, text: Option<&str>) {
+        let code = match key {
+            "Enter" => 13,
+            "Tab" => 9,
+            "Escape" => 27,
+            "ArrowRight" => 39,
+            _ => 0,
+        };
+        let mut down = json!({ "type": "keyDown", "key": key, "windowsVirtualKeyCode": code });
+        if let Some(text) = text {
+            down["text"] = json!(text);
+        }
+        self.call("Input.dispatchKeyEvent", down);
+        self.call(
+            "Input.dispatchKeyEvent",
+            json!({ "type": "keyUp", "key": key, "windowsVirtualKeyCode": code }),
+        );
+    }
+
+    /// Drags the mouse from one place of the page to another, CSS pixels.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for (kind, [x, y], buttons) in [
+            ("mouseMoved", from, 0),
+            ("mousePressed", from, 1),
+            ("mouseMoved", [0.5 * (from[0] + to[0]), to[1]], 1),
+            ("mouseMoved", to, 1),
+            ("mouseReleased", to, 0),
+        ] {
+            let button = if kind == "mouseMoved" { "none" } else { "left" };
+            let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+        }
+    }
+
+    /// The number that an expression gives.
+    pub fn number(&mut self, expression: &str) -> f64 {
+        let value = self.value(&format!("Number({expression})"));
+        value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
+    }
+
+    /// The text of a selector's element.
+    pub fn text(&mut self, selector: &str) -> String {
+        let value = self.value(&format!("document.querySelector('{selector}').textContent"));
+        value.as_str().unwrap_or_else(|| panic!("{selector} has no text")).to_owned()
     }
 
     /// Gives a file to a file input.

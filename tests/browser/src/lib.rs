@@ -1,8 +1,10 @@
 //! What the browser tests stand on: a headless browser and the program that serves the page.
 
+pub mod board;
 mod browser;
 mod server;
 
+pub use board::Board;
 pub use browser::Browser;
 pub use server::{Server, run};
 

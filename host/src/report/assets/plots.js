@@ -1,74 +1,222 @@
 "use strict";
-// Draws figures in the colours of the page: a trace names its role, the style sheet its colour.
+// Draws figures with uPlot in the colours of the page: a curve names its role, the style sheet its colour.
 const Plots = (() => {
   const known = new Map();
   const colour = (role) => getComputedStyle(document.documentElement).getPropertyValue("--" + role).trim();
   const fade = (hex, alpha) => hex + Math.round(alpha * 255).toString(16).padStart(2, "0");
+  const brief = (v) => (v === null || v === undefined ? "" : String(Number(v.toPrecision(4))));
+  const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
 
-  function dress(figure, narrow) {
-    const trace = (given) => {
-      const role = given.meta && given.meta.role;
-      const paint = role ? colour(role) : undefined;
-      const width = role === "measured" ? 2.4 : 1.5;
-      const t = { ...given };
-      if (t.type === "bar") t.marker = { color: paint, ...t.marker };
-      else {
-        t.line = { color: paint, width, ...t.line };
-        t.marker = { color: paint, size: 5, ...t.marker };
-        if (t.fill) t.fillcolor = fade(paint, 0.16);
-      }
-      return t;
-    };
-    const axis = (given) => ({
-      ...given, gridcolor: colour("line"), zerolinecolor: colour("quiet"), linecolor: colour("quiet"), automargin: true,
-      title: { ...given.title, standoff: 8, font: { size: narrow ? 12 : 14 } },
+  // One line of the plot a curve, three where it has a band: the library wants all on one column.
+  function lines(figure, panel) {
+    return panel.curves.flatMap((curve) => {
+      const x = curve.x || figure.columns[curve.on];
+      const edge = (sign) => ({ curve, x, edge: true, y: curve.y.map((v, k) => v + sign * curve.spread[k]) });
+      return (curve.spread ? [edge(1), edge(-1)] : []).concat({ curve, x, y: curve.y });
     });
-    const layout = {
-      ...figure.layout, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", height: figure.height,
-      font: { family: "system-ui, sans-serif", size: narrow ? 11 : 13, color: colour("ink") },
-      margin: { l: narrow ? 44 : 60, r: 12, t: 44, b: 40 }, dragmode: "zoom",
-      modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("quiet"), activecolor: colour("accent") },
-      hoverlabel: { bgcolor: colour("surface"), font: { color: colour("ink") }, bordercolor: colour("line") },
-      legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, ...figure.layout.legend },
-    };
-    for (const key of Object.keys(layout)) if (/^[xy]axis/.test(key)) layout[key] = axis(layout[key]);
-    layout.shapes = (figure.layout.shapes || []).map((shape) => ({
-      ...shape, layer: "below", line: { color: colour(shape.role), width: shape.type === "line" ? 2 : 0, dash: "dash" },
-      fillcolor: fade(colour(shape.role), 0.18),
-    }));
-    return { data: figure.data.map(trace), layout };
+  }
+  const table = (all) => uPlot.join(all.map((l) => [l.x, l.y]));
+
+  function series({ curve, edge }) {
+    const stroke = colour(curve.role);
+    if (edge) return { stroke: "#0000", points: { show: false }, class: "silent", label: "", spanGaps: true };
+    const s = { label: curve.name, stroke, width: curve.role === "measured" ? 2.4 : 1.6, spanGaps: true, points: { show: false }, value: (u, v) => brief(v) };
+    if (curve.draw === "dotted") s.points = { show: true, size: 5, fill: stroke, stroke };
+    if (curve.draw === "steps") s.paths = uPlot.paths.stepped({ align: 1 });
+    if (curve.draw === "points") Object.assign(s, { paths: () => null, points: { show: true, size: 10, fill: colour("surface"), stroke, width: 2.5 } });
+    if (curve.draw === "bars") Object.assign(s, { paths: uPlot.paths.bars({ size: [0.7, 90] }), fill: curve.role === "gone" ? fade(stroke, 0.4) : stroke });
+    return s;
+  }
+  function bands(all) {
+    return all.flatMap((line, k) => (line.edge && all[k + 1].edge ? [{ series: [k + 1, k + 2], fill: fade(colour(line.curve.role), 0.16) }] : []));
   }
 
-  function draw(div) {
-    const figure = known.get(div.dataset.figure);
-    if (!figure || div.closest("[hidden]")) return Promise.resolve();
-    const narrow = div.clientWidth < 480;
-    const { data, layout } = dress(figure, narrow);
-    div.style.height = figure.height + "px";
-    div.dataset.drawn = "yes";
-    return Plotly.react(div, data, layout, { responsive: true, displaylogo: false, displayModeBar: narrow ? false : "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] });
+  // What the library does not know: the band of the noise, and words beside points.
+  function floor(u, panel) {
+    if (!panel.floor) return;
+    const [low, high] = panel.floor.map((v) => u.valToPos(v, "y", true));
+    const { left, top, width, height } = u.bbox;
+    const clamp = (y) => Math.max(top, Math.min(top + height, y));
+    u.ctx.save();
+    if (low === high && low === clamp(low)) {
+      u.ctx.strokeStyle = colour("floor");
+      u.ctx.lineWidth = 2 * devicePixelRatio;
+      u.ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+      u.ctx.beginPath();
+      u.ctx.moveTo(left, low);
+      u.ctx.lineTo(left + width, low);
+      u.ctx.stroke();
+    } else {
+      u.ctx.fillStyle = fade(colour("floor"), 0.22);
+      u.ctx.fillRect(left, clamp(high), width, Math.max(clamp(low) - clamp(high), 1));
+    }
+    u.ctx.restore();
+  }
+  function say(u, panel, size) {
+    u.ctx.save();
+    u.ctx.font = `600 ${size * devicePixelRatio}px system-ui, sans-serif`;
+    u.ctx.fillStyle = colour("ink");
+    u.ctx.textAlign = "center";
+    u.ctx.strokeStyle = colour("surface");
+    u.ctx.lineWidth = 3 * devicePixelRatio;
+    u.ctx.lineJoin = "round";
+    for (const curve of panel.curves) {
+      (curve.words || []).forEach((text, k) => {
+        const at = [u.valToPos(k, "x", true), u.valToPos(curve.y[k], "y", true) - 6 * devicePixelRatio];
+        u.ctx.strokeText(text, ...at);
+        u.ctx.fillText(text, ...at);
+      });
+    }
+    if (panel.floor && panel.floor[0] === panel.floor[1]) {
+      u.ctx.textAlign = "right";
+      u.ctx.fillStyle = colour("floor");
+      const at = [u.bbox.left + u.bbox.width - 4, u.valToPos(panel.floor[0], "y", true) + 16 * devicePixelRatio];
+      u.ctx.strokeText("noise floor", ...at);
+      u.ctx.fillText("noise floor", ...at);
+    }
+    u.ctx.restore();
+  }
+
+  // The names of the steps below each other, and on small screens their parts too.
+  const broken = (name, narrow) => name.replaceAll(/ (?=[+−])/g, "\n").replaceAll(narrow ? "_" : "\0", "\n");
+
+  function chart(entry, place) {
+    const { figure, root } = entry, panel = figure.panels[place], last = place === figure.panels.length - 1;
+    const now = () => entry.figure.panels[place];
+    const narrow = root.clientWidth < 480, size = narrow ? 11 : 13, names = figure.x.names || [];
+    const font = `${size}px system-ui, sans-serif`, ink = colour("ink"), rule = { stroke: colour("line"), width: 1 };
+    const all = lines(figure, panel);
+    const axis = { stroke: ink, font, labelFont: font, grid: rule, ticks: rule };
+    const across = { ...axis, label: last ? figure.x.title : undefined, labelSize: 22, size: last ? 34 : 8 };
+    if (!last) across.values = (u, splits) => splits.map(() => "");
+    if (names.length) {
+      const high = Math.max(...names.map((name) => broken(name, narrow).split("\n").length));
+      Object.assign(across, { splits: () => names.map((_, k) => k), values: (u, splits) => splits.map((k) => broken(names[k], narrow)), grid: { show: false }, size: 18 + 1.5 * size * high });
+    }
+    if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
+    const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58 };
+    if (panel.y.log) up.values = (u, splits) => splits.map(brief);
+    const ranged = (u, low, high) => {
+      if (now().y.range) return now().y.range;
+      const wide = low === null || !Number.isFinite(low) ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true);
+      // While a slider moves the axis gives way but does not jump.
+      return entry.still ? [Math.min(wide[0], u.scales.y.min), Math.max(wide[1], u.scales.y.max)] : wide;
+    };
+    return new uPlot({
+      width: Math.max(root.clientWidth, 200), height: panel.height + (last ? 30 : 0), padding: [10, 12, 0, 0],
+      scales: { x: { time: false, range: (u, low, high) => (names.length ? [-0.6, names.length - 0.4] : [low, high]) }, y: { distr: panel.y.log ? 3 : 1, range: ranged } },
+      axes: [across, up], bands: bands(all),
+      series: [{ label: "at", value: (u, v) => (names.length ? names[Math.round(v)] || "" : brief(v)), class: last ? "place" : "silent" }, ...all.map(series)],
+      cursor: {
+        drag: { x: !names.length, y: false }, points: { size: 7 },
+        sync: { key: entry.key, setSeries: false, filters: { sub: (type) => type === "mousemove" || type === "mouseleave" } },
+        bind: { dblclick: () => () => { look(entry, null, true); return null; } },
+      },
+      hooks: {
+        drawClear: [(u) => floor(u, now())], draw: [(u) => say(u, now(), size)],
+        setScale: [(u, key) => { if (key === "x" && entry.range && !names.length && !same(entry.range, u.scales.x)) look(entry, [u.scales.x.min, u.scales.x.max], true); }],
+      },
+    }, table(all), root);
+  }
+
+  // The part of the axis that is looked at, the same in all panels.
+  function extent(figure) {
+    if (figure.x.range) return figure.x.range;
+    let [low, high] = [Infinity, -Infinity];
+    for (const x of figure.columns) if (x.length) [low, high] = [Math.min(low, x[0]), Math.max(high, x[x.length - 1])];
+    return low < high ? [low, high] : [0, 1];
+  }
+  const same = (range, scale) => Math.abs(range[0] - scale.min) + Math.abs(range[1] - scale.max) < 1e-9 * Math.abs(scale.max - scale.min);
+  function look(entry, range, tell) {
+    entry.range = range || entry.whole;
+    for (const u of entry.charts) u.setScale("x", { min: entry.range[0], max: entry.range[1] });
+    if (tell && entry.zoomed) entry.zoomed(range);
+  }
+  function keys(entry, event) {
+    const [low, high] = entry.range || entry.whole, span = high - low;
+    const move = (a, b) => look(entry, [Math.max(entry.whole[0], a), Math.min(entry.whole[1], b)], true);
+    if (event.key === "+" || event.key === "=") move(low + span / 4, high - span / 4);
+    else if (event.key === "-") move(low - span / 2, high + span / 2);
+    else if (event.key === "ArrowLeft" && low > entry.whole[0]) move(Math.max(low - span / 4, entry.whole[0]), Math.max(high - span / 4, entry.whole[0] + span));
+    else if (event.key === "ArrowRight" && high < entry.whole[1]) move(Math.min(low + span / 4, entry.whole[1] - span), Math.min(high + span / 4, entry.whole[1]));
+    else if (event.key === "0" || event.key === "Home") look(entry, null, true);
+    else return;
+    event.preventDefault();
+  }
+
+  function draw(root) {
+    const entry = known.get(root);
+    if (!entry || root.closest("[hidden]") || !root.clientWidth) return;
+    for (const u of entry.charts) u.destroy();
+    entry.range = entry.range || extent(entry.figure);
+    entry.charts = entry.figure.panels.map((_, k) => chart(entry, k));
+    for (const th of root.querySelectorAll(".u-series:not(.silent) th")) {
+      th.tabIndex = 0;
+      th.setAttribute("role", "button");
+      th.addEventListener("keydown", (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); th.click(); } });
+    }
+    look(entry, entry.range, false);
+    root.dataset.drawn = "yes";
   }
 
   // Only what is on the screen, or nearly, is drawn.
   const seen = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      entry.target.dataset.near = entry.isIntersecting ? "yes" : "";
-      if (entry.isIntersecting && !entry.target.dataset.drawn) draw(entry.target);
+    for (const { target, isIntersecting } of entries) {
+      target.dataset.near = isIntersecting ? "yes" : "";
+      if (isIntersecting && !target.dataset.drawn) draw(target);
     }
   }, { rootMargin: "300px" });
+  const sizes = new ResizeObserver((entries) => {
+    for (const { target } of entries) {
+      const entry = known.get(target);
+      for (const u of entry ? entry.charts : []) if (target.clientWidth && u.width !== target.clientWidth) u.setSize({ width: target.clientWidth, height: u.height });
+    }
+  });
 
-  function show(div, figure) {
-    known.set(figure.id, figure);
-    div.dataset.figure = figure.id;
-    div.dataset.drawn = "";
-    div.setAttribute("role", "img");
-    div.setAttribute("aria-label", figure.title + ". " + figure.reading);
-    div.style.height = figure.height + "px";
-    if (div.dataset.near === "yes") return draw(div);
-    seen.observe(div);
-    return Promise.resolve();
+  // Shows a figure in an element, from scratch; `zoomed` is told which part is looked at, null for all of it.
+  function show(root, figure, zoomed) {
+    const old = known.get(root);
+    for (const u of old ? old.charts : []) u.destroy();
+    known.set(root, { figure, root, zoomed, charts: [], key: "k" + known.size, range: null, whole: extent(figure) });
+    root.classList.add("plot");
+    root.dataset.drawn = "";
+    root.tabIndex = 0;
+    root.setAttribute("role", "group");
+    root.setAttribute("aria-label", `${figure.title}. ${figure.reading} Plus and minus zoom, arrows move, 0 shows all.`);
+    root.style.minHeight = figure.panels.reduce((sum, panel) => sum + panel.height + 26, 30) + "px";
+    if (!old) {
+      root.addEventListener("keydown", (event) => keys(known.get(root), event));
+      sizes.observe(root);
+      seen.observe(root);
+    }
+    if (root.dataset.near === "yes") draw(root);
   }
-
+  // The same figure with other points: only the lines are drawn again.
+  function update(root, figure) {
+    const entry = known.get(root);
+    const shape = (f) => f.panels.map((panel) => panel.curves.map((curve) => curve.name)).join();
+    if (!entry || !entry.charts.length || shape(entry.figure) !== shape(figure)) { show(root, figure, entry && entry.zoomed); return draw(root); }
+    if (!figure.x.range) entry.whole = extent(figure);
+    entry.figure = figure;
+    entry.range = extent(figure);
+    entry.charts.forEach((u, k) => u.batch(() => {
+      u.setData(table(lines(figure, figure.panels[k])), false);
+      u.setScale("x", { min: entry.range[0], max: entry.range[1] });
+    }));
+  }
+  // Curves that a slider moves; once it stands `still` is over and the axes follow.
+  function slide(root, moved, still) {
+    const entry = known.get(root);
+    if (!entry) return;
+    entry.still = still;
+    entry.figure.panels.forEach((panel, k) => {
+      const curves = panel.curves.filter((curve) => curve.slide in moved);
+      for (const curve of curves) [curve.x, curve.y] = moved[curve.slide];
+      const u = entry.charts[k];
+      if (!u || (still && !curves.length)) return;
+      u.batch(() => { u.setData(table(lines(entry.figure, panel)), false); u.redraw(); });
+    });
+  }
   function fill(root, figures) {
     const byName = new Map(figures.map((figure) => [figure.id, figure]));
     for (const div of root.querySelectorAll(".plot[data-figure]")) {
@@ -76,14 +224,8 @@ const Plots = (() => {
       if (figure) show(div, figure);
     }
   }
-
-  function again() {
-    for (const div of document.querySelectorAll(".plot[data-figure]")) {
-      div.dataset.drawn = "";
-      if (div.dataset.near === "yes") draw(div);
-    }
-  }
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-  addEventListener("beforeprint", () => { for (const div of document.querySelectorAll(".plot[data-figure]")) draw(div); });
-  return { show, fill, draw, colour };
+  const all = () => document.querySelectorAll(".plot");
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all().forEach((div) => { if (div.dataset.drawn) draw(div); }));
+  addEventListener("beforeprint", () => all().forEach(draw));
+  return { show, update, slide, fill, draw, look: (root, range) => look(known.get(root), range, true), frame };
 })();

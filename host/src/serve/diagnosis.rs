@@ -1,0 +1,76 @@
+//! What is missing from the current model, and what to run next to be sure.
+
+use motorlens_shared::effects::Kind;
+use motorlens_shared::excitation::Programme;
+use serde::Serialize;
+
+use crate::compare::free_run::free_runs;
+use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::climb::{Climb, simplest, worth};
+use crate::diagnose::discover;
+use crate::diagnose::plan::{self, Limits};
+use crate::report::{DRAWN, Suspect, torques};
+
+/// Effects that were tried on a model.
+#[derive(Debug, Clone, Default)]
+pub struct Diagnosis {
+    /// With their parameters, best first.
+    pub candidates: Vec<Candidate>,
+    /// The same as they are told; the first few with their residual torques.
+    pub suspects: Vec<Suspect>,
+    /// Sets that cannot be told apart.
+    pub rivals: Vec<Vec<Kind>>,
+    /// The experiment that would tell them apart, where there are any.
+    pub next: Option<Next>,
+    /// Whether the first suspect is worth adding.
+    pub worth: bool,
+}
+
+/// An experiment, and what it would show.
+#[derive(Debug, Clone, Serialize)]
+pub struct Next {
+    /// What it would show.
+    pub why: String,
+    /// What to play.
+    pub programme: Programme,
+}
+
+/// Longest programme that is proposed, s.
+const LONGEST_S: f64 = 8.0;
+
+impl Diagnosis {
+    /// What `candidates`, tried on `model`, tell.
+    pub fn new(evidence: &Evidence, has_unseen: bool, model: &Candidate, candidates: Vec<Candidate>) -> Self {
+        let best = simplest(&candidates).cloned();
+        let worth = best.as_ref().is_some_and(|best| worth(best, model));
+        let rungs = std::iter::once(model.clone()).chain(best).collect();
+        let climb = Climb { rungs, first: candidates, refused: Vec::new() };
+        let ranked = discover::rank(&climb, has_unseen.then_some(&evidence.unseen));
+        let rivals = discover::rivals(&climb);
+        let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
+        let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
+            let torques = of(ranked.effect).filter(|_| place < DRAWN).map(|c| {
+                let mut runs = free_runs(&evidence.whole, &c.values());
+                if has_unseen {
+                    runs.extend(free_runs(&evidence.unseen, &c.values()));
+                }
+                torques(runs.iter(), &c.values())
+            });
+            Suspect { torques, ranked }
+        });
+        let suspects = suspects.collect();
+        let among: Vec<&Candidate> =
+            rivals.first().into_iter().flatten().filter_map(|kind| of(*kind)).collect();
+        let limits = Limits { volts: highest_voltage(evidence), seconds: LONGEST_S };
+        let next = plan::choose(&evidence.whole, &among, limits);
+        let next = next.map(|plan| Next { why: plan.why(), programme: plan.programme });
+        Self { suspects, rivals, next, worth, candidates: climb.first }
+    }
+}
+
+/// The highest voltage that the rig has shown to bear, V.
+fn highest_voltage(evidence: &Evidence) -> f64 {
+    let whole = &evidence.whole;
+    let peak = whole.grids.iter().flat_map(|g| &g.voltages).fold(0.0_f64, |p, v| p.max(v.abs()));
+    peak.max(0.5 * whole.rig.nominal_v)
+}

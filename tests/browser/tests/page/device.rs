@@ -1,0 +1,91 @@
+//! A motor at the other end of a line: run, watched, stopped, fitted.
+
+use std::time::{Duration, Instant};
+
+use motorlens_browser_tests::{Board, Browser, Server};
+
+use super::{FRESH, added, alone, diagnosed, effects, opened, over_floor};
+
+fn connected(browser: &mut Browser, board: &Board) {
+    browser.value("document.querySelector('#device').open = true");
+    browser.value(&format!("document.querySelector('#port').value = '{}'", board.address));
+    browser.click("#connect button");
+    browser.wait("!document.querySelector('#play').hidden");
+    assert!(browser.text("#board").contains("Firmware"));
+}
+
+/// Fills the form: a programme of so many seconds a run.
+fn wished(browser: &mut Browser, programme: &str, seconds: f64) {
+    browser.value(&format!(
+        "$('programme').value = '{programme}', $('seconds').value = {seconds}, $('amplitude').value = 8, $('counts').value = 1000"
+    ));
+}
+
+#[test]
+fn a_programme_is_played_with_live_plots_and_its_records_are_fitted() {
+    let _alone = alone();
+    let board = Board::start(&["coulomb=0.4"]);
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    connected(&mut browser, &board);
+    wished(&mut browser, "multisine", 4.0);
+    browser.click("#run");
+    browser.wait("Number(document.querySelector('#live').dataset.samples) > 1500 && document.querySelectorAll('#live canvas').length == 2");
+    browser.screenshot("#device", "light-0-live");
+    browser.wait(&format!(
+        "/4 records of the motor are in/.test(document.querySelector('#status').textContent) && {FRESH}"
+    ));
+    let roles = browser.value("state.records.map((r) => r.unseen)");
+    assert_eq!(roles, serde_json::json!([false, false, false, true]));
+    diagnosed(&mut browser);
+    assert!(browser.text(".card").contains("coulomb"), "{}", browser.text(".card"));
+    added(&mut browser);
+    assert_eq!(effects(&mut browser), 1.0);
+    let left = over_floor(&mut browser);
+    assert!(left < 3.0, "{left} noise floors are left");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
+fn the_stop_button_takes_the_voltage_off_at_once() {
+    let _alone = alone();
+    let board = Board::start(&[]);
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    connected(&mut browser, &board);
+    let mut delays = Vec::new();
+    for by_key in [false, true, false] {
+        wished(&mut browser, "sine", 20.0);
+        browser.click("#run");
+        browser.wait("Number(document.querySelector('#live').dataset.samples) > 300");
+        assert_eq!(browser.value("$('running').hidden"), false);
+        let asked = Instant::now();
+        if by_key {
+            browser.key("Escape", None)
+        } else {
+            browser.click("#stop")
+        }
+        browser.wait("/^The motor is stopped/.test(document.querySelector('#status').textContent)");
+        let off = board.released().expect("the bridge was let go").saturating_duration_since(asked);
+        delays.push(off);
+        browser.value("$('status').textContent = ''; delete $('live').dataset.samples;");
+    }
+    println!("from the press to the bridge being off: {delays:.0?}");
+    assert!(delays.iter().all(|d| *d < Duration::from_secs(2)));
+    assert!(delays.iter().min().is_some_and(|d| *d < Duration::from_millis(100)), "{delays:?}");
+    // Nothing of a stopped run is used.
+    assert_eq!(browser.number("ask('/api/state').then((s) => s.records.length)"), 7.0);
+}
+
+#[test]
+fn a_line_with_nobody_at_its_end_gets_a_message() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    browser.value("document.querySelector('#device').open = true");
+    browser.value("document.querySelector('#port').value = 'tcp://127.0.0.1:1'");
+    browser.click("#connect button");
+    browser.wait("!document.querySelector('#alarm').hidden");
+    let message = browser.text("#alarm");
+    assert!(message.contains("tcp://127.0.0.1:1") && message.contains("To do"), "{message}");
+}

@@ -1,0 +1,73 @@
+//! Logs dropped on the page, and what the cards say of logs that leave a question open.
+
+use std::fmt::Write;
+
+use motorlens_browser_tests::{Server, run};
+
+use super::{FRESH, alone, diagnosed, opened};
+
+#[test]
+fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let (good, bad) = (directory.path().join("good.csv"), directory.path().join("bad.csv"));
+    let mut text = "t,u,w\n".to_owned();
+    let mut w = 0.0;
+    for k in 0..800 {
+        let t = f64::from(k) * 0.01;
+        let v = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();
+        writeln!(text, "{},{v:.4},{w:.5}", 10 * k).unwrap();
+        w += 0.01 * (0.9 * v - w) / 0.06;
+    }
+    std::fs::write(&good, text).unwrap();
+    std::fs::write(&bad, "time_s,voltage_v,angle_rad\n0.00,1,0\n0.01,1,zero\n0.02,1,0\n").unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+
+    browser.give_file("#file", &bad);
+    browser.wait("document.querySelector('#dialog').open");
+    browser.click("#use");
+    browser.wait("!document.querySelector('#log-fault').hidden");
+    browser.screenshot("#dialog", "light-0-bad-log");
+    let message = browser.text("#log-fault");
+    assert!(
+        message.contains("bad.csv") && message.contains("line 3") && message.contains("To do"),
+        "{message}"
+    );
+    browser.click("#cancel");
+
+    browser.give_file("#file", &good);
+    browser.wait(
+        "document.querySelector('#dialog').open && document.querySelectorAll('#preview select').length == 3",
+    );
+    for (column, kind) in ["time:ms", "voltage:V", "speed:rad/s"].iter().enumerate() {
+        browser.value(&format!("document.querySelectorAll('#preview select')[{column}].value = '{kind}'"));
+    }
+    browser.screenshot("#dialog", "light-0-good-log");
+    browser.click("#use");
+    browser.wait(&format!(
+        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'good' && {FRESH}"
+    ));
+    // A record of speed: speed, residual, voltage.
+    assert_eq!(browser.number("document.querySelectorAll('#record-plot canvas').length"), 3.0);
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
+fn rivals_and_the_next_experiment_are_among_the_cards_where_the_data_leave_a_question() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().to_str().unwrap();
+    run(&["simulate", "--quiet", "--excitation", "paper", "--effect", "coulomb=0.4", "--out", out]);
+    let logs: Vec<_> = std::fs::read_dir(directory.path()).unwrap().map(|e| e.unwrap().path()).collect();
+    let logs: Vec<_> = logs.into_iter().filter(|p| p.extension().is_some_and(|e| e == "csv")).collect();
+    let server = Server::start(&logs);
+    let mut browser = opened(&server);
+    diagnosed(&mut browser);
+    browser.wait("document.querySelector('.card.rivals') && document.querySelector('.card.next')");
+    assert!(browser.text(".card.rivals").contains("coulomb"));
+    browser.screenshot(".card.rivals", "light-3-rivals-and-next-experiment");
+    let programme = browser.value("fetch('/export/programme.json').then((r) => r.json())");
+    assert!(programme["segments"].as_array().is_some_and(|s| !s.is_empty()), "{programme}");
+    assert!(!browser.text(".card.nothing").is_empty());
+}

@@ -1,0 +1,57 @@
+//! The live page and the report in a real browser.
+
+mod device;
+mod keyboard;
+mod logs;
+mod report;
+mod steps;
+mod times;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use motorlens_browser_tests::{Browser, Server};
+
+/// One browser at a time: each wants the whole machine.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The first step is drawn.
+const PAINTED: &str = "document.body.dataset.painted && document.querySelector('#record-plot canvas')";
+/// Every step has what belongs to the model as it is.
+const FRESH: &str = "document.body.dataset.fresh && document.querySelector('#running').hidden";
+
+fn opened(server: &Server) -> Browser {
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&server.url);
+    browser.wait(PAINTED);
+    browser.wait(FRESH);
+    browser
+}
+
+/// How many effects the page says are in the model.
+fn effects(browser: &mut Browser) -> f64 {
+    browser.number("document.querySelectorAll('.chip').length")
+}
+
+/// The last bar of the ladder in noise floors.
+fn over_floor(browser: &mut Browser) -> f64 {
+    browser.number("document.querySelector('#falls').dataset.lastOverFloor")
+}
+
+/// Finds what is missing and waits for the cards.
+fn diagnosed(browser: &mut Browser) {
+    browser.value("document.querySelector('#status').textContent = ''");
+    browser.click("#diagnose");
+    browser.wait(&format!(
+        "/suspect|worth adding/.test(document.querySelector('#status').textContent) && {FRESH}"
+    ));
+}
+
+/// Adds the first card's effect and waits for the ladder.
+fn added(browser: &mut Browser) {
+    let before = effects(browser);
+    browser.click(".card .add");
+    browser.wait(&format!("document.querySelectorAll('.chip').length == {} && {FRESH}", before + 1.0));
+}
