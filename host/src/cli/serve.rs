@@ -18,6 +18,9 @@ pub struct Args {
     /// Port on this machine; 0 takes any free one
     #[arg(long, value_name = "PORT", default_value_t = 7878)]
     port: u16,
+    /// Do not open the page in a browser (only a person at a terminal gets one opened)
+    #[arg(long)]
+    no_open: bool,
 }
 
 /// Serves until interrupted.
@@ -33,5 +36,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let document = serde_json::json!({ "schema": 1, "url": url });
         console.list(&document, || url.clone());
         console.say("The page is open to this machine only. Ctrl-C ends it.");
+        if !args.no_open && console.shows_progress() && !console.json() && open::that_detached(&url).is_err()
+        {
+            console.say("No browser could be opened; open the address yourself.");
+        }
     })
 }

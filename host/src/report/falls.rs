@@ -71,7 +71,7 @@ pub fn figure(ladder: &[Rung], floor: f64, unit: &str) -> Figure {
         reading,
         x: Axis { names: steps(ladder), ..Axis::titled("Model (step)") },
         // The points stand beside the words over the bars.
-        columns: [0.0, 0.28]
+        columns: [0.0, 0.2]
             .map(|beside| Numbers::new((0..ladder.len()).map(|k| k as f64 + beside), 5))
             .into(),
         panels: vec![Panel {

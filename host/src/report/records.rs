@@ -17,7 +17,7 @@ pub type Window = (f64, f64);
 
 /// The figure of one record: measured and simulated, speeds, residual and voltage over one time axis.
 pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Figure {
-    let (run, base) = (&shown.model, &shown.base);
+    let [run, base] = &[&shown.model, &shown.base].map(|run| part(run, window));
     let unit = run.quantity.unit();
     let (left, base_left) = (residual(run), residual(base));
     let (from, to) = places_within(&run.time_s, window);
@@ -63,8 +63,8 @@ pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Fi
         reading: format!(
             "{}: error {} rms with the model, {} with the base model; the noise floor is {}.",
             if shown.unseen { "Unseen record" } else { "Training record" },
-            in_words(run.measures().rmse, unit),
-            in_words(base.measures().rmse, unit),
+            in_words(shown.model.measures().rmse, unit),
+            in_words(shown.base.measures().rmse, unit),
             in_words(floor, unit),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
@@ -75,6 +75,7 @@ pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Fi
 
 /// The curves that a slider moves: what they are called, and their new points.
 pub fn moved(run: &FreeRun, window: Option<Window>) -> Vec<(&'static str, [Numbers; 2])> {
+    let run = &part(run, window);
     let left = residual(run);
     let (from, to) = places_within(&run.time_s, window);
     let kept = keep(&[&run.simulated, &left], from, to, POINTS / 2);
@@ -84,6 +85,21 @@ pub fn moved(run: &FreeRun, window: Option<Window>) -> Vec<(&'static str, [Numbe
         all.push(curve("speed", &speed(run, &run.simulated)));
     }
     all
+}
+
+/// What `window` shows of a run, with enough on either side for the speeds at its ends.
+fn part(run: &FreeRun, window: Option<Window>) -> FreeRun {
+    let Some((low, high)) = window else { return run.clone() };
+    let (from, to) = places_within(&run.time_s, Some((low - HALF_SPAN_S, high + HALF_SPAN_S)));
+    let cut = |column: &[f64]| column[from..to].to_vec();
+    FreeRun {
+        record: run.record.clone(),
+        time_s: cut(&run.time_s),
+        measured: cut(&run.measured),
+        simulated: cut(&run.simulated),
+        voltage_v: cut(&run.voltage_v),
+        quantity: run.quantity,
+    }
 }
 
 fn pick(column: &[f64], kept: &[usize], digits: i32) -> Numbers {
@@ -145,6 +161,17 @@ mod tests {
         assert!(times(&whole).len() <= POINTS + 2);
         assert!(times(&part).len() >= 500 && times(&part)[1] == 40.0, "{:?}", times(&part)[1]);
         assert_eq!(part["x"]["range"], serde_json::json!([40.0, 40.5]));
+    }
+
+    #[test]
+    fn a_window_beside_the_record_is_empty_and_one_at_its_edge_is_not() {
+        let shown = turning();
+        let points = |window| {
+            let figure = serde_json::to_value(figure("r", &shown, 1e-3, Some(window))).unwrap();
+            figure["columns"][0].as_array().unwrap().len()
+        };
+        assert!(points((200.0, 300.0)) <= 2 && points((-9.0, -8.0)) <= 2);
+        assert!(points((99.9, 120.0)) >= 100);
     }
 
     #[test]

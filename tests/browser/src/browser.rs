@@ -156,9 +156,9 @@ impl Browser {
         }
     }
 
-    /// The number that an expression gives.
+    /// The number that an expression gives, or promises.
     pub fn number(&mut self, expression: &str) -> f64 {
-        let value = self.value(&format!("Number({expression})"));
+        let value = self.value(&format!("(async () => Number(await ({expression})))()"));
         value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
     }
 

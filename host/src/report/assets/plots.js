@@ -24,7 +24,7 @@ const Plots = (() => {
     if (curve.draw === "dotted") s.points = { show: true, size: 5, fill: stroke, stroke };
     if (curve.draw === "steps") s.paths = uPlot.paths.stepped({ align: 1 });
     if (curve.draw === "points") Object.assign(s, { paths: () => null, points: { show: true, size: 10, fill: colour("surface"), stroke, width: 2.5 } });
-    if (curve.draw === "bars") Object.assign(s, { paths: uPlot.paths.bars({ size: [0.7, 90] }), fill: curve.role === "gone" ? fade(stroke, 0.4) : stroke });
+    if (curve.draw === "bars") Object.assign(s, { paths: uPlot.paths.bars({ size: [0.62, 260] }), fill: curve.role === "gone" ? fade(stroke, 0.4) : stroke });
     return s;
   }
   function bands(all) {
@@ -106,7 +106,7 @@ const Plots = (() => {
       width: Math.max(root.clientWidth, 200), height: panel.height + (last ? 30 : 0), padding: [10, 12, 0, 0],
       scales: { x: { time: false, range: (u, low, high) => (names.length ? [-0.6, names.length - 0.4] : [low, high]) }, y: { distr: panel.y.log ? 3 : 1, range: ranged } },
       axes: [across, up], bands: bands(all),
-      series: [{ label: "at", value: (u, v) => (names.length ? names[Math.round(v)] || "" : brief(v)), class: last ? "place" : "silent" }, ...all.map(series)],
+      series: [{ label: "at", value: (u, v) => (names.length ? names[v === null ? -1 : Math.round(v)] || "" : brief(v)), class: last ? "place" : "silent" }, ...all.map(series)],
       cursor: {
         drag: { x: !names.length, y: false }, points: { size: 7 },
         sync: { key: entry.key, setSeries: false, filters: { sub: (type) => type === "mousemove" || type === "mouseleave" } },

@@ -1,6 +1,7 @@
 //! The live page and the report in a real browser.
 
 mod device;
+mod guard;
 mod keyboard;
 mod logs;
 mod report;
