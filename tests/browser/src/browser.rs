@@ -63,6 +63,7 @@ impl Browser {
         browser.session = attached["sessionId"].as_str().expect("a session").into();
         browser.call("Page.enable", json!({}));
         browser.call("Runtime.enable", json!({}));
+        browser.call("Performance.enable", json!({ "timeDomain": "threadTicks" }));
         browser.size(width, height, false);
         browser
     }
@@ -154,6 +155,14 @@ impl Browser {
             let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
             self.call("Input.dispatchMouseEvent", event);
         }
+    }
+
+    /// Time that the page's thread has computed so far, ms: what else the machine does is not in it.
+    pub fn computed_ms(&mut self) -> f64 {
+        let metrics = self.call("Performance.getMetrics", json!({}));
+        let all = metrics["metrics"].as_array().into_iter().flatten();
+        let task = all.into_iter().find(|metric| metric["name"] == "TaskDuration").expect("a measured page");
+        1e3 * task["value"].as_f64().expect("a time")
     }
 
     /// The number that an expression gives, or promises.
