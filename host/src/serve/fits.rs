@@ -31,7 +31,11 @@ struct Work {
 impl Work {
     fn of(app: &App) -> Self {
         let session = app.session();
-        Self { evidence: session.evidence.clone(), model: session.current.clone(), has_unseen: !session.validation.is_empty() }
+        Self {
+            evidence: session.evidence.clone(),
+            model: session.current.clone(),
+            has_unseen: !session.validation.is_empty(),
+        }
     }
 }
 
