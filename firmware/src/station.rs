@@ -109,6 +109,8 @@ impl Station {
         self.outbox.pump(line);
         if self.bootloader {
             self.outbox.pump(line);
+            // A line that fails cannot be told the answer; the boot loader was asked for all the same.
+            let _ = line.flush();
             platform.enter_bootloader();
             self.bootloader = false;
         }

@@ -120,6 +120,17 @@ fn every_fault_stops_the_motor_names_its_cause_and_keeps_the_log() {
 }
 
 #[test]
+fn the_duty_limit_clips_what_the_programme_asks_for() {
+    let mut bench = ready(Setup { duty_limit: 300, ..Setup::default() }, &[]);
+    start(&mut bench, &sine(2.0), 1);
+    pass_attended(&mut bench, 2.5);
+    let log = samples(&bench);
+    assert_eq!(log.len(), 2000);
+    let most = log.iter().map(|sample| sample.duty.unsigned_abs()).max();
+    assert_eq!(most, Some(TOP * 3 / 10));
+}
+
+#[test]
 fn a_run_begins_when_the_motor_has_rolled_out_and_counts_go_on_from_run_to_run() {
     let mut bench = ready(Setup::default(), &[]);
     let push = Programme::single("push", Shape::Step { level_v: 8.0 }, 1.0);

@@ -108,6 +108,8 @@ impl Write for DmaLine {
 
     fn flush(&mut self) -> Result<(), Infallible> {
         while self.sending() {}
+        // SAFETY: a read of a status register; the last byte leaves after the stream is done.
+        while unsafe { (*pac::USART2::ptr()).sr().read().tc().bit_is_clear() } {}
         Ok(())
     }
 }

@@ -1,7 +1,8 @@
-//! A panic, from whatever place, must not leave the motor driven.
+//! A panic or a fault of the core, from whatever place, must not leave the motor driven.
 
 use core::panic::PanicInfo;
 
+use cortex_m_rt::{ExceptionFrame, exception};
 use stm32f4xx_hal::pac;
 
 /// Takes the bridge down by registers alone (nothing that may itself be broken is called), says why over RTT, and
@@ -14,6 +15,25 @@ fn panic(info: &PanicInfo) -> ! {
     if let Some(place) = info.location() {
         defmt::error!("panic at {}:{}", place.file(), place.line());
     }
+    wait_for_the_watchdog()
+}
+
+/// An access without an address, an instruction without a meaning, a broken stack: nothing is trusted but the registers.
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    bridge_off();
+    wait_for_the_watchdog()
+}
+
+/// An interrupt that nobody asked for.
+#[exception]
+unsafe fn DefaultHandler(_: i16) -> ! {
+    cortex_m::interrupt::disable();
+    bridge_off();
+    wait_for_the_watchdog()
+}
+
+fn wait_for_the_watchdog() -> ! {
     loop {
         cortex_m::asm::nop();
     }
