@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use motorlens_shared::excitation::Programme;
-use motorlens_shared::link::{DriveMode, Setup};
+use motorlens_shared::link::{Cause, DriveMode, Setup};
 use serde::Serialize;
 
 use super::Console;
@@ -111,23 +111,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     // Any number but the board's last one: the time is never the same again.
     let first = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32);
     for (index, play) in (0..).zip(&plays) {
-        let (captured, damaged) = capture(&mut port, setup, play, first.wrapping_add(index), console)?;
-        document.damaged_frames += damaged;
-        let log = args.out.join(format!("{}.csv", play.log_name()));
-        let record = record(&captured, &shaft, &play.programme)
-            .map_err(|why| Error::usage(why, "give the programme a name without line breaks"))?;
-        write_canonical(&record, &log)?;
-        let finished = captured.cause == motorlens_shared::link::Cause::Finished;
-        document.logs.push(Saved {
-            log,
-            ended: captured.cause.to_string(),
-            samples: captured.samples.len(),
-            missing: captured.holes.iter().map(|hole| hole.end - hole.start).sum(),
-            finished,
-        });
-        if !finished {
-            let why = format!("{}: {} (the log so far is saved)", play.programme.name, captured.cause);
-            console.say(format!("{} samples in {}", captured.samples.len(), args.out.display()));
+        let mut capture = Capture::new(setup, &play.programme, first.wrapping_add(index));
+        let outcome = converse(&mut port, &mut capture, play, console);
+        // What came before the line was lost is worth keeping too.
+        let captured = outcome.as_ref().ok().cloned().or_else(|| capture.so_far());
+        document.damaged_frames += capture.damaged();
+        if let Some(captured) = &captured {
+            document.logs.push(save(captured, &shaft, play, &args.out)?);
+        }
+        let cause = outcome.map_err(|error| told(error, captured.as_ref(), &args.out, play))?.cause;
+        if cause != Cause::Finished {
+            let why =
+                format!("{}: {cause} ({})", play.programme.name, kept(captured.as_ref(), &args.out, play));
             return Err(Error::device(why, "clear the cause and capture again"));
         }
     }
@@ -140,15 +135,44 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-fn capture(
-    port: &mut Port,
-    setup: Setup,
-    play: &Play,
-    run: u32,
-    console: &Console,
-) -> Result<(Captured, u64)> {
-    let mut capture = Capture::new(setup, &play.programme, run);
-    let total = (play.programme.seconds() * f32::from(setup.rate_hz)).round() as u64;
+/// Writes a run's log, whole or not at all.
+fn save(captured: &Captured, shaft: &Shaft, play: &Play, directory: &Path) -> Result<Saved> {
+    let log = directory.join(format!("{}.csv", play.log_name()));
+    let record = record(captured, shaft, &play.programme)
+        .map_err(|why| Error::usage(why, "give the programme a name without line breaks"))?;
+    write_canonical(&record, &log)?;
+    Ok(Saved {
+        log,
+        ended: captured.cause.to_string(),
+        samples: captured.samples.len(),
+        missing: captured.holes.iter().map(|hole| hole.end - hole.start).sum(),
+        finished: captured.cause == Cause::Finished,
+    })
+}
+
+/// Where the log so far is, in words.
+fn kept(captured: Option<&Captured>, directory: &Path, play: &Play) -> String {
+    captured.map_or_else(
+        || "nothing was logged".to_owned(),
+        |captured| {
+            let log = directory.join(format!("{}.csv", play.log_name()));
+            format!("the {} samples so far are in {}", captured.samples.len(), log.display())
+        },
+    )
+}
+
+/// A failure of the line, with what became of the log.
+fn told(error: Error, captured: Option<&Captured>, directory: &Path, play: &Play) -> Error {
+    match error {
+        Error::Device { why, remedy } => {
+            Error::Device { why: format!("{why} ({})", kept(captured, directory, play)), remedy }
+        }
+        other => other,
+    }
+}
+
+fn converse(port: &mut Port, capture: &mut Capture, play: &Play, console: &Console) -> Result<Captured> {
+    let total = (play.programme.seconds() * f32::from(capture.setup().rate_hz)).round() as u64;
     let bar = if console.shows_progress() { ProgressBar::new(total) } else { ProgressBar::hidden() };
     let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} samples");
     bar.set_style(style.expect("the template is sound"));
@@ -160,7 +184,7 @@ fn capture(
         capture.take_outcome()
     });
     bar.finish_and_clear();
-    Ok((outcome??, capture.damaged()))
+    Ok(outcome??)
 }
 
 fn setup(args: &Args) -> Result<Setup> {

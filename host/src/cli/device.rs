@@ -28,6 +28,8 @@ pub enum Action {
     Fit(FitArgs),
     /// Stop the motor
     Stop(At),
+    /// Leave the firmware for the chip's own boot loader, to flash over USB or serial without a debugger
+    Bootloader(At),
     /// Write a firmware image to the board, through its debugger
     Flash(FlashArgs),
 }
@@ -81,6 +83,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         Action::Hello(at) => hello(at, console),
         Action::Fit(args) => fit(args, console),
         Action::Stop(at) => stop(at, console),
+        Action::Bootloader(at) => bootloader(at, console),
         Action::Flash(args) => flash(args, console),
     }
 }
@@ -190,6 +193,16 @@ fn stop(at: &At, console: &Console) -> Result<()> {
     let mut port = Port::open(&at.port)?;
     ask(&mut port, Inquiry::new([ToBoard::Stop]), console)?;
     console.answer(&json!({ "schema": 1, "stopped": true }), || "stopped: the bridge is off".to_owned());
+    Ok(())
+}
+
+fn bootloader(at: &At, console: &Console) -> Result<()> {
+    let mut port = Port::open(&at.port)?;
+    ask(&mut port, Inquiry::new([ToBoard::Bootloader]), console)?;
+    console.answer(&json!({ "schema": 1, "bootloader": true }), || {
+        "the chip's boot loader runs; write the image with dfu-util or stm32flash, then reset the board"
+            .to_owned()
+    });
     Ok(())
 }
 

@@ -73,6 +73,11 @@ impl Capture {
         }
     }
 
+    /// How the run is set up.
+    pub fn setup(&self) -> Setup {
+        self.setup
+    }
+
     /// Samples heard of so far.
     pub fn samples(&self) -> usize {
         self.collector.len()
@@ -97,6 +102,19 @@ impl Capture {
     pub fn stop(&mut self) {
         self.script.clear();
         self.script.push_back(ToBoard::Stop);
+    }
+
+    /// What came of the run until now, as if the link had been lost here; what was under way is a hole. `None` when
+    /// nothing has come yet.
+    pub fn so_far(&self) -> Option<Captured> {
+        let (samples, holes) = self.collector.finish();
+        let (Some(capabilities), Some(status), false) = (self.capabilities, self.status, samples.is_empty())
+        else {
+            return None;
+        };
+        let scaling = capabilities.scaling;
+        let cause = Cause::LinkLoss;
+        Some(Captured { cause, samples, holes, scaling, capabilities, setup: self.setup, status })
     }
 
     /// The end of it, once.

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::time::Duration;
 
-use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop};
+use rigless::emulator::{AccessKind, Driver, Error, Host, Settled, Stop};
 use rigless::session::Session;
+use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
 
@@ -22,6 +23,8 @@ const GPIOB_BSRR: u64 = 0x4002_0418;
 const TIMER_4: usize = 2;
 /// USART2 among the serial ports.
 const USART2: usize = 1;
+/// An address behind which this board has nothing.
+pub const NOWHERE: u64 = 0x6000_0000;
 /// The line and the remote end are looked at so often, ns.
 const STOP_NS: u64 = 500_000;
 
@@ -39,8 +42,37 @@ pub struct Scene {
     pub cable: Cable,
     /// Instructions of the longest sampling interrupt so far, from its first to its last access of a register.
     pub longest_interrupt: u64,
-    /// An upset clears the sampling timer's interrupt enable, as radiation or a stray pointer would.
-    pub upset: bool,
+    /// An upset of the chip's memory, as radiation or a stray pointer would cause; it happens once.
+    pub upset: Option<Upset>,
+    /// An upset has sent the program where the chip has nothing, so that this is no fault of the image.
+    led_astray: bool,
+}
+
+/// What a changed bit can do to the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Upset {
+    /// The sampling timer asks for no more interrupts.
+    DeadSampling,
+    /// The control looks borrowed already, and the sampling interrupt panics over it.
+    Panic,
+    /// The sampling interrupt follows a pointer to nowhere: a fault of the core.
+    Fault,
+}
+
+impl Upset {
+    /// Changes the chip's memory; `control` is the address of the firmware's pointer to its control.
+    fn strike(self, machine: &mut Machine, host: &mut dyn Host, control: u64) -> Result<(), Error> {
+        match self {
+            Upset::DeadSampling => machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0),
+            Upset::Panic => {
+                // A `RefCell` begins with its flag.
+                let flag = host.read(control, Width::W32)?;
+                host.write(flag, Width::W32, 1)?;
+            }
+            Upset::Fault => host.write(control, Width::W32, NOWHERE)?,
+        }
+        Ok(())
+    }
 }
 
 struct Around<R> {
@@ -48,7 +80,8 @@ struct Around<R> {
     remote: R,
     interrupt_began: u64,
     sampling: bool,
-    failed_at: Option<String>,
+    control: u64,
+    stray: Option<String>,
 }
 
 impl<R: Remote> Driver<Machine> for Around<R> {
@@ -87,10 +120,10 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         &mut self,
         session: &mut Session<Machine>,
         stop: Stop,
-        _: &mut dyn Host,
+        host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
-        self.failed_at = machine::stray(session);
-        if self.failed_at.is_some() {
+        self.stray = machine::stray(session);
+        if self.stray.is_some() && !self.scene.led_astray {
             return None;
         }
         let machine = session.board_mut();
@@ -99,7 +132,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         // A reset of the chip lets go of the pins without a write.
         scene.plant.look(machine);
         let Some(socket) = machine.mcu.usart[USART2].chip_mut::<Socket>() else {
-            self.failed_at = Some("the serial line came loose".to_owned());
+            self.stray = Some("the serial line came loose".to_owned());
             return None;
         };
         let received = scene.cable.carry(&std::mem::take(&mut socket.from_board));
@@ -111,9 +144,12 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             socket.to_board.extend(carried);
         }
         scene.plant.wire_emergency(stop.at, machine);
-        if std::mem::take(&mut scene.upset) {
-            let (_, registers) = machine.mcu.timer(TIMER_4);
-            registers.set(GeneralRegister::Dier, 0);
+        if let Some(upset) = scene.upset.take() {
+            scene.led_astray |= upset == Upset::Fault;
+            if let Err(error) = upset.strike(machine, host, self.control) {
+                self.stray = Some(format!("the upset did not reach the memory: {error}"));
+                return None;
+            }
         }
         on.then_some(VirtualNanos(stop.at.0 + STOP_NS))
     }
@@ -145,11 +181,12 @@ pub fn run<R: Remote>(
     for converter in &mut machine.mcu.adc {
         converter.set_reference(3300);
     }
-    let scene = Scene { plant, cable, longest_interrupt: 0, upset: false };
-    let around = Around { scene, remote, interrupt_began: 0, sampling: false, failed_at: None };
+    let scene = Scene { plant, cable, longest_interrupt: 0, upset: None, led_astray: false };
+    let control = machine::address_of(image, "CONTROL");
+    let around = Around { scene, remote, interrupt_began: 0, sampling: false, control, stray: None };
     let finished = machine.run(image, VirtualNanos(STOP_NS), around);
-    let Around { scene, remote, failed_at, .. } = finished.driver;
-    assert_eq!(failed_at, None);
+    let Around { scene, remote, stray, .. } = finished.driver;
+    assert!(stray.is_none() || scene.led_astray, "{stray:?}");
     Done { session: finished.session, scene, remote }
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
+use object::{Object, ObjectSymbol};
 use rigless::cpu;
 use rigless::emulator::{self, Driver, Finished, Start};
 use rigless::image::Image;
@@ -87,6 +88,20 @@ pub fn image() -> PathBuf {
     std::env::var_os("MOTORLENS_IMAGE")
         .expect("MOTORLENS_IMAGE names the firmware's ELF; run the bench by `cargo xtask test --only bench`")
         .into()
+}
+
+/// Where the image keeps a static variable.
+///
+/// # Panics
+/// When the image cannot be read, or has no such variable.
+pub fn address_of(image: &Path, variable: &str) -> u64 {
+    let bytes = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
+    let file = object::File::parse(&*bytes).expect("the image is an ELF file");
+    // Mangled: the name's length stands before it.
+    let mangled = format!("{}{variable}", variable.len());
+    let mut symbols = file.symbols();
+    let found = symbols.find(|symbol| symbol.name().is_ok_and(|name| name.contains(&mangled)));
+    found.unwrap_or_else(|| panic!("the image has no variable {variable}")).address()
 }
 
 /// What the image touched that the emulated chip has not: an address without a register, a register without a model, an

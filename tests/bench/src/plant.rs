@@ -77,6 +77,11 @@ impl Plant {
         self.enabled
     }
 
+    /// The PWM's high share at the driver.
+    pub fn duty(&self) -> f64 {
+        self.duty
+    }
+
     /// Edges that the encoder has given so far.
     pub fn edges(&self) -> i64 {
         self.edges

@@ -1,6 +1,16 @@
 //! The image starts on the emulated chip, at both instruction rates, and touches nothing the chip has not.
 
+use std::time::Duration as Time;
+
+use motorlens::device::{Capture, Inquiry};
+use motorlens_bench::bench;
+use motorlens_bench::cable::Cable;
 use motorlens_bench::machine::{self, CORE_HZ, Machine};
+use motorlens_bench::plant::Plant;
+use motorlens_bench::remote::Session as Conversation;
+use motorlens_shared::excitation::{Programme, Shape};
+use motorlens_shared::link::{FromBoard, Setup, ToBoard};
+use motorlens_virtual_motor::{Motor, VirtualMotor};
 use rigless::emulator::{Driver, Host, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -25,4 +35,18 @@ fn the_image_starts_cleanly_and_the_watchdog_stays_fed() {
         machine::assert_clean(&finished.session);
         assert!(finished.session.resets().is_empty(), "restarted: {:?}", finished.session.resets());
     }
+}
+
+#[test]
+fn the_boot_loader_is_entered_by_a_reset_after_the_whole_answer() {
+    let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 0.2);
+    let capture = Capture::new(Setup::default(), &step, 1);
+    let conversation = Conversation::new(capture, Time::from_secs(5), Box::new(|_, _, _| ()))
+        .then(Inquiry::new([ToBoard::Bootloader]));
+    let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), Setup::default().drive);
+    let done = bench::run_at_full_rate(&machine::image(), plant, Cable::new(0.0, 1), conversation);
+    let answers = done.remote.answers.expect("the board answers").expect("the board agrees");
+    assert_eq!(answers.last(), Some(&FromBoard::Done));
+    assert_eq!(done.session.resets().len(), 1, "{:?}", done.session.resets());
+    assert!(!done.scene.plant.driven());
 }

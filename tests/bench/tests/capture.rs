@@ -8,7 +8,7 @@ use motorlens_bench::cable::Cable;
 use motorlens_bench::machine::{self, CORE_HZ};
 use motorlens_bench::plant::Plant;
 use motorlens_bench::remote::Session;
-use motorlens_shared::excitation::Programme;
+use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{Cause, DriveMode, Setup};
 use motorlens_virtual_motor::{Motor, VirtualMotor};
 
@@ -52,6 +52,29 @@ fn a_minute_at_a_kilohertz_is_captured_whole_with_the_plants_own_counts() {
         println!(
             "{rate} instructions/s: longest interrupt {} instructions, {} cycles by the board's own count",
             done.scene.longest_interrupt, run.status.worst_cycles
+        );
+    }
+}
+
+#[test]
+fn the_slowest_and_the_fastest_sampling_lose_nothing_either() {
+    for (rate_hz, core) in [(100, CORE_HZ), (2000, CORE_HZ), (2000, SLOW)] {
+        // Half of the log at the fastest rate is a quarter of a second.
+        let setup = Setup { rate_hz, link_timeout_ms: 250, ..Setup::default() };
+        let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.2, high_hz: 8.0, tones: 8, seed: 2 };
+        let capture = Capture::new(setup, &Programme::single("multisine", shape, 5.0), 1);
+        let session = Session::new(capture, Duration::from_secs(10), Box::new(|_, _, _| ()));
+        let plant = plant(DriveMode::SignMagnitudeBrake);
+        let done = bench::run(&machine::image(), core, plant, Cable::new(0.0, 1), session);
+        machine::assert_clean(&done.session);
+        let run = done.remote.run();
+        let samples = 5 * usize::from(rate_hz);
+        assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, samples, 0));
+        let counts: Vec<i64> = run.samples.iter().map(|(_, sample)| i64::from(sample.count)).collect();
+        assert_eq!(
+            counts,
+            done.scene.plant.run_counts(samples),
+            "{rate_hz} Hz, {core} instructions a second"
         );
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlens::device::{Capture, Captured};
-use motorlens_bench::bench::{self, Done, Scene};
+use motorlens_bench::bench::{self, Done, NOWHERE, Scene, Upset};
 use motorlens_bench::cable::Cable;
 use motorlens_bench::machine;
 use motorlens_bench::plant::Plant;
@@ -23,11 +23,15 @@ fn rise() -> Programme {
 }
 
 fn run(setup: Setup, programme: &Programme, cable: Cable, hand: Hand) -> Done<Session> {
-    let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), setup.drive);
-    let session = Session::new(Capture::new(setup, programme, 1), Duration::from_secs(40), hand);
-    let done = bench::run_at_full_rate(&machine::image(), plant, cable, session);
+    let done = run_wherever_it_leads(setup, programme, cable, hand);
     machine::assert_clean(&done.session);
     done
+}
+
+fn run_wherever_it_leads(setup: Setup, programme: &Programme, cable: Cable, hand: Hand) -> Done<Session> {
+    let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), setup.drive);
+    let session = Session::new(Capture::new(setup, programme, 1), Duration::from_secs(40), hand);
+    bench::run_at_full_rate(&machine::image(), plant, cable, session)
 }
 
 /// Every sample of the log holds the plant's own count at its instant.
@@ -101,13 +105,60 @@ fn a_stall_an_over_current_and_the_emergency_input_each_stop_the_motor() {
 
 #[test]
 fn a_dead_sampling_interrupt_brings_the_watchdog_and_the_log_survives_the_restart() {
-    let done = run(Setup::default(), &rise(), Cable::new(0.0, 1), once(700, |scene| scene.upset = true));
+    let done = run(
+        Setup::default(),
+        &rise(),
+        Cable::new(0.0, 1),
+        once(700, |scene| scene.upset = Some(Upset::DeadSampling)),
+    );
     let run = done.remote.run();
     assert_eq!((run.cause, run.status.reset), (Cause::Watchdog, Reset::Watchdog));
     assert_eq!(done.session.resets().len(), 1);
     assert!(!done.scene.plant.driven());
     assert!(run.holes.is_empty() && run.samples.len() >= 700);
     assert_true_to_the_plant(&done);
+}
+
+#[test]
+fn a_panic_and_a_fault_of_the_core_take_the_bridge_off_at_once_and_the_log_survives() {
+    for upset in [Upset::Panic, Upset::Fault] {
+        let mut struck = None;
+        let hand: Hand = Box::new(move |now, capture, scene| {
+            if struck.is_none() && capture.samples() >= 700 {
+                (struck, scene.upset) = (Some(now), Some(upset));
+            }
+            // The next sampling instant is the last, long before the watchdog; half a millisecond more to see it.
+            let over = struck.is_some_and(|at| now >= at + Duration::from_millis(2));
+            assert!(!(over && scene.plant.driven()), "{upset:?}: still driven");
+        });
+        let done = run_wherever_it_leads(Setup::default(), &rise(), Cable::new(0.0, 1), hand);
+        let nowhere = done.session.unmapped().iter().all(|access| access.address & !0xfff == NOWHERE);
+        assert!(nowhere, "{upset:?}: {:?}", done.session.unmapped());
+        let run = done.remote.run();
+        assert_eq!((run.cause, run.status.reset), (Cause::Watchdog, Reset::Watchdog), "{upset:?}");
+        assert!(run.holes.is_empty() && run.samples.len() >= 700, "{upset:?}: {}", run.samples.len());
+        assert_true_to_the_plant(&done);
+    }
+}
+
+#[test]
+fn the_duty_limit_holds_whatever_the_programme_asks_for() {
+    let setup = Setup { duty_limit: 400, ..Setup::default() };
+    let step = Programme::single("step", Shape::Step { level_v: 9.0 }, 1.0);
+    let mut most = 0.0_f64;
+    let (told, tell) = std::sync::mpsc::channel();
+    let hand: Hand = Box::new(move |_, _, scene| {
+        most = most.max(scene.plant.duty());
+        // Nobody listens after the end.
+        let _ = told.send(most);
+    });
+    let done = run(setup, &step, Cable::new(0.0, 1), hand);
+    let run = done.remote.run();
+    assert_eq!((run.cause, run.samples.len()), (Cause::Finished, 1000));
+    let volts = run.samples.iter().map(|(_, sample)| run.scaling.volts(sample)).fold(0.0, f32::max);
+    assert!((4.75..4.81).contains(&volts), "40 % of 12 V, and no more: {volts} V in the log");
+    let most = tell.try_iter().last().expect("the hand was there");
+    assert!((0.395..=0.4001).contains(&most), "{most} of the PWM's period at the driver");
 }
 
 #[test]

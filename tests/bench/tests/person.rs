@@ -1,9 +1,13 @@
 //! What a person without hardware does: starts the bench with something hidden, captures, fits on the board, discovers.
 
 use std::collections::BTreeSet;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 use std::{env, fs, thread};
 
@@ -43,6 +47,55 @@ impl Bench {
         command.args(["--port", &self.address]);
         command
     }
+}
+
+/// A line between program and bench that can be pulled out and plugged in again.
+struct Extension {
+    address: String,
+    plugged: Arc<AtomicBool>,
+}
+
+impl Extension {
+    fn to(bench: &str) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+        let address = format!("tcp://{}", listener.local_addr().expect("bound above"));
+        let plugged = Arc::new(AtomicBool::new(true));
+        let bench = bench.trim_start_matches("tcp://").to_owned();
+        let state = Arc::clone(&plugged);
+        // Ends with the test's process.
+        thread::spawn(move || {
+            for near in listener.incoming().map_while(Result::ok) {
+                if state.load(Relaxed) {
+                    let far = TcpStream::connect(&bench).expect("the bench is there");
+                    for (from, to) in [(&near, &far), (&far, &near)] {
+                        let ends = (from.try_clone().expect("a socket"), to.try_clone().expect("a socket"));
+                        let state = Arc::clone(&state);
+                        thread::spawn(move || carry(ends, &state));
+                    }
+                }
+            }
+        });
+        Extension { address, plugged }
+    }
+
+    fn plug(&self, plugged: bool) {
+        self.plugged.store(plugged, Relaxed);
+    }
+}
+
+/// Copies bytes until either end closes or the plug is out; then closes both.
+fn carry((mut from, mut to): (TcpStream, TcpStream), plugged: &AtomicBool) {
+    from.set_read_timeout(Some(Duration::from_millis(5))).expect("a socket");
+    let mut buffer = [0; 4096];
+    while plugged.load(Relaxed) {
+        match from.read(&mut buffer) {
+            Ok(length) if length > 0 && to.write_all(&buffer[..length]).is_ok() => {}
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+            _ => break,
+        }
+    }
+    // Closed already, where the other direction was first.
+    let _ = (from.shutdown(Shutdown::Both), to.shutdown(Shutdown::Both));
 }
 
 impl Drop for Bench {
@@ -134,6 +187,36 @@ fn capture_device_fit_and_discover_find_what_hidden_7_hides() {
 #[test]
 fn capture_device_fit_and_discover_find_what_hidden_2_hides() {
     finds_what_is_hidden("2");
+}
+
+#[test]
+fn a_cable_pulled_for_two_seconds_ends_the_run_with_its_log_and_the_next_one_goes_through() {
+    let out = fresh_directory("pulled");
+    let bench = Bench::start("1");
+    let cable = Extension::to(&bench.address);
+    let capture = |seconds: &str| {
+        let mut capture = program(&["capture", "--port", &cable.address, "--programme", "multisine"]);
+        capture.args(["--seconds", seconds, "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
+        capture
+    };
+    let running =
+        capture("20").stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    thread::sleep(Duration::from_secs(2));
+    cable.plug(false);
+    // Two seconds of the board's time at least.
+    thread::sleep(Duration::from_secs(2));
+    cable.plug(true);
+    let ended = running.wait_with_output().expect("it ends by itself");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(4), "{said}");
+    assert!(said.contains("link"), "{said}");
+    let log = fs::read_to_string(out.join("multisine.csv")).expect("the log so far is saved");
+    let samples = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).count();
+    assert!((500..19_000).contains(&samples), "{samples} samples: {said}");
+    assert!(said.contains(&format!("{samples} samples")) && !log.contains("missing_samples"), "{said}");
+
+    let again = json(capture("1"));
+    assert_eq!(again["logs"][0]["samples"], 1000, "{again}");
 }
 
 #[test]
