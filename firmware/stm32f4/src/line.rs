@@ -96,6 +96,8 @@ impl Write for DmaLine {
             core::ptr::copy_nonoverlapping(bytes.as_ptr(), (&raw mut SENDING).cast(), length);
             compiler_fence(Ordering::Release);
             self.dma.hifcr().write(|w| w.bits(0x3d << 16)); // every flag of stream 6
+            // Transmission complete: a stream's writes do not clear it, and `flush` waits for it.
+            (*pac::USART2::ptr()).sr().write(|w| w.bits(!(1 << 6)));
             let stream = self.dma.st(SEND_STREAM);
             stream.m0ar().write(|w| w.bits(&raw const SENDING as u32));
             stream.ndtr().write(|w| w.bits(length as u32));

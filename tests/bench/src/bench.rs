@@ -23,8 +23,6 @@ const GPIOB_BSRR: u64 = 0x4002_0418;
 const TIMER_4: usize = 2;
 /// USART2 among the serial ports.
 const USART2: usize = 1;
-/// An address behind which this board has nothing.
-pub const NOWHERE: u64 = 0x6000_0000;
 /// The line and the remote end are looked at so often, ns.
 const STOP_NS: u64 = 500_000;
 
@@ -44,8 +42,8 @@ pub struct Scene {
     pub longest_interrupt: u64,
     /// An upset of the chip's memory, as radiation or a stray pointer would cause; it happens once.
     pub upset: Option<Upset>,
-    /// An upset has sent the program where the chip has nothing, so that this is no fault of the image.
-    led_astray: bool,
+    /// The program is asked to go where the emulated chip has nothing: then that is no fault of the image.
+    pub led_astray: bool,
 }
 
 /// What a changed bit can do to the program.
@@ -55,8 +53,6 @@ pub enum Upset {
     DeadSampling,
     /// The control looks borrowed already, and the sampling interrupt panics over it.
     Panic,
-    /// The sampling interrupt follows a pointer to nowhere: a fault of the core.
-    Fault,
 }
 
 impl Upset {
@@ -69,7 +65,6 @@ impl Upset {
                 let flag = host.read(control, Width::W32)?;
                 host.write(flag, Width::W32, 1)?;
             }
-            Upset::Fault => host.write(control, Width::W32, NOWHERE)?,
         }
         Ok(())
     }
@@ -145,7 +140,6 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         }
         scene.plant.wire_emergency(stop.at, machine);
         if let Some(upset) = scene.upset.take() {
-            scene.led_astray |= upset == Upset::Fault;
             if let Err(error) = upset.strike(machine, host, self.control) {
                 self.stray = Some(format!("the upset did not reach the memory: {error}"));
                 return None;

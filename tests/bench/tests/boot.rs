@@ -3,7 +3,7 @@
 use std::time::Duration as Time;
 
 use motorlens::device::{Capture, Inquiry};
-use motorlens_bench::bench;
+use motorlens_bench::bench::{self, Scene};
 use motorlens_bench::cable::Cable;
 use motorlens_bench::machine::{self, CORE_HZ, Machine};
 use motorlens_bench::plant::Plant;
@@ -41,12 +41,20 @@ fn the_image_starts_cleanly_and_the_watchdog_stays_fed() {
 fn the_boot_loader_is_entered_by_a_reset_after_the_whole_answer() {
     let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 0.2);
     let capture = Capture::new(Setup::default(), &step, 1);
-    let conversation = Conversation::new(capture, Time::from_secs(5), Box::new(|_, _, _| ()))
-        .then(Inquiry::new([ToBoard::Bootloader]));
+    // The emulated chip's boot loader is blank.
+    let hand = Box::new(|_, _: &Capture, scene: &mut Scene| scene.led_astray = true);
+    let conversation =
+        Conversation::new(capture, Time::from_secs(5), hand).then(Inquiry::new([ToBoard::Bootloader]));
     let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), Setup::default().drive);
     let done = bench::run_at_full_rate(&machine::image(), plant, Cable::new(0.0, 1), conversation);
     let answers = done.remote.answers.expect("the board answers").expect("the board agrees");
     assert_eq!(answers.last(), Some(&FromBoard::Done));
     assert_eq!(done.session.resets().len(), 1, "{:?}", done.session.resets());
     assert!(!done.scene.plant.driven());
+    // It was jumped into: its stack, as the blank memory has it, lies at the end of all addresses.
+    let unmapped = done.session.unmapped();
+    assert!(
+        !unmapped.is_empty() && unmapped.iter().all(|access| access.address > 0xffff_0000),
+        "{unmapped:?}"
+    );
 }
