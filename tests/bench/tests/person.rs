@@ -6,8 +6,8 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 use std::time::Duration;
 use std::{env, fs, thread};
 
@@ -53,29 +53,39 @@ impl Bench {
 struct Extension {
     address: String,
     plugged: Arc<AtomicBool>,
+    /// Bytes that came from the board.
+    carried: Arc<AtomicUsize>,
 }
 
 impl Extension {
     fn to(bench: &str) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let address = format!("tcp://{}", listener.local_addr().expect("bound above"));
-        let plugged = Arc::new(AtomicBool::new(true));
+        let (plugged, carried) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicUsize::new(0)));
         let bench = bench.trim_start_matches("tcp://").to_owned();
-        let state = Arc::clone(&plugged);
+        let (state, count) = (Arc::clone(&plugged), Arc::clone(&carried));
         // Ends with the test's process.
         thread::spawn(move || {
             for near in listener.incoming().map_while(Result::ok) {
                 if state.load(Relaxed) {
                     let far = TcpStream::connect(&bench).expect("the bench is there");
-                    for (from, to) in [(&near, &far), (&far, &near)] {
+                    let nobody = Arc::new(AtomicUsize::new(0));
+                    for (from, to, count) in [(&near, &far, &nobody), (&far, &near, &count)] {
                         let ends = (from.try_clone().expect("a socket"), to.try_clone().expect("a socket"));
-                        let state = Arc::clone(&state);
-                        thread::spawn(move || carry(ends, &state));
+                        let (state, count) = (Arc::clone(&state), Arc::clone(count));
+                        thread::spawn(move || carry(ends, &state, &count));
                     }
                 }
             }
         });
-        Extension { address, plugged }
+        Extension { address, plugged, carried }
+    }
+
+    /// Waits until the board has said so much; a second of log at 1 kHz is about 12 KiB.
+    fn wait_for(&self, bytes: usize) {
+        while self.carried.load(Relaxed) < bytes {
+            thread::sleep(Duration::from_millis(5));
+        }
     }
 
     fn plug(&self, plugged: bool) {
@@ -84,12 +94,14 @@ impl Extension {
 }
 
 /// Copies bytes until either end closes or the plug is out; then closes both.
-fn carry((mut from, mut to): (TcpStream, TcpStream), plugged: &AtomicBool) {
+fn carry((mut from, mut to): (TcpStream, TcpStream), plugged: &AtomicBool, carried: &AtomicUsize) {
     from.set_read_timeout(Some(Duration::from_millis(5))).expect("a socket");
     let mut buffer = [0; 4096];
     while plugged.load(Relaxed) {
         match from.read(&mut buffer) {
-            Ok(length) if length > 0 && to.write_all(&buffer[..length]).is_ok() => {}
+            Ok(length) if length > 0 && to.write_all(&buffer[..length]).is_ok() => {
+                carried.fetch_add(length, Relaxed);
+            }
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
             _ => break,
         }
@@ -201,16 +213,19 @@ fn a_cable_pulled_for_two_seconds_ends_the_run_with_its_log_and_the_next_one_goe
     };
     let running =
         capture("20").stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
-    thread::sleep(Duration::from_secs(2));
+    cable.wait_for(20_000);
     cable.plug(false);
-    // Two seconds of the board's time at least.
+    // More of the board's time than that.
     thread::sleep(Duration::from_secs(2));
     cable.plug(true);
     let ended = running.wait_with_output().expect("it ends by itself");
     let said = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(4), "{said}");
     assert!(said.contains("link"), "{said}");
-    let log = fs::read_to_string(out.join("multisine.csv")).expect("the log so far is saved");
+    let files: Vec<_> =
+        fs::read_dir(&out).expect("made").map(|entry| entry.expect("a file").path()).collect();
+    let [log] = files.as_slice() else { panic!("one log, and nothing half: {files:?}") };
+    let log = fs::read_to_string(log).expect("the log so far is saved");
     let samples = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).count();
     assert!((500..19_000).contains(&samples), "{samples} samples: {said}");
     assert!(said.contains(&format!("{samples} samples")) && !log.contains("missing_samples"), "{said}");
@@ -223,11 +238,11 @@ fn a_cable_pulled_for_two_seconds_ends_the_run_with_its_log_and_the_next_one_goe
 fn a_capture_that_is_killed_leaves_no_half_file_and_a_board_that_stopped_and_answers() {
     let out = fresh_directory("killed");
     let bench = Bench::start("1");
-    let mut capture = bench.program(&["capture"]);
-    capture.args(["--programme", "multisine", "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
+    let cable = Extension::to(&bench.address);
+    let mut capture = program(&["capture", "--port", &cable.address, "--programme", "multisine"]);
+    capture.args(["--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
     let mut capture = capture.stdout(Stdio::null()).spawn().expect("the program starts");
-    // Asking how far it is would take the line away and keep the motor running: the waits go by the clock.
-    thread::sleep(Duration::from_secs(2));
+    cable.wait_for(10_000);
     capture.kill().expect("it still runs");
     capture.wait().expect("it ended");
     thread::sleep(Duration::from_secs(5));
