@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::Console;
 use crate::device::{Fault, Inquiry, Port};
-use crate::error::{Error, Result};
+use crate::error::{BadInput, Error, Result};
 use crate::motor_file;
 
 /// Options of `device`.
@@ -70,7 +70,7 @@ pub struct FitArgs {
 /// Options of `device flash`.
 #[derive(Debug, clap::Args)]
 pub struct FlashArgs {
-    /// The image, an ELF file
+    /// The image, an ELF file; `cargo xtask sizes` builds each board's: target/arm/thumbv7em-none-eabihf/release/motorlens-*
     pub image: PathBuf,
     /// The chip
     #[arg(long, default_value = "STM32F407VGTx")]
@@ -207,7 +207,13 @@ fn bootloader(at: &At, console: &Console) -> Result<()> {
 }
 
 fn flash(args: &FlashArgs, console: &Console) -> Result<()> {
-    let remedy = "install it with `cargo install probe-rs-tools` and connect the board's debugger";
+    if !args.image.is_file() {
+        let remedy = "build it with `cargo xtask sizes`, which leaves each board's image as \
+                      target/arm/thumbv7em-none-eabihf/release/motorlens-stm32f407, -nucleo-f446re, -blackpill-f411";
+        return Err(BadInput::new(&args.image, "there is no such image", remedy).into());
+    }
+    let remedy = "install it with `cargo install probe-rs-tools` and connect the board's debugger; or use \
+                  `motorlens device bootloader` and dfu-util";
     let status = Command::new("probe-rs")
         .args(["download", "--chip", &args.chip])
         .arg(&args.image)

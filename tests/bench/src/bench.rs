@@ -139,11 +139,11 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             socket.to_board.extend(carried);
         }
         scene.plant.wire_emergency(stop.at, machine);
-        if let Some(upset) = scene.upset.take() {
-            if let Err(error) = upset.strike(machine, host, self.control) {
-                self.stray = Some(format!("the upset did not reach the memory: {error}"));
-                return None;
-            }
+        if let Some(upset) = scene.upset.take()
+            && let Err(error) = upset.strike(machine, host, self.control)
+        {
+            self.stray = Some(format!("the upset did not reach the memory: {error}"));
+            return None;
         }
         on.then_some(VirtualNanos(stop.at.0 + STOP_NS))
     }

@@ -96,6 +96,11 @@ fn main() -> std::io::Result<()> {
     if options.reveal {
         let names: Vec<String> = effects.iter().map(ToString::to_string).collect();
         println!("{}", if names.is_empty() { "nothing is hidden".to_owned() } else { names.join("  ") });
+        if names.iter().any(|name| name.starts_with("supply_sag")) {
+            println!(
+                "(supply_sag is no riddle here: the board measures its supply, so the logged voltage holds it)"
+            );
+        }
         return Ok(());
     }
     let driver = match options.drive {
