@@ -47,7 +47,7 @@ impl Port {
     /// received, and adds what is to be sent. The conversation goes on where the line breaks and comes back.
     ///
     /// # Errors
-    /// When the line breaks and does not come back within [`RETURN`].
+    /// When the line breaks and does not come back within ten seconds.
     pub fn converse<T>(
         &mut self,
         mut turn: impl FnMut(Duration, &[u8], &mut Vec<u8>) -> Option<T>,
