@@ -73,6 +73,14 @@ impl Side {
 
     /// What the bins of the model say, in one line.
     fn reading(self, base: &Binned, seen: &Binned) -> String {
+        if seen.at.is_empty() {
+            return match self {
+                Self::Reversal => {
+                    "The shaft never turns back in these records, so nothing is seen here.".into()
+                }
+                _ => "These records are too short to see anything here.".into(),
+            };
+        }
         let share = 100.0 * seen.explained;
         let (before, after) = (swing(base), swing(seen));
         let span = in_words(after, "V");
@@ -85,8 +93,8 @@ impl Side {
         };
         let verdict = match share {
             _ if after < 0.1 * before => "the effects in the model have taken it away".to_owned(),
-            s if s >= 30.0 => format!("this is where it fails: {depends} accounts for {s:.0} % of it"),
-            s if s >= 8.0 => format!("{depends} accounts for {s:.0} % of it"),
+            s if s >= 30.0 => format!("this is where it fails: {s:.0} % of it follows {depends}"),
+            s if s >= 8.0 => format!("{s:.0} % of it follows {depends}"),
             s => format!("hardly any of it ({s:.0} %) follows {depends}"),
         };
         let step = if self == Self::Speed { step_in_words(seen) } else { String::new() };
@@ -106,8 +114,10 @@ fn swing(seen: &Binned) -> f64 {
 
 /// The jump at zero speed, where it stands out.
 fn step_in_words(seen: &Binned) -> String {
+    // A bin far from rest says nothing of what happens there.
+    let slow = 0.15 * seen.at.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let beside = |sign: f64| {
-        let near = seen.at.iter().zip(&seen.mean_v).filter(|(w, _)| **w * sign > 0.0);
+        let near = seen.at.iter().zip(&seen.mean_v).filter(|(w, _)| **w * sign > 0.0 && w.abs() < slow);
         near.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).map(|(_, f)| *f)
     };
     match (beside(1.0), beside(-1.0)) {
@@ -187,7 +197,7 @@ fn memory(records: &[&Shown]) -> Figure {
     let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
         id: "autocorrelation".into(),
-        title: "Memory of the error".into(),
+        title: "Memory of the error: autocorrelation".into(),
         reading,
         x: Axis::titled("Lag (s)"),
         columns: [&base, &model].map(|a| Numbers::new(a.lag_s.iter().copied(), 4)).into(),
@@ -199,17 +209,20 @@ fn memory(records: &[&Shown]) -> Figure {
 fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
     let [base, model] = torques.map(|t| orders(&t.records, gear_ratio));
     let best = (0..model.order.len()).max_by(|a, b| model.amplitude_v[*a].total_cmp(&model.amplitude_v[*b]));
-    let reading = best.map_or_else(String::new, |k| {
-        let mut sorted = model.amplitude_v.clone();
-        sorted.sort_by(f64::total_cmp);
-        let (top, usual) = (model.amplitude_v[k], sorted[sorted.len() / 2].max(1e-12));
-        let place = format!("{} cycles per motor turn ({})", model.order[k], in_words(top, "V"));
-        if top > 6.0 * usual {
-            format!("It repeats at {place}, {:.0} times the usual amplitude.", top / usual)
-        } else {
-            format!("No order stands out; the largest is {place}.")
-        }
-    });
+    let reading = best.map_or_else(
+        || "The motor turns too little in these records for it.".into(),
+        |k| {
+            let mut sorted = model.amplitude_v.clone();
+            sorted.sort_by(f64::total_cmp);
+            let (top, usual) = (model.amplitude_v[k], sorted[sorted.len() / 2].max(1e-12));
+            let place = format!("{} cycles per motor turn ({})", model.order[k], in_words(top, "V"));
+            if top > 6.0 * usual {
+                format!("It repeats at {place}, {:.0} times the usual amplitude.", top / usual)
+            } else {
+                format!("No order stands out; the largest is {place}.")
+            }
+        },
+    );
     let curve =
         |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
     let curves = vec![
@@ -223,5 +236,28 @@ fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
         x: Axis::titled("Order (cycles per turn of the motor)"),
         columns: [&base, &model].map(|s| Numbers::new(s.order.iter().copied(), 5)).into(),
         panels: vec![panel("Amplitude (V)", curves)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn binned(at: &[f64], mean_v: &[f64], explained: f64) -> Binned {
+        Binned { at: at.into(), mean_v: mean_v.into(), spread_v: vec![0.01; at.len()], explained }
+    }
+
+    #[test]
+    fn records_without_a_reversal_say_so() {
+        let nothing = binned(&[], &[], 0.0);
+        assert!(Side::Reversal.reading(&nothing, &nothing).contains("never turns back"));
+    }
+
+    #[test]
+    fn a_jump_is_read_between_bins_beside_rest_only() {
+        let near = binned(&[-9.0, -1.0, 1.0, 9.0], &[0.4, 0.4, -0.4, -0.4], 0.9);
+        assert!(Side::Speed.reading(&near, &near).contains("jumps by"));
+        let far = binned(&[-0.5, 6.0, 9.0], &[0.4, -0.4, -0.4], 0.9);
+        assert!(!Side::Speed.reading(&far, &far).contains("jumps by"));
     }
 }

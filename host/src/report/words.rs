@@ -35,7 +35,7 @@ pub struct RecordRow {
 pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let error = |m: f64| in_words(m, unit);
-    let effects: Vec<String> = last.effects.iter().map(|e| e.spec().title.to_owned()).collect();
+    let effects: Vec<String> = last.effects.iter().map(ToString::to_string).collect();
     let (before, after) = (judged(first).rmse, judged(last).rmse);
     if effects.is_empty() {
         return format!("The base model leaves {} rms; the noise floor is {}.", error(before), error(floor));

@@ -137,7 +137,7 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
             } else {
                 ", but unseen data do not say that it is worth its parameters. Remove it?"
             };
-            format!("{} is in the model{but}", kind.spec().title)
+            format!("{kind} is in the model{but}")
         })
     })
 }
@@ -151,6 +151,6 @@ pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> An
     jobs::start(&app, &format!("Removing {kind}"), move |job| {
         let work = Work::of(job.app);
         let begin = work.model.values().without(kind);
-        refit(job, &work, &begin, |_| format!("{} is out of the model.", kind.spec().title))
+        refit(job, &work, &begin, |_| format!("{kind} is out of the model."))
     })
 }

@@ -195,7 +195,10 @@ fn fitted(job: &Job, new: Vec<(Role, Record)>, wish: &Wish) -> End {
     }
     match Session::new(records, validation, motor) {
         Ok(new) => End::Done(
-            format!("{count} records of the motor are in; the base model is fitted to them."),
+            match count {
+                1 => "1 record of the motor is in; the base model is fitted anew.".into(),
+                _ => format!("{count} records of the motor are in; the base model is fitted anew."),
+            },
             Box::new(move |session| *session = new),
         ),
         Err(error) => End::Failed(error.to_json()),

@@ -27,6 +27,10 @@ pub struct Dropped {
     /// Which column is what, as for `--map`; empty for canonical columns.
     #[serde(default)]
     map: String,
+    /// Supply of the driver, V, where the log has the duty only.
+    supply_v: Option<f64>,
+    /// Counts per turn of the output shaft, where the log has counts.
+    counts_per_rev: Option<f64>,
 }
 
 /// Reads the log; if it can be used, fits the base model anew.
@@ -75,7 +79,9 @@ fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
         }
         other => other,
     };
-    let mut records = read(&path, &ReadOptions { map, ..ReadOptions::default() }).map_err(shorter)?;
+    let motor = MotorFile { counts_per_rev: dropped.counts_per_rev, ..MotorFile::default() };
+    let options = ReadOptions { map, motor, supply_volts: dropped.supply_v, ..ReadOptions::default() };
+    let mut records = read(&path, &options).map_err(shorter)?;
     for record in &mut records {
         record.path.clone_from(&name);
         check_usable(record)?;
@@ -88,7 +94,8 @@ mod tests {
     use super::*;
 
     fn dropped(map: &str) -> Dropped {
-        Dropped { name: "../../etc/log.csv".into(), role: "replace".into(), map: map.into() }
+        let (name, role) = ("../../etc/log.csv".into(), "replace".into());
+        Dropped { name, role, map: map.into(), supply_v: None, counts_per_rev: None }
     }
 
     #[test]
@@ -101,6 +108,16 @@ mod tests {
         let records = parse(&dropped("time=0:ms,voltage=1,speed=2"), text.as_bytes()).unwrap();
         assert_eq!(records[0].path, Path::new("log.csv"));
         assert_eq!(records[0].len(), 400);
+    }
+
+    #[test]
+    fn duty_and_counts_are_read_with_the_supply_and_the_counts_of_a_turn() {
+        let row = |k: u32| format!("{k},{},{}\n", (k % 200) as f64 - 100.0, 10 * (k / 7));
+        let text = "ms,pwm,ticks\n".to_owned() + &(0..600).map(row).collect::<String>();
+        let wish = dropped("time=0:ms,duty=1:255,angle=2:counts");
+        let wish = Dropped { supply_v: Some(8.0), counts_per_rev: Some(1000.0), ..wish };
+        let records = parse(&wish, text.as_bytes()).unwrap();
+        assert!((records[0].voltage_v[0] + 8.0 * 100.0 / 255.0).abs() < 1e-9, "{}", records[0].voltage_v[0]);
     }
 
     #[test]

@@ -129,6 +129,7 @@ impl Browser {
             "Tab" => 9,
             "Escape" => 27,
             "ArrowRight" => 39,
+            "ArrowDown" => 40,
             _ => 0,
         };
         let mut down = json!({ "type": "keyDown", "key": key, "windowsVirtualKeyCode": code });

@@ -95,7 +95,13 @@ const Plots = (() => {
     }
     if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
     const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58 };
-    if (panel.y.log) up.values = (u, splits) => splits.map(brief);
+    if (panel.height < 150) up.space = 20;
+    if (panel.y.log) {
+      // Lines and numbers at whole decades only, or at 1, 2, 5 where there are few: nine to each would be all that one sees.
+      const round = (v, few) => (few ? [1, 2, 5, 10] : [1, 10]).some((m) => Math.abs(v / 10 ** Math.floor(Math.log10(v)) - m) < 1e-6);
+      const filter = (u, splits) => splits.map((v) => (round(v, u.scales.y.max / u.scales.y.min < 300) ? v : null));
+      Object.assign(up, { filter, values: (u, splits) => splits.map(brief), grid: { ...rule, filter }, ticks: { ...rule, filter } });
+    }
     const ranged = (u, low, high) => {
       if (now().y.range) return now().y.range;
       const wide = low === null || !Number.isFinite(low) ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true);
@@ -126,6 +132,8 @@ const Plots = (() => {
     for (const x of figure.columns) if (x.length) [low, high] = [Math.min(low, x[0]), Math.max(high, x[x.length - 1])];
     return low < high ? [low, high] : [0, 1];
   }
+  // A record that never turns back has nothing around its reversals: the words say so, no axes are drawn.
+  const empty = (figure) => figure.columns.every((x) => !x.length);
   const same = (range, scale) => Math.abs(range[0] - scale.min) + Math.abs(range[1] - scale.max) < 1e-9 * Math.abs(scale.max - scale.min);
   function look(entry, range, tell) {
     entry.range = range || entry.whole;
@@ -149,7 +157,7 @@ const Plots = (() => {
     if (!entry || root.closest("[hidden]") || !root.clientWidth) return;
     for (const u of entry.charts) u.destroy();
     entry.range = entry.range || extent(entry.figure);
-    entry.charts = entry.figure.panels.map((_, k) => chart(entry, k));
+    entry.charts = empty(entry.figure) ? [] : entry.figure.panels.map((_, k) => chart(entry, k));
     for (const th of root.querySelectorAll(".u-series:not(.silent) th")) {
       th.tabIndex = 0;
       th.setAttribute("role", "button");
@@ -183,7 +191,7 @@ const Plots = (() => {
     root.tabIndex = 0;
     root.setAttribute("role", "group");
     root.setAttribute("aria-label", `${figure.title}. ${figure.reading} Plus and minus zoom, arrows move, 0 shows all.`);
-    root.style.minHeight = figure.panels.reduce((sum, panel) => sum + panel.height + 26, 30) + "px";
+    root.style.minHeight = (empty(figure) ? 0 : figure.panels.reduce((sum, panel) => sum + panel.height + 26, 30)) + "px";
     if (!old) {
       root.addEventListener("keydown", (event) => keys(known.get(root), event));
       sizes.observe(root);

@@ -2,7 +2,7 @@
 // A log dropped on the page: what are its columns?
 let dropped = null;
 const CANONICAL = { time_s: "time:s", voltage_v: "voltage:V", angle_rad: "angle:rad", speed_rad_s: "speed:rad/s", current_a: "current:A", supply_v: "supply:V" };
-const KINDS = ["", "time:s", "time:ms", "time:us", "voltage:V", "voltage:mV", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "speed:rad/s", "speed:deg/s", "speed:rpm", "current:A", "current:mA", "supply:V", "supply:mV"];
+const KINDS = ["", "time:s", "time:ms", "time:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:1023", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "speed:rad/s", "speed:deg/s", "speed:rpm", "current:A", "current:mA", "supply:V", "supply:mV"];
 async function open_(file) {
   if (!file) return;
   dropped = file;
@@ -13,7 +13,7 @@ async function open_(file) {
   const cut = [",", ";", "\t"].sort((a, b) => head.split(b).length - head.split(a).length)[0];
   const names = head.split(cut).map((n) => n.trim().replace(/^"|"$/g, ""));
   const choose = element("tr", {}, ...names.map((name, k) => {
-    const select = element("select", { className: "column" }, ...KINDS.map((kind) => element("option", { value: kind, textContent: kind ? kind.replace(":", " in ") : "not used" })));
+    const select = element("select", { className: "column" }, ...KINDS.map((kind) => element("option", { value: kind, textContent: kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ") : "not used" })));
     select.value = CANONICAL[name] || "";
     select.setAttribute("aria-label", `Column ${k + 1}, ${name}`);
     return element("td", {}, select);
@@ -29,9 +29,11 @@ $("mapping").addEventListener("submit", async (event) => {
   const chosen = [...$("preview").querySelectorAll("select")].map((s) => s.value);
   const canonical = chosen.every((c, k) => c === (CANONICAL[header[k]] || ""));
   const map = canonical ? "" : chosen.map((c, k) => c && `${c.split(":")[0]}=${k}:${c.split(":")[1]}`).filter(Boolean).join(",");
-  const role = new FormData($("mapping")).get("role");
+  const asked = { name: dropped.name, role: new FormData($("mapping")).get("role"), map };
+  if ($("log-supply").value) asked.supply_v = $("log-supply").value;
+  if ($("log-counts").value) asked.counts_per_rev = $("log-counts").value;
   try {
-    const reply = await fetch(`/api/upload?${new URLSearchParams({ name: dropped.name, role, map })}`, { method: "POST", body: dropped });
+    const reply = await fetch(`/api/upload?${new URLSearchParams(asked)}`, { method: "POST", body: dropped });
     const answer = await reply.json();
     if (!reply.ok) throw answer;
     $("dialog").close();

@@ -24,8 +24,8 @@ function element(name, properties = {}, ...children) {
 const named = (unit) => (unit === "1" ? "" : " " + unit);
 const short = (x) => Number(x.toPrecision(4)).toString();
 function size(x, unit) {
-  if (unit.startsWith("rad") && Math.abs(x) < 0.1 && x !== 0) return short(x * 1e3) + " m" + unit;
-  return short(x) + " " + unit;
+  const [scale, prefix] = x === 0 || Math.abs(x) >= 0.1 ? [1, ""] : Math.abs(x) >= 1e-4 ? [1e3, "m"] : [1e6, "µ"];
+  return short(x * scale) + " " + prefix + unit;
 }
 
 // 1 Compare

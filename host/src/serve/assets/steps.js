@@ -17,7 +17,7 @@ function card(c, figures) {
   const add = element("button", { type: "button", className: "main add", textContent: "Add " + c.effect, onclick: guard(() => ask("/api/add", { effect: c.effect })) });
   const share = Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "share of the error taken away" });
   const all = element("article", { className: "card" }, element("h3", { textContent: c.title }),
-    element("p", {}, element("code", { textContent: c.effect }), share, ` ${c.gain_percent} %`),
+    element("p", { className: "gain" }, element("code", { textContent: c.effect }), share, ` ${c.gain_percent} %`),
     element("p", { textContent: c.evidence + "." }), element("p", { className: "quiet", textContent: `Look for: ${c.signature}. Law: ${c.equation}.` }));
   if (c.rivals.length) all.append(element("p", { textContent: "These records cannot tell it from " + c.rivals.join(", ") + "." }));
   all.append(element("p", {}, add));
@@ -58,7 +58,11 @@ function showStep(step) {
     panels: [{ y: { title: "Of the value before (%)", log: false }, height: 200, curves: old.map((p, k) => ({ role: "p" + (k % 6), name: p.name, on: 0, draw: "dotted", y: history_.map((s) => 100 * s.parameters.find((q) => q.name === p.name).now / p.before) })) }] });
   rows("moving", step.parameters, (p) => [p.name, p.before === null ? "new" : short(p.before), short(p.now), p.unit], (p) => p.before !== null && Math.abs(p.now - p.before) > 0.005 * Math.abs(p.before) ? "moved" : "");
 }
-function spanOf(values) { return [Math.min(...values) / 1.5, Math.max(...values) * 1.5]; }
+// Whole decades around the values.
+function spanOf(values) {
+  const low = Math.floor(Math.log10(Math.min(...values)) + 1e-9), high = Math.ceil(Math.log10(Math.max(...values)) - 1e-9);
+  return [10 ** low, 10 ** Math.max(high, low + 1)];
+}
 
 // 5 Falls
 function rows(target, list, cells, mark) {

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use motorlens_browser_tests::{Board, Browser, Server};
 
+use super::logs::with_a_question;
 use super::{FRESH, added, alone, diagnosed, effects, opened, over_floor};
 
 fn connected(browser: &mut Browser, board: &Board) {
@@ -75,6 +76,30 @@ fn the_stop_button_takes_the_voltage_off_at_once() {
     assert!(delays.iter().min().is_some_and(|d| *d < Duration::from_millis(100)), "{delays:?}");
     // Nothing of a stopped run is used.
     assert_eq!(browser.number("ask('/api/state').then((s) => s.records.length)"), 7.0);
+}
+
+#[test]
+fn the_next_experiment_runs_on_the_motor_and_its_record_joins_the_others() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let server = Server::start(&with_a_question(directory.path()));
+    let board = Board::start(&["coulomb=0.4"]);
+    let mut browser = opened(&server);
+    let records = browser.number("state.records.length");
+    diagnosed(&mut browser);
+    browser.wait("document.querySelector('.card.next .run-next')");
+    assert!(browser.text(".run-next").starts_with("Connect"));
+    connected(&mut browser, &board);
+    assert!(browser.text(".run-next").starts_with("Run it"));
+    browser.click(".run-next");
+    assert_eq!(browser.value("[$('programme').value, $('join').checked]"), serde_json::json!(["next", true]));
+    browser.click("#run");
+    browser.wait("Number(document.querySelector('#live').dataset.samples) > 300");
+    browser.wait(&format!(
+        "/1 record of the motor is in/.test(document.querySelector('#status').textContent) && {FRESH}"
+    ));
+    assert_eq!(browser.number("state.records.length"), records + 1.0);
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use motorlens_browser_tests::Server;
 
-use super::{alone, opened};
+use super::{FRESH, alone, opened};
 
 /// Moves the focus on until it is on what `selector` names.
 fn tab_to(browser: &mut motorlens_browser_tests::Browser, selector: &str) {
@@ -39,6 +39,71 @@ fn plots_sliders_and_buttons_obey_the_keyboard() {
     tab_to(&mut browser, ".card .add");
     browser.key("Enter", Some("\r"));
     browser.wait("document.querySelectorAll('.chip').length == 1");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+/// What one can see and use, each with the place of its kind in the order of the Tab key.
+const USABLE: &str = "[...document.querySelectorAll('a[href], button, input, select, summary, .plot:has(canvas), .u-series:not(.silent) th')].filter((e) => e.checkVisibility({ visibilityProperty: true }) && !e.disabled && !e.matches('.skip'))";
+
+#[test]
+fn nothing_that_one_can_see_and_use_is_beyond_the_tab_key() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    browser.value("document.querySelector('#device').open = true");
+    // All plots are drawn, so that their legends are there.
+    browser.value("document.querySelectorAll('.plot').forEach(Plots.draw)");
+    let all = browser.number(&format!("(globalThis.usable = {USABLE}).length"));
+    assert!(all > 40.0, "{all}");
+    browser.value("document.activeElement.blur(), scrollTo(0, 0)");
+    for _ in 0..(2.0 * all) as usize {
+        browser.key("Tab", None);
+        browser.value("(usable = usable.filter((e) => e !== document.activeElement)).length");
+    }
+    let beyond = browser.value("usable.map((e) => e.outerHTML.slice(0, 80))");
+    assert_eq!(beyond, serde_json::json!([]));
+}
+
+#[test]
+fn a_log_is_mapped_and_a_puzzle_set_and_revealed_by_keyboard() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    tab_to(&mut browser, "#puzzle");
+    browser.key("Enter", Some("\r"));
+    browser.wait(&format!("/^Puzzle/.test(document.querySelector('#status').textContent) && {FRESH}"));
+    tab_to(&mut browser, "#reveal");
+    browser.key("Enter", Some("\r"));
+    browser.wait("/^Hidden: /.test(document.querySelector('#answer').textContent)");
+
+    let directory = tempfile::tempdir().unwrap();
+    let log = directory.path().join("keys.csv");
+    let rows = (0..400).map(|k| {
+        format!(
+            "{},{:.4},{:.5}\n",
+            10 * k,
+            6.0 * (0.02 * f64::from(k)).sin(),
+            5.0 * (0.02 * f64::from(k) - 0.1).sin()
+        )
+    });
+    std::fs::write(&log, "t,u,w\n".to_owned() + &rows.collect::<String>()).unwrap();
+    browser.give_file("#file", &log);
+    browser.wait("document.querySelector('#dialog').open");
+    // The arrow keys choose among what a column can be.
+    let kinds = browser.value("KINDS");
+    for (column, kind) in ["time:ms", "voltage:V", "speed:rad/s"].iter().enumerate() {
+        tab_to(&mut browser, &format!("#preview td:nth-child({}) select", column + 1));
+        let place = kinds.as_array().unwrap().iter().position(|k| k == kind).unwrap();
+        for _ in 0..place {
+            browser.key("ArrowDown", None);
+        }
+        assert_eq!(browser.value("document.activeElement.value"), *kind);
+    }
+    tab_to(&mut browser, "#use");
+    browser.key("Enter", Some("\r"));
+    browser.wait(&format!(
+        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'keys' && {FRESH}"
+    ));
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 

@@ -1,6 +1,7 @@
 //! Logs dropped on the page, and what the cards say of logs that leave a question open.
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use motorlens_browser_tests::{Server, run};
 
@@ -60,15 +61,19 @@ fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
+/// Logs, written to `directory`, that cannot tell dry friction from its rivals.
+pub fn with_a_question(directory: &Path) -> Vec<PathBuf> {
+    let out = directory.to_str().unwrap();
+    run(&["simulate", "--quiet", "--excitation", "paper", "--effect", "coulomb=0.4", "--out", out]);
+    let found = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
+    found.filter(|path| path.extension().is_some_and(|e| e == "csv")).collect()
+}
+
 #[test]
 fn rivals_and_the_next_experiment_are_among_the_cards_where_the_data_leave_a_question() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
-    let out = directory.path().to_str().unwrap();
-    run(&["simulate", "--quiet", "--excitation", "paper", "--effect", "coulomb=0.4", "--out", out]);
-    let logs: Vec<_> = std::fs::read_dir(directory.path()).unwrap().map(|e| e.unwrap().path()).collect();
-    let logs: Vec<_> = logs.into_iter().filter(|p| p.extension().is_some_and(|e| e == "csv")).collect();
-    let server = Server::start(&logs);
+    let server = Server::start(&with_a_question(directory.path()));
     let mut browser = opened(&server);
     diagnosed(&mut browser);
     browser.wait("document.querySelector('.card.rivals') && document.querySelector('.card.next')");

@@ -4,6 +4,7 @@ mod device;
 mod guard;
 mod keyboard;
 mod logs;
+mod plots;
 mod report;
 mod steps;
 mod times;

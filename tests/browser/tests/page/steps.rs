@@ -19,6 +19,11 @@ fn adding_what_is_suggested_brings_the_error_to_the_floor_and_removing_it_takes_
     let server = Server::start::<&str>(&[]);
     let mut browser = opened(&server);
     let before = over_floor(&mut browser);
+    // Each step of a search: was it still running, and how many points had its curve?
+    browser.value(
+        "(() => { globalThis.drawn = []; const show = told.step; told.step = (e) => { show(e); \
+         drawn.push([!$('running').hidden && document.querySelectorAll('#convergence canvas').length == 1, e.step.round]); }; })()",
+    );
     for round in 0..3 {
         diagnosed(&mut browser);
         if browser.text("#status").starts_with("Nothing") {
@@ -40,10 +45,17 @@ fn adding_what_is_suggested_brings_the_error_to_the_floor_and_removing_it_takes_
     let after = over_floor(&mut browser);
     assert!(before > 10.0 && after <= 1.5, "{before} {after}");
     // The search was drawn as it ran, and the old parameters with it.
-    assert!(browser.number("history_.length") >= 3.0);
+    assert!(browser.number("drawn.length") >= 3.0 && browser.value("drawn.every((d) => d[0])") == true);
+    assert!(browser.number("document.querySelectorAll('#giving .u-series').length") >= 3.0);
     assert!(browser.number("document.querySelectorAll('#moving tr.moved').length") >= 1.0);
     assert!(browser.number("document.querySelectorAll('#parameters tr').length") > 4.0);
     assert_eq!(browser.number("document.querySelectorAll('#combinations tr').length"), 4.0);
+    let intervals = "[...document.querySelectorAll('#parameters tr')].every((row) => /…|unbounded/.test(row.cells[2].textContent) && /yes|no/.test(row.cells[4].textContent))";
+    assert_eq!(browser.value(intervals), true);
+    // The waterfall: a bar for each step and the line of the noise floor.
+    let bars = "ask('/api/figures/falls').then((f) => f.figures[0].panels[0].curves[1].y.length)";
+    assert_eq!(browser.number(bars), effects(&mut browser) + 1.0);
+    browser.wait("(document.querySelector('#falls .plot').scrollIntoView(), document.querySelector('#falls .plot canvas'))");
     browser.screenshot("header", "light-0-header");
     pictures(&mut browser, "light");
     browser.wait("document.querySelector('#convergence canvas') && document.querySelector('#giving canvas')");
