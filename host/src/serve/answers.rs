@@ -17,6 +17,7 @@ use tokio_stream::{Stream, StreamExt};
 
 use super::App;
 use super::jobs::{self, Answer, refused};
+use crate::log::Metadata;
 use crate::report::missing::Setting;
 use crate::report::{self, fails, falls, missing, records, words};
 
@@ -74,6 +75,8 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         let spec = kind.spec();
         json!({ "name": spec.name, "title": spec.title, "added": session.current.kinds().contains(kind) })
     });
+    // What the records tell of their motor need not be typed again to run it.
+    let told = |of: fn(&Metadata) -> Option<f64>| session.records.iter().find_map(|r| of(&r.meta));
     let puzzle = session
         .puzzle
         .as_ref()
@@ -86,8 +89,8 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         "ladder": session.ladder,
         "floor": session.floor,
         "unit": session.unit(),
-        "counts_per_rev": session.motor.counts_per_rev,
-        "gear_ratio": session.motor.gear_ratio,
+        "counts_per_rev": session.motor.counts_per_rev.or_else(|| told(Metadata::counts_per_rev)),
+        "gear_ratio": session.motor.gear_ratio.or_else(|| told(Metadata::gear_ratio)),
         "diagnosed": session.diagnosis.is_some(),
         "puzzle": puzzle,
         "running": running,

@@ -93,6 +93,9 @@ fn the_next_experiment_runs_on_the_motor_and_its_record_joins_the_others() {
     assert!(browser.text(".run-next").starts_with("Run it"));
     browser.click(".run-next");
     assert_eq!(browser.value("[$('programme').value, $('join').checked]"), serde_json::json!(["next", true]));
+    // The records tell the counts of a turn; this board has its own.
+    assert!(browser.number("Number($('counts').value)") > 0.0);
+    browser.value("$('counts').value = 1000");
     browser.click("#run");
     browser.wait("Number(document.querySelector('#live').dataset.samples) > 300");
     browser.wait(&format!(
