@@ -43,9 +43,9 @@ pub trait Sink<T> {
 pub struct Course<'a, S: Scalar> {
     /// At the first cell.
     pub start: State<S>,
-    /// Mean voltage of every cell, V.
+    /// What a late voltage still brings at the start, then the mean voltage of every cell, V.
     pub voltages: &'a [S::Element],
-    /// Cells to run, at most as many as there are voltages.
+    /// Cells to run, fewer than there are voltages.
     pub cells: usize,
     /// Whether the encoder turns with the rotor: whose speed goes with the reading.
     pub encoder_on_motor: bool,
@@ -109,7 +109,7 @@ pub fn run<S: Shown, E: Effects<S>>(
     while first < course.cells {
         let count = CHUNK.min(course.cells - first);
         for k in 0..count {
-            simulator.advance(&mut motion, course.voltages, first + k);
+            simulator.advance(&mut motion, course.voltages, first + k + 1);
             readings[k] = show(simulator, &motion, course.encoder_on_motor);
         }
         sink.take(first, &readings[..count]);

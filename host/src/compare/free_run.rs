@@ -52,10 +52,10 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
                 let within = mean.clamp(-grid.quantum, grid.quantum);
                 simulated.iter_mut().for_each(|p| *p += within);
             }
-            let last = grid.voltages.len() - 1;
+            let last = grid.cells().len() - 1;
             let held = |k: usize| {
                 let p = &grid.places[k];
-                grid.voltages[(if p.part == 1.0 { p.cell + 1 } else { p.cell }).min(last)]
+                grid.cells()[(if p.part == 1.0 { p.cell + 1 } else { p.cell }).min(last)]
             };
             FreeRun {
                 record: grid.name.clone(),

@@ -4,6 +4,7 @@ use motorlens_shared::effects::Kind;
 
 use crate::fit::cost::Objective;
 use crate::fit::fixed;
+use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
 
@@ -128,8 +129,8 @@ impl Evidence {
 impl Evidence {
     /// Fits the first speeds of the records that begin in motion anew under `model`, and then the model.
     pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
-        let moving = |p: &Problem| p.grids.iter().any(|g| g.start_speed != 0.0);
-        if ![&self.whole, &self.train, &self.unseen].into_iter().any(moving) {
+        let rest = |p: &Problem| p.grids.iter().all(Grid::rests);
+        if [&self.whole, &self.train, &self.unseen].into_iter().all(rest) {
             return model;
         }
         let values = model.values();

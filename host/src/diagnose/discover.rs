@@ -287,7 +287,7 @@ impl Discovery {
     /// The highest voltage that the rig has shown to bear, V.
     pub fn highest_voltage(&self) -> f64 {
         let whole = &self.evidence.whole;
-        let peak = whole.grids.iter().flat_map(|g| &g.voltages).fold(0.0_f64, |p, v| p.max(v.abs()));
+        let peak = whole.grids.iter().flat_map(|g| g.cells()).fold(0.0_f64, |p, v| p.max(v.abs()));
         peak.max(0.5 * whole.rig.nominal_v)
     }
 }

@@ -52,7 +52,7 @@ impl Leftover {
         let stride = (n / 6).max(1);
         let per_sample = (grid.interval_s / grid.step_s).round().max(1.0) as usize;
         let volts: Vec<f64> =
-            (0..grid.len()).map(|k| grid.voltages.get(k * per_sample).copied().unwrap_or(0.0)).collect();
+            (0..grid.len()).map(|k| grid.cells().get(k * per_sample).copied().unwrap_or(0.0)).collect();
         let windows = |x: &[f64], b: &[f64]| correlate(x, b, stride);
         // v = (tau_m / gain) w' + w / gain + (tau_m tau_e / gain) w'' + friction sign(w) + rest
         let y = &grid.measured;

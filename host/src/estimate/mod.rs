@@ -24,6 +24,7 @@ pub use start::prepare;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::error::{Error, Result};
+use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
@@ -118,7 +119,7 @@ pub fn fit(
         Method::Fast => fast::search(&problem, &base, &options.effects),
         Method::Conventional if !options.effects.is_empty() => fast::textbook(&problem, &options.effects),
         // The linear search takes motors that rest at the start of every record.
-        Method::Ga if !options.effects.is_empty() || problem.grids.iter().any(|g| g.start_speed != 0.0) => {
+        Method::Ga if !options.effects.is_empty() || !problem.grids.iter().all(Grid::rests) => {
             genetic::search(&problem, &base, options, progress)
         }
         Method::Paper if !options.effects.is_empty() => {

@@ -44,8 +44,8 @@ pub struct Grid {
     pub name: String,
     /// Length of a cell, s.
     pub step_s: f64,
-    /// Mean voltage of every cell, V.
-    pub voltages: Vec<f64>,
+    /// What a late voltage still brings at the start, then the mean voltage of every cell, V.
+    pub(super) voltages: Vec<f64>,
     /// Times of the samples kept, s.
     pub time_s: Vec<f64>,
     /// Their place on the grid; the first sample is the start itself (cell 0, part 0).
@@ -57,7 +57,7 @@ pub struct Grid {
     /// Angle at the start, rad.
     pub start_angle: f64,
     /// Speed at the start, rad/s; of an angle's record, what [`super::start`] made of it.
-    pub start_speed: f64,
+    pub(super) start_speed: f64,
     /// Smallest step of the measured column (0: none was found).
     pub quantum: f64,
     /// Standard deviation of one reading: the unit in which errors count.
@@ -107,9 +107,25 @@ impl Grid {
             grid.measured.push(column[k]);
         }
         if grid.quantity != Quantity::Angle {
-            grid.start_speed = median3(grid.measured[0], grid.measured[1], grid.measured[2]);
+            grid.begin_at(median3(grid.measured[0], grid.measured[1], grid.measured[2]));
         }
         grid
+    }
+
+    /// Mean voltage of every cell, V.
+    pub fn cells(&self) -> &[f64] {
+        &self.voltages[1..]
+    }
+
+    /// Whether the record begins at rest.
+    pub fn rests(&self) -> bool {
+        self.start_speed == 0.0
+    }
+
+    /// Begins at `speed`, rad/s: a motor at rest had no voltage before, one in motion the first that was logged.
+    pub(super) fn begin_at(&mut self, speed: f64) {
+        self.start_speed = speed;
+        self.voltages[0] = if speed == 0.0 { 0.0 } else { self.voltages[1] };
     }
 
     /// The beginning of the record, for fitting: `share` of its samples.
@@ -179,11 +195,11 @@ fn main_column(record: &Record, quantum: f64, interval: f64) -> (Quantity, &[f64
     (if counted { Quantity::MeanSpeed } else { Quantity::Speed }, speed)
 }
 
-/// Mean of the held (or straight) voltage over each cell.
+/// Nothing before the start, then the mean of the held (or straight) voltage over each cell.
 fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
     let (t, v) = (&record.time_s, &record.voltage_v);
     let origin = t[0];
-    let mut voltages = vec![0.0; cells];
+    let mut voltages = vec![0.0; cells + 1];
     let mut add = |from: f64, to: f64, at_from: f64, at_to: f64| {
         // Spreads one piece over the cells it covers.
         let (mut a, b) = ((from - origin) / step, (to - origin) / step);
@@ -193,7 +209,7 @@ fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
             let edge = if edge > a { edge } else { b };
             let middle = 0.5 * (a + edge);
             let share = (middle * step + origin - from) / (to - from);
-            voltages[cell] += (edge - a) * (at_from + share * (at_to - at_from));
+            voltages[cell + 1] += (edge - a) * (at_from + share * (at_to - at_from));
             a = edge;
         }
     };
@@ -245,8 +261,8 @@ mod tests {
         let record = record(times, volts);
         let grid = Grid::new(&record, 0.01);
         let until = record.duration_s() / grid.step_s;
-        let whole: f64 = grid.voltages[..until as usize].iter().sum::<f64>() * grid.step_s;
-        let rest = grid.voltages[until as usize] * until.fract() * grid.step_s;
+        let whole: f64 = grid.cells()[..until as usize].iter().sum::<f64>() * grid.step_s;
+        let rest = grid.cells()[until as usize] * until.fract() * grid.step_s;
         assert!((whole + rest - truth).abs() < 0.02, "{} {truth}", whole + rest);
     }
 

@@ -130,7 +130,8 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
             bases.iter().map(|b| layout.pack(&Values { base: *b, effects: Vec::new() })).collect();
         let (mut yy, mut yp, mut pp) = (0.0, [0.0; LANES], [0.0; LANES]);
         for grid in grids {
-            let still = Grid { start_speed: 0.0, ..grid.clone() };
+            let mut still = grid.clone();
+            still.begin_at(0.0);
             predict_block(&layout, &xs, &unit, &still, &mut series);
             let span = ((0.05 / grid.interval_s).round() as usize).max(1);
             for k in 0..series.len().saturating_sub(span) {

@@ -40,13 +40,13 @@ fn course<'a, S: Scalar>(
 ) -> Course<'a, S> {
     let speed = S::lit(grid.start_speed);
     // A motor already turning has the current that its speed leaves to the first voltage.
-    let turning = if grid.start_speed == 0.0 { 0.0 } else { 1.0 };
+    let turning = if grid.rests() { 0.0 } else { 1.0 };
     let current = S::lit(turning) * (S::lit(grid.voltages[0]) - base.back_emf() * speed);
     let last = grid.places.last().map_or(0, |place| place.cell + 1);
     Course {
         start: State::moving(current, speed, S::lit(grid.start_angle)),
         voltages,
-        cells: last.min(voltages.len()),
+        cells: last.min(voltages.len() - 1),
         encoder_on_motor: rig.encoder_on_motor,
     }
 }

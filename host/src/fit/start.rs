@@ -26,7 +26,7 @@ impl Problem {
         let moving: Vec<bool> = self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
         for (grid, moving) in self.grids.iter_mut().zip(moving) {
             if grid.quantity == super::grid::Quantity::Angle {
-                grid.start_speed = if moving { f64::MIN_POSITIVE } else { 0.0 };
+                grid.begin_at(if moving { f64::MIN_POSITIVE } else { 0.0 });
             }
         }
         self.refine_starts(model);
@@ -40,10 +40,10 @@ impl Problem {
             let speeds: Vec<f64> = self
                 .grids
                 .iter()
-                .map(|g| if g.start_speed == 0.0 { 0.0 } else { first_speed(self, &layout, &x, g) })
+                .map(|g| if g.rests() { 0.0 } else { first_speed(self, &layout, &x, g) })
                 .collect();
             for (grid, speed) in self.grids.iter_mut().zip(speeds) {
-                grid.start_speed = speed;
+                grid.begin_at(speed);
             }
         }
     }
@@ -51,7 +51,8 @@ impl Problem {
 
 fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
     let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
-    let still = Grid { start_speed: 0.0, ..grid.first(k + 1) };
+    let mut still = grid.first(k + 1);
+    still.begin_at(0.0);
     let mut series = Vec::new();
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
@@ -71,7 +72,8 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
-        let grid = Grid { start_speed: speed, ..part.clone() };
+        let mut grid = part.clone();
+        grid.begin_at(speed);
         predict_block(layout, &[x.to_vec()], &problem.rig, &grid, &mut series);
         series.iter().map(|b| b.0[LANES - 1]).collect()
     };

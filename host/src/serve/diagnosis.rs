@@ -71,6 +71,6 @@ impl Diagnosis {
 /// The highest voltage that the rig has shown to bear, V.
 fn highest_voltage(evidence: &Evidence) -> f64 {
     let whole = &evidence.whole;
-    let peak = whole.grids.iter().flat_map(|g| &g.voltages).fold(0.0_f64, |p, v| p.max(v.abs()));
+    let peak = whole.grids.iter().flat_map(|g| g.cells()).fold(0.0_f64, |p, v| p.max(v.abs()));
     peak.max(0.5 * whole.rig.nominal_v)
 }
