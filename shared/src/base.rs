@@ -78,6 +78,8 @@ pub struct Coefficients<S> {
     pub inverse_wf: S,
     /// Torque that changes the speed by one unit in one step, V per rad/s, and half the viscous torque.
     pub per_impulse: S,
+    /// Speed that one volt of torque gives in an electrical time constant, rad/s.
+    pub electric_impulse: S,
     /// Half the viscous friction, V per rad/s.
     pub viscous: S,
     /// Back-EMF constant, V per rad/s.
@@ -162,6 +164,7 @@ impl<S: Scalar> Coefficients<S> {
             inverse_uv: one / uv,
             inverse_wf: one / wf,
             per_impulse: one / (c * step),
+            electric_impulse: c * base.tau_e,
             viscous: S::lit(0.5) * b / c,
             back_emf: k,
         }
@@ -204,6 +207,7 @@ impl Coefficients<f64> {
             inverse_uv: S::lit(self.inverse_uv),
             inverse_wf: S::lit(self.inverse_wf * speed / volt),
             per_impulse: S::lit(self.per_impulse * speed / volt),
+            electric_impulse: S::lit(self.electric_impulse * volt / speed),
             viscous: S::lit(self.viscous * speed / volt),
             back_emf: S::lit(self.back_emf * speed / volt),
         }

@@ -11,6 +11,7 @@ extern crate std;
 pub mod base;
 pub mod effects;
 pub mod fixed;
+mod friction;
 pub mod ga;
 pub mod lanes;
 pub mod linear;

@@ -95,7 +95,8 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         Motion { state, memories: [Memory::empty(state.angle); MAX_EFFECTS] }
     }
 
-    /// Advances over cell `index` of the grid, whose mean voltages are `voltages`.
+    /// Advances over cell `index` (from 1) of the grid, whose mean voltages are `voltages[1..]`; `voltages[0]` was
+    /// held before the start.
     #[inline(always)]
     pub fn advance(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize) {
         let command = S::splat(voltages[index]);

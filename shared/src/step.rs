@@ -4,6 +4,7 @@
 //! quotient), so that a motor at rest is exactly at rest and no sign function has to be smoothed.
 
 use crate::base::Coefficients;
+use crate::friction;
 use crate::scalar::Scalar;
 
 /// State of motor and load; angle and speed are of the output shaft.
@@ -100,6 +101,9 @@ pub struct Laws {
     pub dry: bool,
     /// Something sets [`Drive::meshing`].
     pub meshing: bool,
+    /// Friction turns where within a step the speed passes through zero; else at the step's end, which leaves an
+    /// error of first order at each reversal but needs no quotient.
+    pub turning: bool,
 }
 
 impl Laws {
@@ -114,6 +118,7 @@ impl Laws {
             series: self.series || other.series,
             dry: self.dry || other.dry,
             meshing: self.meshing || other.meshing,
+            turning: self.turning || other.turning,
         }
     }
 }
@@ -121,7 +126,8 @@ impl Laws {
 /// Advances the rotor by one step under `drive`; the load is left to the transmission.
 ///
 /// Order: linear map; series resistance and drop on the new current; friction on the new speed. The friction
-/// torque is the smallest that brings the new speed to zero, or the largest that the surface can give.
+/// torque is the smallest that brings the new speed to zero, or the largest that the surface can give; see also
+/// [`Laws::turning`].
 #[inline(always)]
 pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive: &Drive<S>) {
     let (u, w) = (s.current, s.speed);
@@ -146,6 +152,8 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         w2 = c.wv.mul_add(dv, w2);
         v += dv;
     }
+    // Twice the mean speed of a step in which it changes evenly.
+    let mut ends = w + w2;
     if laws.dry {
         let (mut forward, mut backward) = (drive.friction_forward, drive.friction_backward);
         if laws.meshing {
@@ -154,16 +162,24 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
             let loss = drive.meshing * mean * mean / (mean.abs() + drive.meshing_knee);
             (forward, backward) = (forward + loss, backward + loss);
         }
-        let g = (-(w2 * c.inverse_wf)).clamp(-forward, backward);
+        let g = if laws.turning {
+            let free = w2;
+            (w2, ends) = friction::turn(c, [u, w], [v, f], free, [forward, backward]);
+            (w2 - free) * c.inverse_wf
+        } else {
+            let g = (-(w2 * c.inverse_wf)).clamp(-forward, backward);
+            w2 = c.wf.mul_add(g, w2);
+            ends = w + w2;
+            g
+        };
         u2 = c.uf.mul_add(g, u2);
-        w2 = c.wf.mul_add(g, w2);
         f += g;
     }
     let mut curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv * v));
     if laws.torque || laws.field || laws.dry {
         curve = c.xf.mul_add(f, curve);
     }
-    s.angle += c.half_step.mul_add(w + w2, curve);
+    s.angle += c.half_step.mul_add(ends, curve);
     s.current = u2;
     s.speed = w2;
 }

@@ -75,6 +75,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("XV", c.xv),
         ("XF", c.xf),
         ("PER_IMPULSE", c.per_impulse),
+        ("ELECTRIC_IMPULSE", c.electric_impulse),
         ("VISCOUS", c.viscous),
         ("HALF_STEP", c.half_step),
         ("BACK_EMF", c.back_emf),

@@ -87,9 +87,11 @@ pub fn truth(model: &Model, volts: &[f64]) -> Vec<f64> {
     let effects = values.effects.iter().map(|(kind, p)| (*kind, p.as_slice()));
     let simulator = Simulator::new(&values.base.base(), effects, &rig());
     let mut motion = simulator.start(State::rest());
-    (0..volts.len())
+    // A late voltage finds none before the start.
+    let volts = [&[0.0], volts].concat();
+    (1..volts.len())
         .map(|cell| {
-            simulator.advance(&mut motion, volts, cell);
+            simulator.advance(&mut motion, &volts, cell);
             simulator.read(&motion)
         })
         .collect()

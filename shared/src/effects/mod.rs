@@ -90,9 +90,9 @@ pub struct Now<'a, S: Scalar> {
     pub command: S,
     /// State at its beginning.
     pub state: State<S>,
-    /// Logged voltages of the whole grid, V.
+    /// What was held before the start, then the logged voltage of every cell, V.
     pub voltages: &'a [S::Element],
-    /// This cell's place in `voltages`.
+    /// This cell's place in `voltages`: 1 for the first.
     pub index: usize,
 }
 

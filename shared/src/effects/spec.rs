@@ -162,6 +162,7 @@ const NONE: Laws = Laws {
     series: false,
     dry: false,
     meshing: false,
+    turning: false,
 };
 /// Acts through voltage, transmission or sensor alone.
 pub(super) const EXPLICIT: Laws = NONE;
@@ -176,6 +177,6 @@ pub(super) const BRUSH: Laws = Laws { brush: true, ..NONE };
 /// Acts through a resistance.
 pub(super) const SERIES: Laws = Laws { series: true, ..NONE };
 /// Acts through dry friction.
-pub(super) const DRY: Laws = Laws { dry: true, ..NONE };
+pub(super) const DRY: Laws = Laws { dry: true, turning: true, ..NONE };
 /// Acts through dry friction that grows with the motor's torque.
 pub(super) const MESHING: Laws = Laws { meshing: true, ..DRY };

@@ -83,16 +83,18 @@ fn every_effect_sets_only_what_its_row_declares() {
         let memory = Memory { store: 0.1, origin: 0.2 };
         let mut drive = plain;
         effect.drive(&now, &memory, &mut drive);
+        let dry = drive.friction_forward != plain.friction_forward
+            || drive.friction_backward != plain.friction_backward
+            || drive.meshing != plain.meshing;
         let set = Laws {
             torque: drive.torque != plain.torque || drive.load_torque != plain.load_torque,
             field: drive.field != plain.field,
             drop: drive.drop != plain.drop,
             series: drive.series != plain.series,
             brush: drive.brush != plain.brush,
-            dry: drive.friction_forward != plain.friction_forward
-                || drive.friction_backward != plain.friction_backward
-                || drive.meshing != plain.meshing,
+            dry,
             meshing: drive.meshing != plain.meshing,
+            turning: dry,
         };
         assert_eq!(set, kind.spec().laws, "{kind}");
     }
