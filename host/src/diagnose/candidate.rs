@@ -61,9 +61,9 @@ impl Candidate {
     pub fn merit(&self) -> f64 {
         0.5 * (self.train.merit() + self.unseen.merit())
     }
-    /// Number of parameters.
+    /// Number of parameters that were searched.
     pub fn size(&self) -> usize {
-        self.layout.len()
+        self.layout.axes.iter().filter(|a| !a.fixed).count()
     }
 }
 

@@ -16,7 +16,7 @@ const NO_WORSE: f64 = 1.1;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
-const DRIFT: f64 = 2.0;
+const DRIFT: f64 = 1.5;
 /// Nothing is left to find below this many noise units: the base model, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
 const NEAR_THE_FLOOR: f64 = 1.15;

@@ -4,6 +4,7 @@ pub mod candidate;
 pub mod climb;
 pub mod discover;
 pub mod floor;
+mod hold;
 pub mod plan;
 mod ripple;
 pub mod stage;

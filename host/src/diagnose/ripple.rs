@@ -14,6 +14,8 @@ use crate::fit::search::Problem;
 const HIGHEST_ORDER: usize = 24;
 /// Width of the bump, s.
 const WIDTH_S: f64 = 0.05;
+/// ... or in samples, where these are slow.
+const FEWEST_SAMPLES: usize = 9;
 
 /// Starting parameters (sine, cosine, order) of the strongest orders.
 pub fn starts(problem: &Problem, base: &BaseValues) -> Vec<Vec<f64>> {
@@ -44,8 +46,8 @@ struct Leftover {
 
 impl Leftover {
     fn new(grid: &Grid, base: &BaseValues) -> Option<Self> {
-        let n = ((WIDTH_S / grid.interval_s) as usize) | 1;
-        if grid.quantity != Quantity::Angle || n < 9 || grid.len() < 4 * n {
+        let n = ((WIDTH_S / grid.interval_s) as usize).max(FEWEST_SAMPLES) | 1;
+        if grid.quantity != Quantity::Angle || grid.len() < 4 * n {
             return None;
         }
         let bump = bump_and_derivatives(n, grid.interval_s);

@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::candidate::{Candidate, Evidence};
-use super::ripple;
+use super::{hold, ripple};
 use crate::fit::cost::{Objective, residuals};
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
@@ -95,12 +95,17 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         // The order cannot be searched downhill: it comes from a periodogram over the measured angle.
         tries.extend(ripple::starts(problem, &values.base).into_iter().map(|p| values.with(kind, p)));
     }
+    if kind == Kind::SensorLag
+        && let Some(time) = hold::time(problem)
+    {
+        tries.push(values.with(kind, vec![0.0, time]));
+    }
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
     let mut ranked: Vec<Start> = Vec::new();
     for chunk in xs.chunks(LANES) {
         for (x, (left, give_way)) in chunk.iter().zip(tangent.project(problem, &layout, chunk)) {
             let mut moved = x.clone();
-            for (k, d) in give_way.iter().enumerate() {
+            for (&k, d) in tangent.axes.iter().zip(&give_way) {
                 let a = &layout.axes[k];
                 moved[k] = (x[k] + d.clamp(-0.5, 0.5)).clamp(a.low, a.high);
             }
@@ -113,6 +118,8 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
 
 /// The model's residuals and Jacobian on every record: what its own parameters could still absorb.
 struct Tangent {
+    /// The axes that may give way.
+    axes: Vec<usize>,
     /// Per record, per residual: the derivatives along the model's axes.
     rows: Vec<Vec<Vec<f64>>>,
     inverse: DMatrix<f64>,
@@ -120,7 +127,7 @@ struct Tangent {
 
 impl Tangent {
     fn new(problem: &Problem, model: &Candidate) -> Self {
-        let axes: Vec<usize> = (0..model.size()).collect();
+        let axes: Vec<usize> = (0..model.layout.len()).filter(|k| !model.layout.axes[*k].fixed).collect();
         let (series, inverse_delta) =
             problem.neighbours(&model.layout, Objective::Increments, &model.found.x, &axes);
         let rows: Vec<Vec<Vec<f64>>> = series
@@ -144,7 +151,7 @@ impl Tangent {
             h[(k, k)] = h[(k, k)] * 1.001 + 1e-9;
         }
         let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::identity(axes.len(), axes.len()));
-        Self { rows, inverse }
+        Self { axes, rows, inverse }
     }
 
     /// For each candidate: cost left after the model's parameters give way, and by how much they would.

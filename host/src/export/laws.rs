@@ -129,6 +129,18 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             read: vec![format!("reading -= m[{m}]")],
             ..Statements::default()
         },
+        Kind::SensorLag if p[1] > 0.0 => {
+            let moved = if motor { "(angle2 - angle)" } else { "(load_angle2 - load_angle)" };
+            let (hold, part) = (n(1), place.part_s);
+            Statements {
+                settle: vec![
+                    format!("over = elapsed - {hold} * floor(elapsed / {hold})"),
+                    format!("m[{m}] = pick({part:e} - over, {moved} * over / {part:e}, m[{m}] + {moved})"),
+                ],
+                read: vec![format!("reading -= m[{m}]")],
+                ..Statements::default()
+            }
+        }
         Kind::SensorLag => {
             let (keep, ramp) = filter(p[0], place.part_s);
             let moved = if motor { "(angle2 - angle)" } else { "(load_angle2 - load_angle)" };

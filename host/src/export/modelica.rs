@@ -147,7 +147,16 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::SensorLag => {
             let w = if rig.encoder_on_motor { "w" } else { "load_w" };
-            parts.state("trail", "rad", "by how much the reading trails", format!("{w} - trail/{}", n(0)));
+            // A held reading is half its time old in the mean.
+            let time = if p[1] > 0.0 { 0.5 * p[1] } else { p[0] };
+            if p[1] > 0.0 {
+                parts.left_out.push(format!(
+                    "The reading is held for {} s; here it is filtered by half of that.",
+                    n(1)
+                ));
+            }
+            let slope = format!("{w} - trail/{}", number(time));
+            parts.state("trail", "rad", "by how much the reading trails", slope);
             parts.error += " - trail";
         }
         Kind::Formula(UserDefined(own)) => add_formula(parts, model, own, p),

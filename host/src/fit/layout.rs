@@ -146,7 +146,7 @@ impl Layout {
                     low: p.low / p.typical,
                     high: p.high / p.typical,
                     delta: plain_delta,
-                    fixed: false,
+                    fixed: !p.searched,
                     prior: None,
                 });
             }

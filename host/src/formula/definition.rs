@@ -191,6 +191,7 @@ impl Written {
                 low: p.low,
                 high: p.high,
                 typical: p.typical,
+                searched: true,
                 strength: k == 0,
             })
             .collect();

@@ -86,37 +86,39 @@ fn clipped(record: &Record) -> Option<Odd> {
 
 /// Shifts tried, s.
 const FURTHEST_S: f64 = 0.12;
-/// Share of the unshifted remainder, in the mean of all records, at which a shift is told.
-const SHIFT_BETTER: f64 = 0.7;
-/// Records in which less than this is left need no shift, and those with more than the other cannot show one.
-const NOTHING_LEFT: f64 = 0.03;
-const SHIFT_UNCLEAR: f64 = 0.9;
+/// A record of which more than this is left at its best shift shows none.
+const SHIFT_UNCLEAR: f64 = 0.5;
+/// Share of the records that must agree on the shift, within so many steps.
+const AGREEING: f64 = 0.6;
+const TOGETHER_STEPS: f64 = 1.6;
+/// Fewer records than this must also be much better for it.
+const FEW: usize = 3;
+const SHIFT_BETTER: f64 = 0.6;
 
 /// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
 fn shifted(records: &[Record]) -> Option<Warning> {
-    let weak: Vec<(&Record, Weak, f64)> = records
-        .iter()
-        .filter_map(|r| {
-            let weak = Weak::new(r)?;
-            let left = weak.regress(0.0, |v| v)?.left;
-            (NOTHING_LEFT..SHIFT_UNCLEAR).contains(&left).then_some((r, weak, left))
-        })
-        .collect();
-    let (first, ..) = weak.first()?;
+    let weak: Vec<(&Record, Weak)> = records.iter().filter_map(|r| Some((r, Weak::new(r)?))).collect();
     let interval = weak.iter().map(|w| w.1.interval_s()).fold(0.0, f64::max);
     let step = interval.max(0.002);
     let most = (FURTHEST_S / step).floor().min(24.0) as i32;
-    let mean = |shift: f64| {
-        let ratio = |(_, w, plain): &(&Record, Weak, f64)| Some((w.regress(shift, |v| v)?.left / plain).ln());
-        let all: Vec<f64> = weak.iter().filter_map(ratio).collect();
-        (all.iter().sum::<f64>() / all.len().max(1) as f64).exp()
+    // Each record's own best shift, and what it leaves of what is left without.
+    let own = |weak: &Weak| {
+        let left = |k: i32| Some((f64::from(k) * step, weak.regress(f64::from(k) * step, |v| v)?.left));
+        let best = (-most..=most).filter_map(left).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((best.0, best.1 / left(0)?.1)).filter(|_| best.1 < SHIFT_UNCLEAR)
     };
-    let (best, shift) = (-most..=most)
-        .map(|k| (mean(f64::from(k) * step), f64::from(k) * step))
-        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let own: Vec<(&Record, (f64, f64))> =
+        weak.iter().filter_map(|(record, weak)| Some((*record, own(weak)?))).collect();
+    let (first, _) = own.first()?;
+    let mut shifts: Vec<f64> = own.iter().map(|(_, (shift, _))| *shift).collect();
+    shifts.sort_by(f64::total_cmp);
+    let shift = shifts[shifts.len() / 2];
+    let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
+    let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
     let early = shift < -0.9 * interval.max(0.003);
     let late = shift > (2.0 * interval).max(0.012);
-    if best > SHIFT_BETTER || !(early || late) {
+    let clear = agree.len() >= FEW || agree.iter().all(|ratio| *ratio < SHIFT_BETTER);
+    if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(early || late) {
         return None;
     }
     let (ms, samples) = (1e3 * shift.abs(), shift.abs() / interval);

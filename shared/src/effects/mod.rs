@@ -101,6 +101,8 @@ pub struct Now<'a, S: Scalar> {
 pub struct Memory<S> {
     /// Free for the effect; zero at the start.
     pub store: S,
+    /// Time since something happened, s; zero at the start.
+    pub age: S,
     /// Angle at the start of the record, rad.
     pub origin: S,
 }
@@ -108,7 +110,7 @@ pub struct Memory<S> {
 impl<S: Scalar> Memory<S> {
     /// Nothing happened yet.
     pub fn empty(origin: S) -> Self {
-        Self { store: S::zero(), origin }
+        Self { store: S::zero(), age: S::zero(), origin }
     }
 }
 

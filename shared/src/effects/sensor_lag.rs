@@ -1,6 +1,6 @@
 //! A filtered or stale reading.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shown, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -9,21 +9,27 @@ pub(super) const SPEC: Spec = Spec {
     name: "sensor_lag",
     port: Port::Sensor,
     title: "the reading is filtered or stale (low-pass, averaging, slow bus)",
-    equation: "time d(reading)/dt = x - reading",
-    source: "first-order filter; the mean age of stale samples acts alike",
+    equation: "time d(reading)/dt = x - reading; or, with hold, reading = x(k hold) for hold seconds",
+    source: "first-order filter; zero-order hold",
     signature: "the reading trails in proportion to speed; jumps of speed are rounded",
-    parameters: &[strength("time", "s", "time constant of the filter", Scale::Millisecond, [0.0, 5.0, 200.0])],
-    probes: &[&[1.5], &[5.0], &[15.0], &[50.0]],
+    parameters: &[
+        strength("time", "s", "time constant of the filter", Scale::Millisecond, [0.0, 5.0, 200.0]),
+        shown("hold", "s", "how long a reading is held; 0: it is filtered", Scale::Millisecond, [0.0, 5.0, 500.0]),
+    ],
+    // How long a reading is held shows in the data.
+    probes: &[&[1.5, 0.0], &[5.0, 0.0], &[15.0, 0.0], &[50.0, 0.0]],
     laws: EXPLICIT,
     remembers: true,
     contains: &[],
 };
 
-/// First-order filter; memory holds how far the reading trails.
+/// First-order filter or hold; memory holds how far the reading trails, and how old a held one is.
 #[derive(Debug, Clone, Copy)]
 pub struct SensorLag<S> {
     keep: S,
     ramp: S,
+    step: S,
+    hold: S,
     on_motor: bool,
 }
 
@@ -36,7 +42,8 @@ impl<S: Scalar> SensorLag<S> {
         let den = S::lit(12.0) * time * time + S::lit(6.0) * time * h + h * h;
         let keep = num / den;
         let keep = S::pick_gt(h, S::lit(4.0) * time, S::zero(), keep);
-        Self { keep, ramp: time * (S::one() - keep) / h, on_motor: setting.encoder_on_motor }
+        let ramp = time * (S::one() - keep) / h;
+        Self { keep, ramp, step: h, hold: parameters[1], on_motor: setting.encoder_on_motor }
     }
 }
 
@@ -48,7 +55,14 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
         } else {
             after.load_angle - now.state.load_angle
         };
-        memory.store = self.keep.mul_add(memory.store, self.ramp * moved);
+        let zero = S::zero();
+        let filtered = self.keep.mul_add(memory.store, self.ramp * moved);
+        // A new reading within the step is as old as what is left of it.
+        let age = memory.age + self.step;
+        let over = age - self.hold;
+        let held = S::pick_gt(zero, over, memory.store + moved, moved * over / self.step);
+        memory.age = S::pick_gt(zero, over, age, over);
+        memory.store = S::pick_gt(self.hold, zero, held, filtered);
     }
     #[inline(always)]
     fn read(&self, _state: &State<S>, memory: &Memory<S>, reading: &mut S) {
@@ -62,7 +76,19 @@ mod tests {
 
     #[test]
     fn steady_speed_trails_by_time_times_speed() {
-        let (angles, motion) = run(Kind::SensorLag, &[0.02], &[6.0; 2000]);
+        let (angles, motion) = run(Kind::SensorLag, &[0.02, 0.0], &[6.0; 2000]);
         close(motion.state.angle - angles[1999], 0.02 * motion.state.speed, 1e-9);
+    }
+
+    #[test]
+    fn a_held_reading_is_renewed_at_multiples_of_its_time() {
+        let truth = run(Kind::SensorLag, &[0.0, 0.0], &[6.0; 2000]).0;
+        let held = run(Kind::SensorLag, &[0.0, 0.0124], &[6.0; 2000]).0;
+        for (k, reading) in held.iter().enumerate().skip(20) {
+            // Between two steps the shaft moves evenly enough.
+            let renewed = libm::floor((k + 1) as f64 / 12.4 + 1e-9) * 12.4 - 1.0;
+            let (before, part) = (renewed as usize, renewed.fract());
+            close(*reading, truth[before] + part * (truth[before + 1] - truth[before]), 2e-5);
+        }
     }
 }

@@ -90,6 +90,8 @@ pub struct Parameter {
     pub typical: f64,
     /// The effect vanishes when this parameter is zero.
     pub strength: bool,
+    /// Found by a search; else read off the data and kept.
+    pub searched: bool,
 }
 
 /// A row of the registry.
@@ -140,7 +142,7 @@ pub(super) const fn strength(
     scale: Scale,
     [low, typical, high]: [f64; 3],
 ) -> Parameter {
-    Parameter { name, unit, meaning, scale, low, high, typical, strength: true }
+    Parameter { name, unit, meaning, scale, low, high, typical, strength: true, searched: true }
 }
 
 /// A parameter that shapes an effect.
@@ -151,7 +153,18 @@ pub(super) const fn shape(
     scale: Scale,
     [low, typical, high]: [f64; 3],
 ) -> Parameter {
-    Parameter { name, unit, meaning, scale, low, high, typical, strength: false }
+    Parameter { name, unit, meaning, scale, low, high, typical, strength: false, searched: true }
+}
+
+/// A parameter that no search can find downhill: the data show it, or it is zero.
+pub(super) const fn shown(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    scale: Scale,
+    range: [f64; 3],
+) -> Parameter {
+    Parameter { searched: false, ..shape(name, unit, meaning, scale, range) }
 }
 
 const NONE: Laws = Laws {
