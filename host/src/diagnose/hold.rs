@@ -10,8 +10,8 @@ use crate::fit::search::Problem;
 const FEWEST_CHANGES: usize = 60;
 /// A hold shorter than this many samples does not show in their changes.
 const SHORTEST: f64 = 1.3;
-/// Stamps are exact to this share of a sample.
-const STAMPS: f64 = 0.05;
+/// Stamps, and the instant of a renewal, are exact to this share of a sample.
+const STAMPS: f64 = 0.15;
 
 /// The time for which the readings of `problem` are held, s; none where they are not, or some records say otherwise.
 pub fn time(problem: &Problem) -> Option<f64> {
@@ -21,7 +21,7 @@ pub fn time(problem: &Problem) -> Option<f64> {
         range = (range.0.max(low), range.1.min(high));
         seen += 1;
     }
-    (seen > 0 && range.0 <= range.1).then(|| 0.5 * (range.0 + range.1))
+    (seen > 0 && range.0 <= range.1).then_some(0.5 * (range.0 + range.1))
 }
 
 /// Shortest and longest hold that one record allows.
@@ -42,10 +42,12 @@ fn range_of(grid: &Grid) -> Option<(f64, f64)> {
     let common = (1..64).max_by_key(|g| count[*g])?;
     let near: Vec<usize> = gaps().filter(|g| g.abs_diff(common) <= 1).collect();
     let about = near.iter().sum::<usize>() as f64 / near.len() as f64;
-    if about < SHORTEST || (near.len() as f64) < 0.5 * changes.len() as f64 {
+    if about < SHORTEST || near.len() < FEWEST_CHANGES {
         return None;
     }
-    let (mut low, mut high) = ((about - 0.7) * dt, (about + 0.7) * dt);
+    // Whole holds in a row: only where a row of them breaks off a part of a sample is lost.
+    let unsure = 6.0 / near.len() as f64;
+    let (mut low, mut high) = ((about - unsure) * dt, (about + unsure) * dt);
     for k in changes {
         // The renewal lies between this sample and the one before; which it is must be clear.
         let (after, until) = (t[k - 1] - t[0] - STAMPS * dt, t[k] - t[0] + STAMPS * dt);

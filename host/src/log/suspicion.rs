@@ -253,7 +253,7 @@ fn wrong_gear(record: &Record) -> Option<Odd> {
 
 /// Gains of most records lie this close together; one that is this far off is in other units.
 const TOGETHER: f64 = 1.2;
-const APART: f64 = 1.33;
+const APART: f64 = 1.5;
 /// A record whose regression leaves more than this says nothing about the gain.
 const UNCLEAR: f64 = 0.3;
 
