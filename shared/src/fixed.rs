@@ -112,6 +112,10 @@ impl<const FRAC: u32> Scalar for Fixed<FRAC> {
         Self(self.0.max(other.0))
     }
     #[inline(always)]
+    fn any_gt(a: Self, b: Self) -> bool {
+        a.0 > b.0
+    }
+    #[inline(always)]
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
         if a.0 > b.0 { x } else { y }
     }

@@ -24,14 +24,22 @@ pub fn turn<S: Scalar>(
     // Where the speed passes through zero friction turns, and holds the rotor or opposes its new direction.
     let kept = S::pick_gt(w, zero, free - less, free + more);
     let passes = -(w * kept);
-    let after = kept / (kept - w);
     let change = free - w;
-    let turned = after * (change - change.clamp(-more, less));
-    // Without a change of direction, or from rest.
-    let straight = free - free.clamp(-more, less);
-    let moving = S::pick_gt(w.abs(), zero, straight, let_go(c, u, [v, f], free, [forward, backward]));
-    let new = S::pick_gt(passes, zero, turned, moving);
-    let ends = S::pick_gt(passes, zero, after.mul_add(turned - w, w), w + new);
+    // Without a change of direction.
+    let mut new = free - free.clamp(-more, less);
+    let mut ends = w + new;
+    if S::any_gt(passes, zero) {
+        let after = kept / (kept - w);
+        let turned = after * (change - change.clamp(-more, less));
+        new = S::pick_gt(passes, zero, turned, new);
+        ends = S::pick_gt(passes, zero, after.mul_add(turned - w, w), ends);
+    }
+    let rests = S::pick_gt(w.abs(), zero, zero, S::one());
+    if S::any_gt(rests, zero) {
+        let gone = let_go(c, u, [v, f], free, [forward, backward]);
+        new = S::pick_gt(rests, zero, gone, new);
+        ends = S::pick_gt(rests, zero, gone, ends);
+    }
     (new, ends)
 }
 

@@ -85,6 +85,14 @@ impl<T: Scalar<Element = T>, const N: usize> Scalar for Lanes<T, N> {
         each_lane!(self, |l| self.0[l].max(other.0[l]))
     }
     #[inline(always)]
+    fn any_gt(a: Self, b: Self) -> bool {
+        let mut any = false;
+        for l in 0..N {
+            any |= T::any_gt(a.0[l], b.0[l]);
+        }
+        any
+    }
+    #[inline(always)]
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
         each_lane!(x, |l| T::pick_gt(a.0[l], b.0[l], x.0[l], y.0[l]))
     }

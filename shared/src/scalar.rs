@@ -42,6 +42,8 @@ pub trait Scalar:
     fn max(self, other: Self) -> Self;
     /// `x` where `a > b`, else `y`.
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self;
+    /// Whether `a > b` in any lane: to skip what no lane needs, which leaves every lane its own result.
+    fn any_gt(a: Self, b: Self) -> bool;
     /// The nearest integer (ties either way).
     fn round(self) -> Self;
     /// Element of `table` at `index - back`, linearly interpolated; ends are held.
@@ -138,6 +140,10 @@ macro_rules! float_scalar {
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn any_gt(a: Self, b: Self) -> bool {
+                a > b
             }
             #[inline(always)]
             fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {

@@ -145,6 +145,17 @@ impl Scalar for Wide {
         pairwise!(_mm256_max_pd, self, other)
     }
     #[inline(always)]
+    fn any_gt(a: Self, b: Self) -> bool {
+        // SAFETY: see the type.
+        unsafe {
+            let above = _mm256_or_pd(
+                _mm256_cmp_pd::<_CMP_GT_OQ>(a.0[0], b.0[0]),
+                _mm256_cmp_pd::<_CMP_GT_OQ>(a.0[1], b.0[1]),
+            );
+            _mm256_movemask_pd(above) != 0
+        }
+    }
+    #[inline(always)]
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
         let Self([a0, a1]) = a;
         let Self([b0, b1]) = b;

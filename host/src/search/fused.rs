@@ -80,6 +80,10 @@ impl Scalar for Fused32 {
         Self(Scalar::max(self.0, other.0))
     }
     #[inline(always)]
+    fn any_gt(a: Self, b: Self) -> bool {
+        a.0 > b.0
+    }
+    #[inline(always)]
     fn pick_gt(a: Self, b: Self, x: Self, y: Self) -> Self {
         Self(f32::pick_gt(a.0, b.0, x.0, y.0))
     }
