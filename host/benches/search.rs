@@ -3,50 +3,21 @@
 use divan::{Bencher, black_box};
 use motorlens::diagnose::discover::{Options, discover};
 use motorlens::motor_file::MotorFile;
+use motorlens::paper::sines::{motor, records};
 use motorlens::search::dispatch::{LANES, Level};
 use motorlens::search::{
-    Candidates, GaOptions, LinearRecord, Records, STARTS, Start, conventional_on, fast_on, genetic_on,
+    Candidates, GaOptions, Records, STARTS, Start, conventional_on, fast_on, genetic_on,
 };
 use motorlens::simulate::{Excitation, Scenario, plays};
-use motorlens_shared::linear::{Hold, Kind};
 use motorlens_shared::motor::PaperMotor;
-use motorlens_virtual_motor::{Effect, Motor, Run, VirtualMotor};
+use motorlens_virtual_motor::{Effect, Motor};
 
 fn main() {
     divan::main();
 }
 
-fn motor() -> PaperMotor {
-    let m = Motor::paper();
-    PaperMotor {
-        torque_constant: m.torque_constant,
-        back_emf_constant: m.back_emf_constant,
-        inductance: m.inductance_h,
-        resistance: m.resistance_ohm,
-        shaft_inertia: m.load_inertia,
-        rotor_inertia: m.rotor_inertia,
-        rotor_damping: m.rotor_damping,
-        shaft_damping: m.load_damping,
-        gear_ratio: m.gear_ratio,
-    }
-}
-
-/// 12 s each at `rate` Hz.
-fn three_sines(rate: u32) -> Vec<LinearRecord> {
-    let mut plant = VirtualMotor::new(&Motor::paper(), &[], 1);
-    [3.0, 5.0, 7.0]
-        .map(|amplitude| {
-            let rate = f64::from(rate);
-            let volt = |k: u32| amplitude * (0.5 * std::f64::consts::PI * f64::from(k) / rate).sin();
-            let voltage: Vec<f64> = (0..12 * rate as u32).map(volt).collect();
-            let measured = plant.record(&voltage, &Run::at(rate)).angle_rad;
-            LinearRecord { dt: 1.0 / rate, voltage, measured, kind: Kind::Angle, hold: Hold::Zero }
-        })
-        .to_vec()
-}
-
 fn prepared(rate: u32, level: Level) -> Records {
-    Records::new(&three_sines(rate), level).expect("good records")
+    Records::new(&records(rate), level).expect("good records")
 }
 
 /// 16 candidates on three records.

@@ -48,6 +48,9 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
         return None;
     }
     let kinds: Vec<Kind> = rivals.iter().filter_map(|c| c.kinds().last().copied()).collect();
+    // A law and a simpler one that it contains are alike wherever it gains nothing: others come first.
+    let all_nested = kinds.iter().all(|a| kinds.iter().all(|b| a == b || nested(*a, *b)));
+    let counts = |a: usize, b: usize| a != b && (all_nested || !nested(kinds[a], kinds[b]));
     menu(limits)
         .into_iter()
         .filter_map(|programme| {
@@ -56,7 +59,7 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
             let mut least = (f64::MAX, (kinds[0], kinds[1]));
             for (a, view) in seen.iter().enumerate() {
                 for b in 0..seen.len() {
-                    let left = if a == b { f64::MAX } else { view.left_of(&seen[b].centre) };
+                    let left = if counts(a, b) { view.left_of(&seen[b].centre) } else { f64::MAX };
                     if left < least.0 {
                         least = (left, (kinds[a], kinds[b]));
                     }
@@ -66,6 +69,12 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
             Some(Plan { programme, rivals: kinds.clone(), separation, closest: least.1 })
         })
         .max_by(|a, b| a.separation.total_cmp(&b.separation))
+}
+
+/// Whether one of the two contains the other.
+fn nested(a: Kind, b: Kind) -> bool {
+    let holds = |a: Kind, b: Kind| a.spec().contains.contains(&b.name());
+    holds(a, b) || holds(b, a)
 }
 
 /// Programmes within the limits.
@@ -162,12 +171,20 @@ impl Plan {
     /// What it would show, in a sentence.
     pub fn why(&self) -> String {
         let names: Vec<&str> = self.rivals.iter().map(|k| k.name()).collect();
+        let (a, b) = self.closest;
+        if nested(a, b) {
+            let (simple, rich) = if a.spec().contains.contains(&b.name()) { (b, a) } else { (a, b) };
+            return format!(
+                "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it best",
+                self.programme.name
+            );
+        }
         format!(
             "{} plays what {} answer differently: even {} and {}, the most alike, would be {:.1} noise units apart",
             self.programme.name,
             names.join(", "),
-            self.closest.0,
-            self.closest.1,
+            a,
+            b,
             self.separation
         )
     }
@@ -193,5 +210,20 @@ mod tests {
         assert!(plan.programme.peak_v() <= 6.0 && plan.programme.seconds() <= 5.01);
         assert!(plan.separation > 1.0, "{}", plan.why());
         assert!(choose(&evidence.train, &rivals[..1], limits).is_none());
+    }
+
+    #[test]
+    fn of_a_law_and_one_that_contains_it_the_simpler_is_said_to_suffice() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let limits = Limits { volts: 6.0, seconds: 5.0 };
+        let why = |library: &[Kind]| {
+            let found = stage::run(&evidence, &base, library, Effort::LATER, &mut |_| ());
+            choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap().why()
+        };
+        assert!(why(&[Kind::Stribeck, Kind::Coulomb]).starts_with("coulomb suffices: stribeck contains it"));
+        let three = why(&[Kind::Stribeck, Kind::Coulomb, Kind::DeadZone]);
+        assert!(three.contains("dead_zone") && !three.contains("suffices"), "{three}");
     }
 }

@@ -145,17 +145,17 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             parts.state("lost", "rad", "angle that the counter lost", slope);
             parts.error += " - lost";
         }
+        Kind::SensorLag if p[1] > 0.0 => {
+            let shaft = if rig.encoder_on_motor { "angle" } else { "load_angle" };
+            let held =
+                "discrete Real held(unit=\"rad\", start=0, fixed=true) \"the shaft's angle when last read\"";
+            parts.declared.push(held.into());
+            parts.equations.push(format!("when sample({0}, {0}) then held = {shaft}; end when", n(1)));
+            parts.error += &format!(" - ({shaft} - held)");
+        }
         Kind::SensorLag => {
             let w = if rig.encoder_on_motor { "w" } else { "load_w" };
-            // A held reading is half its time old in the mean.
-            let time = if p[1] > 0.0 { 0.5 * p[1] } else { p[0] };
-            if p[1] > 0.0 {
-                parts.left_out.push(format!(
-                    "The reading is held for {} s; here it is filtered by half of that.",
-                    n(1)
-                ));
-            }
-            let slope = format!("{w} - trail/{}", number(time));
+            let slope = format!("{w} - trail/{}", n(0));
             parts.state("trail", "rad", "by how much the reading trails", slope);
             parts.error += " - trail";
         }

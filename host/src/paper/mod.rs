@@ -5,6 +5,7 @@ mod choices;
 pub(crate) mod data;
 mod figures;
 mod missing;
+pub mod sines;
 mod tables;
 mod text;
 

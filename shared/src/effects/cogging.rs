@@ -1,6 +1,7 @@
 //! Torque ripple of the slots, a fixed number of times per motor revolution.
 
 use super::spec::{TORQUE, Port, Scale, Spec, shape, strength};
+use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -30,8 +31,7 @@ pub(super) const SPEC: Spec = Spec {
 /// Torque of `order` periods per motor revolution.
 #[derive(Debug, Clone, Copy)]
 pub struct Cogging<S> {
-    sine: S,
-    cosine: S,
+    ripple: Wave<S>,
     turns: S,
     half_step: S,
 }
@@ -39,8 +39,7 @@ pub struct Cogging<S> {
 impl<S: Scalar> Cogging<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
         Self {
-            sine: parameters[0],
-            cosine: parameters[1],
+            ripple: Wave::new(parameters[0], parameters[1]),
             turns: parameters[2] * setting.motor_turns,
             half_step: setting.step * S::lit(0.5),
         }
@@ -52,8 +51,7 @@ impl<S: Scalar> Effect<S> for Cogging<S> {
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
         // At the middle of the step: the ripple may pass a good part of a period in one.
         let middle = now.state.speed.mul_add(self.half_step, now.state.angle);
-        let turn = middle * self.turns;
-        drive.torque -= self.sine.mul_add(turn.sin_turns(), self.cosine * turn.cos_turns());
+        drive.torque -= self.ripple.at(middle * self.turns);
     }
 }
 

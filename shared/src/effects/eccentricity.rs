@@ -1,6 +1,7 @@
 //! An encoder disc that sits off centre.
 
 use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::wave::Wave;
 use super::{Effect, Memory, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -28,8 +29,8 @@ pub(super) const SPEC: Spec = Spec {
 /// Reading error in two components; zero at angle zero.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentricity<S> {
-    sine: S,
-    cosine: S,
+    error: Wave<S>,
+    at_zero: S,
     turns: S,
     on_motor: bool,
 }
@@ -38,7 +39,7 @@ impl<S: Scalar> Eccentricity<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
         let on_motor = setting.encoder_on_motor;
         let turns = if on_motor { setting.motor_turns } else { setting.output_turns };
-        Self { sine: parameters[0], cosine: parameters[1], turns, on_motor }
+        Self { error: Wave::new(parameters[0], parameters[1]), at_zero: parameters[1], turns, on_motor }
     }
 }
 
@@ -46,7 +47,7 @@ impl<S: Scalar> Effect<S> for Eccentricity<S> {
     #[inline(always)]
     fn read(&self, state: &State<S>, _memory: &Memory<S>, reading: &mut S) {
         let turn = (if self.on_motor { state.angle } else { state.load_angle }) * self.turns;
-        *reading += self.sine.mul_add(turn.sin_turns(), self.cosine * (turn.cos_turns() - S::one()));
+        *reading += self.error.at(turn) - self.at_zero;
     }
 }
 

@@ -1,6 +1,7 @@
 //! A weight on an arm.
 
 use super::spec::{TORQUE, Port, Scale, Spec, strength};
+use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -29,23 +30,20 @@ pub(super) const SPEC: Spec = Spec {
 /// Torque of a pendulum in two components.
 #[derive(Debug, Clone, Copy)]
 pub struct Gravity<S> {
-    sine: S,
-    cosine: S,
+    weight: Wave<S>,
     turns: S,
 }
 
 impl<S: Scalar> Gravity<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
-        Self { sine: parameters[0], cosine: parameters[1], turns: setting.output_turns }
+        Self { weight: Wave::new(parameters[0], parameters[1]), turns: setting.output_turns }
     }
 }
 
 impl<S: Scalar> Effect<S> for Gravity<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        let turn = now.state.load_angle * self.turns;
-        let torque = self.sine.mul_add(turn.sin_turns(), self.cosine * turn.cos_turns());
-        drive.load_torque -= torque;
+        drive.load_torque -= self.weight.at(now.state.load_angle * self.turns);
     }
 }
 

@@ -14,6 +14,7 @@ mod spec;
 #[cfg(test)]
 pub(crate) mod testing;
 pub mod together;
+mod wave;
 pub use formula::{Definition, Entry, Formula, Operation, Quantity, Unsound, UserDefined};
 pub use spec::{Parameter, Port, Scale, Spec};
 

@@ -3,4 +3,3 @@
 pub mod clock;
 pub mod nonlinear;
 pub mod peer;
-pub mod record;

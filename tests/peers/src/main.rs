@@ -10,11 +10,11 @@ mod rust_ga;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use motorlens::paper::sines;
 use motorlens::search::dispatch::Level;
 use motorlens::search::{GaOptions, Records, STARTS, Start, fast_on, genetic_on};
 use motorlens_peers::clock;
 use motorlens_peers::peer::{FACTOR, Peer};
-use motorlens_peers::record;
 
 /// Seeds that the fast search is held against the genetic one on.
 const SEEDS: u64 = 60;
@@ -60,10 +60,10 @@ fn kernels() {
 }
 
 fn searches(rate: u32, directory: &Path, python: &Path, octave: &Path) -> Result<()> {
-    let records = record::paper(rate);
+    let records = sines::records(rate);
     let prepared = Records::new(&records, Level::best())?;
     let samples = prepared.samples();
-    let centre = record::motor();
+    let centre = sines::motor();
     let start = Start::Logarithmic { centre, factor: FACTOR };
     println!("\n{samples} samples, 80 x 800");
 

@@ -2,10 +2,11 @@
 
 use motorlens::search::dispatch::Work;
 use motorlens_shared::base::Base;
-use motorlens_shared::effects::{Kind as Effect, Rig};
+use motorlens_shared::effects::together::{Nothing, With};
+use motorlens_shared::effects::{DeadZone, Gravity, Named, Rig, Setting, Stribeck};
 use motorlens_shared::linear::Laned;
 use motorlens_shared::scalar::Scalar;
-use motorlens_shared::simulator::Simulator;
+use motorlens_shared::simulator::{Prepared, Simulator};
 use motorlens_shared::step::State;
 
 /// A motor with stick, Stribeck friction, a dead zone and an unbalanced load: several candidates side by side.
@@ -16,14 +17,17 @@ pub struct Nonlinear<'a, E> {
     pub measured: &'a [E],
 }
 
+/// An effect of the size that one meets.
+#[inline(always)]
+fn typical<T: Scalar, E: Named<T>>(setting: &Setting<T>) -> E {
+    let parameters: Vec<T> = E::SPEC.parameters.iter().map(|p| T::lit(p.typical)).collect();
+    E::named(&parameters, setting)
+}
+
 impl<E: Scalar> Nonlinear<'_, E> {
     /// Sum of the magnitudes of all errors.
     #[inline(always)]
     pub fn sum<T: Scalar<Element = E>>(&self) -> T {
-        let typical =
-            |kind: Effect| -> Vec<T> { kind.spec().parameters.iter().map(|p| T::lit(p.typical)).collect() };
-        let kinds = [Effect::DeadZone, Effect::Stribeck, Effect::Gravity];
-        let parameters = kinds.map(typical);
         let base = Base {
             gain: T::lit(0.57),
             tau_m: T::lit(0.045),
@@ -39,8 +43,11 @@ impl<E: Scalar> Nonlinear<'_, E> {
             reference_speed: 6.9,
             count_rad: 1.26e-3,
         };
-        let effects = kinds.into_iter().zip(parameters.iter().map(|p| &p[..]));
-        let simulator = Simulator::new(&base, effects, &rig);
+        // Known to the compiler, as in the host's inner loop.
+        let prepared = Prepared::new(&base, &[], &rig);
+        let setting = prepared.setting;
+        let friction = With(typical::<T, Stribeck<T>>(&setting), With(typical::<T, Gravity<T>>(&setting), Nothing));
+        let simulator = Simulator::with(prepared, With(typical::<T, DeadZone<T>>(&setting), friction));
         let mut motion = simulator.start(State::rest());
         let mut sum = T::zero();
         for (index, measured) in self.measured.iter().enumerate() {

@@ -1,13 +1,12 @@
 //! How many multiply-adds this processor does per second, measured, and what share of them the kernels use.
 
+use motorlens::paper::sines;
 use motorlens::search::dispatch::{LANES, Level, Work};
 use motorlens::search::{Candidates, Records};
 use motorlens_peers::clock::fastest;
 use motorlens_peers::nonlinear::Nonlinear;
-use motorlens_peers::record;
 use motorlens_shared::linear::Laned;
 use motorlens_shared::motor::PaperMotor;
-use motorlens_shared::scalar::Scalar;
 use std::hint::black_box;
 
 /// Chains that do not wait for each other: enough to fill two units of four cycles' latency with 8-lane vectors.
@@ -44,8 +43,8 @@ pub fn multiply_adds() -> f64 {
 
 /// Seconds per candidate and sample of the linear kernel, 16 candidates on `samples` samples.
 pub fn linear_kernel(rate: u32) -> f64 {
-    let records = Records::new(&record::paper(rate), Level::best()).expect("good records");
-    let motor = record::motor();
+    let records = Records::new(&sines::records(rate), Level::best()).expect("good records");
+    let motor = sines::motor();
     let motors: Vec<_> = (0..LANES)
         .map(|k| {
             let resistance = motor.resistance * (1.0 + 0.01 * k as f64);
@@ -64,7 +63,7 @@ pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
 
 /// Seconds per candidate and sample of the nonlinear model: in lanes, and as scalar `f64`.
 pub fn nonlinear_kernel() -> (f64, f64) {
-    let record = &record::paper(1000)[1];
+    let record = &sines::records(1000)[1];
     let samples = record.voltage.len() as f64;
     let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let (voltages, measured) = (single(&record.voltage), single(&record.measured));

@@ -4,10 +4,10 @@
 use std::hint::black_box;
 
 use anyhow::{Context, Result, bail};
+use motorlens::paper::sines;
 use motorlens::search::dispatch::{LANES, Level};
 use motorlens::search::{Candidates, Records};
 use motorlens_peers::nonlinear::Nonlinear;
-use motorlens_peers::record;
 use motorlens_shared::linear::{Filter, absolute_error};
 use motorlens_shared::motor::PaperMotor;
 
@@ -25,8 +25,8 @@ fn main() -> Result<()> {
         bail!("this processor lacks {}", level.name());
     }
     let times: u32 = times.parse().context("TIMES is a number")?;
-    let motor = record::motor();
-    let records = record::paper(100);
+    let motor = sines::motor();
+    let records = sines::records(100);
     let one = &records[1];
     let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let samples = match kernel.as_str() {
