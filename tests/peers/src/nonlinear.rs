@@ -10,7 +10,9 @@ use motorlens_shared::simulator::{Prepared, Simulator};
 use motorlens_shared::step::State;
 
 /// A motor with stick, Stribeck friction, a dead zone and an unbalanced load: several candidates side by side.
-pub struct Nonlinear<'a, E> {
+///
+/// `BLOCKS` blocks of lanes go side by side: one block alone waits for its own results most of the time.
+pub struct Nonlinear<'a, E, const BLOCKS: usize = 1> {
     /// V, held.
     pub voltages: &'a [E],
     /// rad.
@@ -24,10 +26,10 @@ fn typical<T: Scalar, E: Named<T>>(setting: &Setting<T>) -> E {
     E::named(&parameters, setting)
 }
 
-impl<E: Scalar> Nonlinear<'_, E> {
+impl<E: Scalar, const BLOCKS: usize> Nonlinear<'_, E, BLOCKS> {
     /// Sum of the magnitudes of all errors.
     #[inline(always)]
-    pub fn sum<T: Scalar<Element = E>>(&self) -> T {
+    pub fn sums<T: Scalar<Element = E>>(&self) -> [T; BLOCKS] {
         let base = Base {
             gain: T::lit(0.57),
             tau_m: T::lit(0.045),
@@ -46,27 +48,32 @@ impl<E: Scalar> Nonlinear<'_, E> {
         // Known to the compiler, as in the host's inner loop.
         let prepared = Prepared::new(&base, &[], &rig);
         let setting = prepared.setting;
-        let friction = With(typical::<T, Stribeck<T>>(&setting), With(typical::<T, Gravity<T>>(&setting), Nothing));
+        let friction =
+            With(typical::<T, Stribeck<T>>(&setting), With(typical::<T, Gravity<T>>(&setting), Nothing));
         let simulator = Simulator::with(prepared, With(typical::<T, DeadZone<T>>(&setting), friction));
-        let mut motion = simulator.start(State::rest());
-        let mut sum = T::zero();
+        // Each block begins elsewhere, or the compiler could see that they do the same.
+        let start = |block: usize| State::moving(T::zero(), T::zero(), T::lit(1e-3 * block as f64));
+        let mut motions: [_; BLOCKS] = std::array::from_fn(|block| simulator.start(start(block)));
+        let mut sums = [T::zero(); BLOCKS];
         for (index, measured) in self.measured.iter().enumerate() {
-            sum += (simulator.read(&motion) - T::splat(*measured)).abs();
-            simulator.advance(&mut motion, self.voltages, index);
+            for (motion, sum) in motions.iter_mut().zip(&mut sums) {
+                *sum += (simulator.read(motion) - T::splat(*measured)).abs();
+                simulator.advance(motion, self.voltages, index);
+            }
         }
-        sum
+        sums
     }
 }
 
-impl Work for Nonlinear<'_, f32> {
+impl<const BLOCKS: usize> Work for Nonlinear<'_, f32, BLOCKS> {
     type Output = f64;
 
     #[inline(always)]
     fn run<T: Laned<Element: bytemuck::Pod>>(self) -> f64 {
-        let same = Nonlinear::<T::Element> {
+        let same = Nonlinear::<T::Element, BLOCKS> {
             voltages: bytemuck::cast_slice(self.voltages),
             measured: bytemuck::cast_slice(self.measured),
         };
-        same.sum::<T>().lane(0)
+        same.sums::<T>().map(|sum| sum.lane(0)).iter().sum()
     }
 }

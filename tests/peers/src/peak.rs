@@ -61,6 +61,9 @@ pub fn linear_kernel(rate: u32) -> f64 {
 /// Linear kernel: multiply-adds per candidate and sample.
 pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
 
+/// Blocks of lanes of the nonlinear kernel.
+const SIDE_BY_SIDE: usize = 2;
+
 /// Seconds per candidate and sample of the nonlinear model: in lanes, and as scalar `f64`.
 pub fn nonlinear_kernel() -> (f64, f64) {
     let record = &sines::records(1000)[1];
@@ -69,11 +72,11 @@ pub fn nonlinear_kernel() -> (f64, f64) {
     let (voltages, measured) = (single(&record.voltage), single(&record.measured));
     let level = Level::best();
     let lanes = fastest(40, || {
-        black_box(level.run(Nonlinear { voltages: &voltages, measured: &measured }));
+        black_box(level.run(Nonlinear::<f32, SIDE_BY_SIDE> { voltages: &voltages, measured: &measured }));
     });
     let scalar = fastest(40, || {
-        let work = Nonlinear { voltages: &record.voltage[..], measured: &record.measured };
-        black_box(work.sum::<f64>());
+        let work = Nonlinear::<f64> { voltages: &record.voltage[..], measured: &record.measured };
+        black_box(work.sums::<f64>());
     });
-    (lanes / (LANES as f64 * samples), scalar / samples)
+    (lanes / ((SIDE_BY_SIDE * LANES) as f64 * samples), scalar / samples)
 }

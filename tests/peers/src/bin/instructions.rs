@@ -55,7 +55,7 @@ fn main() -> Result<()> {
         "nonlinear" => {
             let (voltages, measured) = (single(&one.voltage), single(&one.measured));
             for _ in 0..times {
-                black_box(level.run(Nonlinear { voltages: &voltages, measured: &measured }));
+                black_box(level.run(Nonlinear::<f32> { voltages: &voltages, measured: &measured }));
             }
             voltages.len()
         }
