@@ -79,7 +79,7 @@ fn searches(rate: u32, directory: &Path, python: &Path, octave: &Path) -> Result
     let script = |name: &str| here.join(name).to_str().map(str::to_owned).context("the path is not UTF-8");
     peers.extend(outside::run(python, &[&script("peers.py")?, file, "scipy,pygad,pymoo,deap"])?);
     let few = if rate > 100 { "2" } else { "10" };
-    peers.extend(outside::run(octave, &["--no-gui", "--quiet", &script("lsim.m")?, file, few])?);
+    peers.extend(outside::run(octave, &["--no-gui", "--quiet", &script("octave_peer.m")?, file, few])?);
 
     println!(
         "| search | CPU s, whole run | x | evaluations | x per evaluation | IAE | |\n|---|---|---|---|---|---|---|"
