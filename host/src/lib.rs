@@ -13,6 +13,7 @@ pub mod formula;
 pub mod log;
 pub mod model_file;
 pub mod motor_file;
+mod nearest;
 pub mod paper;
 pub mod report;
 pub mod search;

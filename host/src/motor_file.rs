@@ -19,6 +19,7 @@ use toml::Spanned;
 
 use crate::error::{BadInput, Result};
 use crate::log::EncoderShaft;
+use crate::nearest::nearest;
 
 /// Figures of a data sheet: starts and weak priors of a fit. Speeds and torques are of the output shaft,
 /// inertia and torque constant of the motor itself.
@@ -199,13 +200,8 @@ pub(crate) fn unknown_key(message: &str) -> Option<&str> {
 
 /// The nearest of the keys that a file may have.
 pub(crate) fn did_you_mean(key: &str, keys: &[&str]) -> String {
-    let nearest = keys
-        .iter()
-        .map(|known| (strsim::damerau_levenshtein(key, known), known))
-        .min()
-        .filter(|(distance, known)| distance * 2 <= known.len());
-    match nearest {
-        Some((_, known)) => format!("did you mean {known}?"),
+    match nearest(key, keys.iter().copied()) {
+        Some(known) => format!("did you mean {known}?"),
         None => format!("remove it, or take one of: {}", keys.join(", ")),
     }
 }

@@ -11,7 +11,7 @@ use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, Warning, content_faults, suspicions};
+use crate::log::{Record, Warning, faults, suspicions};
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -120,17 +120,13 @@ impl Findings {
 
 /// The programme for the rivals, within the voltages that the logs reached.
 fn next_experiment(found: &Discovery) -> Option<NextExperiment> {
-    let limits = Limits { volts: found.highest_voltage(), seconds: 8.0 };
+    let limits = Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 };
     found.plan(limits).map(NextExperiment::from)
 }
 
 /// What reader and judge of the logs found odd.
 pub fn data_faults(records: &[Record]) -> Vec<Warning> {
-    let of = |r: &Record| {
-        let faults: Vec<Warning> = content_faults(r).iter().map(|f| f.to_warning(r)).collect();
-        r.warnings.iter().cloned().chain(faults).collect::<Vec<_>>()
-    };
-    records.iter().flat_map(of).chain(suspicions(records)).collect()
+    records.iter().flat_map(faults).chain(suspicions(records)).collect()
 }
 
 /// Records from which even the plain motor cannot be had.

@@ -86,6 +86,12 @@ impl Evidence {
         self.train.simulations.get() + self.unseen.simulations.get()
     }
 
+    /// The highest voltage that the rig has shown to bear, V.
+    pub fn highest_voltage(&self) -> f64 {
+        let cells = self.whole.grids.iter().flat_map(|g| g.cells());
+        cells.fold(0.0_f64, |p, v| p.max(v.abs())).max(0.5 * self.whole.rig.nominal_v)
+    }
+
     /// The errors of `x` on both.
     pub fn judge(&self, layout: Layout, found: Found) -> Candidate {
         let train = self.train.errors(&layout, &found.x).over(&self.floor);

@@ -237,7 +237,8 @@ impl Evidence {
     }
 }
 
-fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
+/// `values` on the records fitted, and on unseen ones where there are any.
+pub(crate) fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
     Rung {
         effects: values.kinds(),
         train: pooled(&free_runs(whole, values)).unwrap_or_default(),
@@ -282,13 +283,6 @@ impl Discovery {
         let rivals: Vec<&Candidate> =
             self.climb.first.iter().filter(|c| c.kinds().last().is_some_and(|k| set.contains(k))).collect();
         plan::choose(&self.evidence.whole, &rivals, limits)
-    }
-
-    /// The highest voltage that the rig has shown to bear, V.
-    pub fn highest_voltage(&self) -> f64 {
-        let whole = &self.evidence.whole;
-        let peak = whole.grids.iter().flat_map(|g| g.cells()).fold(0.0_f64, |p, v| p.max(v.abs()));
-        peak.max(0.5 * whole.rig.nominal_v)
     }
 }
 

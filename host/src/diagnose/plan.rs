@@ -49,8 +49,8 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
     }
     let kinds: Vec<Kind> = rivals.iter().filter_map(|c| c.kinds().last().copied()).collect();
     // A law and a simpler one that it contains are alike wherever it gains nothing: others come first.
-    let all_nested = kinds.iter().all(|a| kinds.iter().all(|b| a == b || nested(*a, *b)));
-    let counts = |a: usize, b: usize| a != b && (all_nested || !nested(kinds[a], kinds[b]));
+    let all_nested = kinds.iter().all(|a| kinds.iter().all(|b| a == b || nested(*a, *b).is_some()));
+    let counts = |a: usize, b: usize| a != b && (all_nested || nested(kinds[a], kinds[b]).is_none());
     menu(limits)
         .into_iter()
         .filter_map(|programme| {
@@ -71,10 +71,10 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
         .max_by(|a, b| a.separation.total_cmp(&b.separation))
 }
 
-/// Whether one of the two contains the other.
-fn nested(a: Kind, b: Kind) -> bool {
-    let holds = |a: Kind, b: Kind| a.spec().contains.contains(&b.name());
-    holds(a, b) || holds(b, a)
+/// The simpler and the richer of two laws of which one contains the other.
+fn nested(a: Kind, b: Kind) -> Option<(Kind, Kind)> {
+    let within = |(simple, rich): &(Kind, Kind)| rich.spec().contains.contains(&simple.name());
+    [(a, b), (b, a)].into_iter().find(within)
 }
 
 /// Programmes within the limits.
@@ -172,8 +172,7 @@ impl Plan {
     pub fn why(&self) -> String {
         let names: Vec<&str> = self.rivals.iter().map(|k| k.name()).collect();
         let (a, b) = self.closest;
-        if nested(a, b) {
-            let (simple, rich) = if a.spec().contains.contains(&b.name()) { (b, a) } else { (a, b) };
+        if let Some((simple, rich)) = nested(a, b) {
             return format!(
                 "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it best",
                 self.programme.name

@@ -33,6 +33,7 @@ use crate::formula;
 use crate::log::{Record, check_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
+use crate::nearest::nearest;
 
 /// How parameters are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]
@@ -181,13 +182,8 @@ fn unseen(problem: &Problem, validation: &[Record], motor: &MotorFile, values: &
 /// Wrong usage that names the nearest effect.
 pub fn effect_by_name(name: &str) -> Result<Kind> {
     formula::by_name(name).ok_or_else(|| {
-        let nearest = formula::all()
-            .into_iter()
-            .map(|k| (strsim::damerau_levenshtein(name, k.name()), k.name()))
-            .min()
-            .filter(|(distance, known)| distance * 2 <= known.len());
-        let remedy = match nearest {
-            Some((_, known)) => format!("did you mean {known}? motorlens effects lists all"),
+        let remedy = match nearest(name, formula::all().into_iter().map(Kind::name)) {
+            Some(known) => format!("did you mean {known}? motorlens effects lists all"),
             None => "motorlens effects lists all".to_owned(),
         };
         Error::usage(format!("no effect is called \"{name}\""), remedy)

@@ -26,7 +26,7 @@ pub const HUBER: f64 = 6.0;
 /// Turns predictions into residuals in units of the record's noise, in place.
 pub fn residuals(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+    if motorlens_kernel::has_wide() {
         // SAFETY: the processor has the features that the function was compiled for.
         unsafe { residuals_avx2(grid, objective, series) };
         return;
@@ -101,7 +101,7 @@ pub fn robust(d: f64) -> f64 {
 /// result is the upper part of M = sum c c^T with c = (r, J): `M[0][0]` the cost, `M[0][k]` the gradient.
 pub fn accumulate(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec<f64>]) {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+    if motorlens_kernel::has_wide() {
         // SAFETY: the processor has the features that the function was compiled for.
         unsafe { accumulate_avx2(blocks, inverse_delta, sums) };
         return;

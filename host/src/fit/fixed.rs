@@ -8,6 +8,7 @@ use motorlens_shared::effects::Kind;
 use super::layout::Layout;
 use crate::error::{BadInput, Result};
 use crate::formula;
+use crate::nearest::nearest;
 
 /// Values by the names of the axes.
 pub type Fixed = BTreeMap<String, f64>;
@@ -35,13 +36,8 @@ pub fn check(path: &Path, fixed: &Fixed) -> Result<()> {
     let names = names();
     for (name, value) in fixed {
         if only_parameter(name).is_none() && !names.contains(name) {
-            let nearest = names
-                .iter()
-                .map(|known| (strsim::damerau_levenshtein(name, known), known))
-                .min()
-                .filter(|(distance, known)| distance * 2 <= known.len());
-            let remedy = match nearest {
-                Some((_, known)) => format!("did you mean {known}?"),
+            let remedy = match nearest(name, names.iter().map(String::as_str)) {
+                Some(known) => format!("did you mean {known}?"),
                 None => {
                     "use gain, tau_m, tau_e, viscous_share, or EFFECT.PARAMETER from motorlens effects NAME"
                         .to_owned()

@@ -3,6 +3,7 @@
 //! Numbers, names, `+ - * / ^`, parentheses and calls. As in every textbook `-x^2` is `-(x^2)` and `x^y^z` is
 //! `x^(y^z)`.
 
+use crate::nearest::nearest;
 use motorlens_shared::effects::{Operation, Quantity};
 use winnow::Parser;
 use winnow::ascii::{float, multispace0};
@@ -169,7 +170,7 @@ fn named(input: &mut &str, parameters: &[&str]) -> Result<Program, Stop> {
     let stop = |why: String, remedy: String| Stop { left, cause: Some((why, remedy)), settled: true };
     if input.trim_start().starts_with('(') {
         let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) else {
-            return Err(stop(format!("no function is called {name}"), nearest(name, &functions())));
+            return Err(stop(format!("no function is called {name}"), meant(name, &functions())));
         };
         let inner = |i: &mut &str| sum(i, parameters);
         let comma = (multispace0::<&str, Stop>, ',');
@@ -194,17 +195,16 @@ fn named(input: &mut &str, parameters: &[&str]) -> Result<Program, Stop> {
         return Ok(vec![Operation::Number(std::f64::consts::PI)]);
     }
     let known: Vec<&str> = parameters.iter().copied().chain(QUANTITIES.iter().map(|q| q.0)).collect();
-    Err(stop(format!("{name} is neither a parameter of this effect nor a quantity"), nearest(name, &known)))
+    Err(stop(format!("{name} is neither a parameter of this effect nor a quantity"), meant(name, &known)))
 }
 
 fn functions() -> Vec<&'static str> {
     FUNCTIONS.iter().map(|f| f.0).collect()
 }
 
-fn nearest(name: &str, known: &[&str]) -> String {
-    let near = known.iter().map(|k| (strsim::damerau_levenshtein(name, k), k)).min();
-    match near.filter(|(distance, k)| distance * 2 <= k.len()) {
-        Some((_, k)) => format!("did you mean {k}?"),
+fn meant(name: &str, known: &[&str]) -> String {
+    match nearest(name, known.iter().copied()) {
+        Some(known) => format!("did you mean {known}?"),
         None => format!("use one of: {}", known.join(", ")),
     }
 }
@@ -214,26 +214,11 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> f64 {
-        let mut stack: Vec<f64> = Vec::new();
-        for operation in parse(text, &["x"]).unwrap_or_else(|fault| panic!("{text}: {fault:?}")) {
-            let a = stack.split_off(stack.len() - operation.takes());
-            stack.push(match operation {
-                Operation::Number(x) => x,
-                Operation::Parameter(_) => 3.0,
-                Operation::Add => a[0] + a[1],
-                Operation::Subtract => a[0] - a[1],
-                Operation::Multiply => a[0] * a[1],
-                Operation::Divide => a[0] / a[1],
-                Operation::Negate => -a[0],
-                Operation::Maximum => a[0].max(a[1]),
-                Operation::Minimum => a[0].min(a[1]),
-                Operation::Function(_, f) => f(a[0]),
-                Operation::FunctionOfTwo(_, f) => f(a[0], a[1]),
-                other => panic!("{other:?} is not in these formulas"),
-            });
-        }
-        assert_eq!(stack.len(), 1, "{text}");
-        stack[0]
+        let program = parse(text, &["x"]).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
+        let grows = |o: &Operation| 1 - o.takes() as i32;
+        assert_eq!(program.iter().map(grows).sum::<i32>(), 1, "{text}");
+        let look = |quantity| panic!("{quantity:?} is not in these formulas");
+        super::super::evaluate(&program, &[3.0], &look)
     }
 
     #[test]

@@ -36,8 +36,12 @@ pub type Look<'a> = &'a dyn Fn(Quantity) -> f64;
 
 /// The value of a formula, once and in double precision: for simulations that share nothing with the fit.
 pub fn value(definition: &Definition, parameters: &[f64], look: Look) -> f64 {
+    evaluate(definition.program(), parameters, look)
+}
+
+fn evaluate(program: &[Operation], parameters: &[f64], look: Look) -> f64 {
     let mut stack: Vec<f64> = Vec::with_capacity(8);
-    for operation in definition.program() {
+    for operation in program {
         let a = stack.split_off(stack.len() - operation.takes());
         stack.push(match operation {
             Operation::Number(x) => *x,

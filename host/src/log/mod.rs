@@ -38,7 +38,7 @@ pub use record::{Hold, Record, Warning};
 pub use samples::FEWEST_SAMPLES;
 pub use suspicion::suspicions;
 pub(crate) use text::{cannot_read, open as open_text};
-pub use usable::{Fault, check_usable, content_faults};
+pub use usable::{Fault, check_usable, content_faults, faults};
 pub use write::write_canonical;
 
 /// The name of a record from its file.

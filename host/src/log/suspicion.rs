@@ -11,17 +11,26 @@ use super::{Record, Warning};
 /// A finding about one record: short name, column, cause, remedy.
 type Odd = (&'static str, &'static str, String, String);
 
+/// A record and its regression, where it moves enough for one.
+struct Seen<'a> {
+    record: &'a Record,
+    weak: Option<Weak<'a>>,
+}
+
 /// Everything odd about `records`, each by itself and against each other.
 pub fn suspicions(records: &[Record]) -> Vec<Warning> {
-    let checks = [beyond_supply, constant_supply, clipped, stale, jumps, drifting_count, wrong_gear];
+    let alone = [beyond_supply, constant_supply, stale, jumps, drifting_count];
+    let regressed = [clipped, wrong_gear];
+    let seen: Vec<Seen> = records.iter().map(|record| Seen { record, weak: Weak::new(record) }).collect();
     let mut found = Vec::new();
-    for record in records {
-        for (name, column, why, fix) in checks.iter().filter_map(|check| check(record)) {
-            found.push(Warning { place: place_of(record, column), what: format!("{name}: {why}"), fix });
+    for one in &seen {
+        let odd = alone.iter().filter_map(|check| check(one.record));
+        for (name, column, why, fix) in odd.chain(regressed.iter().filter_map(|check| check(one))) {
+            found.push(Warning { place: place_of(one.record, column), what: format!("{name}: {why}"), fix });
         }
     }
-    found.extend(shifted(records));
-    found.extend(disagreeing(records));
+    found.extend(shifted(&seen));
+    found.extend(disagreeing(&seen));
     found
 }
 
@@ -62,8 +71,8 @@ const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
 const CLIP_BETTER: f64 = 0.6;
 
 /// The motor does not answer to more than a certain voltage.
-fn clipped(record: &Record) -> Option<Odd> {
-    let weak = Weak::new(record)?;
+fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
+    let weak = weak.as_ref()?;
     let plain = weak.regress(0.0, |v| v)?;
     let highest = peak(&record.voltage_v);
     let at = |share: f64| {
@@ -96,8 +105,9 @@ const FEW: usize = 3;
 const SHIFT_BETTER: f64 = 0.6;
 
 /// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
-fn shifted(records: &[Record]) -> Option<Warning> {
-    let weak: Vec<(&Record, Weak)> = records.iter().filter_map(|r| Some((r, Weak::new(r)?))).collect();
+fn shifted(seen: &[Seen]) -> Option<Warning> {
+    let weak: Vec<(&Record, &Weak)> =
+        seen.iter().filter_map(|s| Some((s.record, s.weak.as_ref()?))).collect();
     let interval = weak.iter().map(|w| w.1.interval_s()).fold(0.0, f64::max);
     let step = interval.max(0.002);
     let most = (FURTHEST_S / step).floor().min(24.0) as i32;
@@ -222,7 +232,7 @@ fn drifting_count(record: &Record) -> Option<Odd> {
 }
 
 /// The encoder's count shows on which side of the gears the angle is.
-fn wrong_gear(record: &Record) -> Option<Odd> {
+fn wrong_gear(Seen { record, weak }: &Seen) -> Option<Odd> {
     let gear = record.meta.gear_ratio().filter(|g| *g > 1.5)?;
     let told = record.angle_rad.as_ref().and_then(|angle| {
         let ratio = quantum(angle)? * record.meta.counts_per_rev()? / std::f64::consts::TAU;
@@ -233,7 +243,7 @@ fn wrong_gear(record: &Record) -> Option<Odd> {
     });
     let by_plate = || {
         let plate = record.meta.no_load_gain()?;
-        let ratio = Weak::new(record)?.regress(0.0, |v| v)?.gain / plate;
+        let ratio = weak.as_ref()?.regress(0.0, |v| v)?.gain / plate;
         [gear, 1.0 / gear]
             .into_iter()
             .find(|factor| gear > 4.0 && (ratio / factor).ln().abs() < 0.35)
@@ -258,10 +268,10 @@ const APART: f64 = 1.5;
 const UNCLEAR: f64 = 0.3;
 
 /// One record in other volts, or of another motor.
-fn disagreeing(records: &[Record]) -> Vec<Warning> {
-    let gain = |r: &Record| Weak::new(r)?.regress(0.0, |v| v).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
-    let gains: Vec<(usize, f64)> =
-        records.iter().enumerate().filter_map(|(k, r)| Some((k, gain(r)?.gain))).collect();
+fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
+    let regressed = |s: &Seen| s.weak.as_ref()?.regress(0.0, |v| v);
+    let gain = |s: &Seen| regressed(s).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
+    let gains: Vec<(&Record, f64)> = seen.iter().filter_map(|s| Some((s.record, gain(s)?.gain))).collect();
     if gains.len() < 3 {
         return Vec::new();
     }
@@ -269,17 +279,17 @@ fn disagreeing(records: &[Record]) -> Vec<Warning> {
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     let off = |g: f64| (g / median).max(median / g);
-    let odd: Vec<&(usize, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
+    let odd: Vec<&(&Record, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
     let agree = gains.iter().filter(|g| off(g.1) < TOGETHER).count();
     if agree + odd.len() < gains.len() || odd.len() * 2 >= agree {
         return Vec::new();
     }
     odd.into_iter()
-        .map(|(k, g)| Warning {
-            place: place_of(&records[*k], "voltage_v"),
+        .map(|(record, g)| Warning {
+            place: place_of(record, "voltage_v"),
             what: format!(
                 "records_disagree: {} turns {:.3} rad/s per volt, the other records {median:.3}",
-                records[*k].name, g
+                record.name, g
             ),
             fix: "check that all records have one motor, one supply and one unit of voltage; leave this one out or correct it".into(),
         })

@@ -66,6 +66,12 @@ pub fn content_faults(record: &Record) -> Vec<Fault> {
     faults
 }
 
+/// What the reader and the judge of its content found odd about `record`.
+pub fn faults(record: &Record) -> Vec<Warning> {
+    let judged = content_faults(record).into_iter().map(|fault| fault.to_warning(record));
+    record.warnings.iter().cloned().chain(judged).collect()
+}
+
 fn no_excitation(record: &Record) -> Option<Fault> {
     let voltage = &record.voltage_v;
     // The dynamic tests of SysId hold the voltage from rest on; their ramps supply what they lack.

@@ -20,10 +20,10 @@ const FEWEST_WINDOWS: usize = 20;
 const STILL: f64 = 0.03;
 
 /// A record prepared for the regression.
-pub struct Weak {
+pub struct Weak<'a> {
     windows: Vec<Window>,
-    time_s: Vec<f64>,
-    voltage: Vec<f64>,
+    time_s: &'a [f64],
+    voltage: &'a [f64],
     half_s: f64,
     interval_s: f64,
 }
@@ -44,12 +44,12 @@ pub struct Regression {
     pub left: f64,
 }
 
-impl Weak {
+impl<'a> Weak<'a> {
     /// Prepares `record`; none where it is too short or does not move.
-    pub fn new(record: &Record) -> Option<Self> {
+    pub fn new(record: &'a Record) -> Option<Self> {
         let interval_s = median_interval(&record.time_s);
         let half_s = 0.5 * WIDTH_S.max(WIDTH_SAMPLES * interval_s);
-        let time_s = record.time_s.clone();
+        let time_s = record.time_s.as_slice();
         let (first, last) = (*time_s.first()?, *time_s.last()?);
         let shape = Shape { half_s };
         let w = speed(record);
@@ -63,13 +63,13 @@ impl Weak {
             .map(|k| {
                 let centre = first + half_s + span * k as f64 / (count - 1) as f64;
                 let mut motion = [0.0; 4];
-                let inside = around(&time_s, centre, half_s);
+                let inside = around(time_s, centre, half_s);
                 // Sums over samples are integrals but for rounding, which a large angle would multiply.
                 let origin =
                     record.angle_rad.as_ref().and_then(|x| x.get(inside.start)).copied().unwrap_or(0.0);
                 for i in inside {
                     let t = time_s[i] - centre;
-                    let dt = step(&time_s, i);
+                    let dt = step(time_s, i);
                     let (bump, slope, curve) = (shape.at(t), shape.slope(t), shape.curve(t));
                     match (&record.angle_rad, &record.speed_rad_s) {
                         (Some(x), _) => {
@@ -94,7 +94,7 @@ impl Weak {
         if windows.len() < FEWEST_WINDOWS {
             return None;
         }
-        Some(Self { windows, time_s, voltage: record.voltage_v.clone(), half_s, interval_s })
+        Some(Self { windows, time_s, voltage: &record.voltage_v, half_s, interval_s })
     }
 
     /// Median time between samples, s.
@@ -111,7 +111,7 @@ impl Weak {
         let shape = Shape { half_s: self.half_s };
         let row = |window: &Window| {
             let mut v = 0.0;
-            for i in around(&self.time_s, window.centre - late_s, self.half_s + self.interval_s) {
+            for i in around(self.time_s, window.centre - late_s, self.half_s + self.interval_s) {
                 // Held until the next sample: its middle counts.
                 let held = self.time_s.get(i + 1).map_or(self.interval_s, |next| next - self.time_s[i]);
                 let t = self.time_s[i] + 0.5 * held + late_s - window.centre;
@@ -186,7 +186,8 @@ mod tests {
 
     #[test]
     fn the_gain_of_a_first_order_motor_is_found_and_little_is_left() {
-        let weak = Weak::new(&motor()).unwrap();
+        let record = motor();
+        let weak = Weak::new(&record).unwrap();
         let found = weak.regress(0.0, |v| v).unwrap();
         assert!((found.gain - 0.6).abs() < 0.03, "{found:?}");
         let later = weak.regress(0.1, |v| v).unwrap();

@@ -173,6 +173,13 @@ pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> V
     all
 }
 
+/// Curves of base model and model, each on its own column.
+fn both(base: &[f64], model: &[f64]) -> Vec<Curve> {
+    let curve =
+        |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
+    vec![curve("base", "base model", 0, base), curve("model", "model", 1, model)]
+}
+
 /// Autocorrelation of the error with its bounds.
 fn memory(records: &[&Shown]) -> Figure {
     let of =
@@ -187,12 +194,7 @@ fn memory(records: &[&Shown]) -> Figure {
     } else {
         format!("{share} % of the lags leave the 99 % bounds: what is left looks like noise.")
     };
-    let curve =
-        |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
-    let curves = vec![
-        curve("base", "base model", 0, &base.correlation),
-        curve("model", "model", 1, &model.correlation),
-    ];
+    let curves = both(&base.correlation, &model.correlation);
     let plain = panel("Autocorrelation of the error (1)", curves);
     let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
@@ -223,12 +225,7 @@ fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
             }
         },
     );
-    let curve =
-        |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
-    let curves = vec![
-        curve("base", "base model", 0, &base.amplitude_v),
-        curve("model", "model", 1, &model.amplitude_v),
-    ];
+    let curves = both(&base.amplitude_v, &model.amplitude_v);
     Figure {
         id: "harmonics".into(),
         title: "Harmonics of the motor's turn".into(),

@@ -19,7 +19,7 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use serde_json::json;
 
-pub use story::{DRAWN, Shown, Story, Suspect, Torques, faults, title, torques};
+pub use story::{DRAWN, Shown, Story, Suspect, Torques, title, torques};
 
 use crate::atomic_file;
 use crate::error::{Error, Result};

@@ -10,7 +10,7 @@ use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, Warning, content_faults};
+use crate::log::{Record, Warning, faults};
 use crate::model_file::Model;
 
 /// A record with the runs of two models.
@@ -91,7 +91,7 @@ impl Story {
         let whole = &discovery.evidence.whole;
         let unseen = (!validation.is_empty()).then_some(&discovery.evidence.unseen);
         let shown = shown(whole, unseen, &base, &values);
-        let next = discovery.plan(Limits { volts: discovery.highest_voltage(), seconds: 8.0 });
+        let next = discovery.plan(Limits { volts: discovery.evidence.highest_voltage(), seconds: 8.0 });
         let suspects = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
             let candidate = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&ranked.effect));
             let torques = candidate
@@ -135,12 +135,6 @@ fn shown(whole: &Problem, unseen: Option<&Problem>, base: &Values, values: &Valu
 /// Residual torques of `runs` under the base of `values`.
 pub fn torques<'a>(runs: impl Iterator<Item = &'a FreeRun>, values: &Values) -> Torques {
     Torques { records: runs.map(|run| residual_torque(run, &values.base)).collect() }
-}
-
-/// What reader and judge found odd about a record.
-pub fn faults(record: &Record) -> Vec<Warning> {
-    let judged = content_faults(record).into_iter().map(|f| f.to_warning(record));
-    record.warnings.iter().cloned().chain(judged).collect()
 }
 
 /// A heading for `records`.

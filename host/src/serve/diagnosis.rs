@@ -61,16 +61,9 @@ impl Diagnosis {
         let suspects = suspects.collect();
         let among: Vec<&Candidate> =
             rivals.first().into_iter().flatten().filter_map(|kind| of(*kind)).collect();
-        let limits = Limits { volts: highest_voltage(evidence), seconds: LONGEST_S };
+        let limits = Limits { volts: evidence.highest_voltage(), seconds: LONGEST_S };
         let next = plan::choose(&evidence.whole, &among, limits);
         let next = next.map(|plan| Next { why: plan.why(), programme: plan.programme });
         Self { suspects, rivals, next, worth, candidates: climb.first }
     }
-}
-
-/// The highest voltage that the rig has shown to bear, V.
-fn highest_voltage(evidence: &Evidence) -> f64 {
-    let whole = &evidence.whole;
-    let peak = whole.grids.iter().flat_map(|g| g.cells()).fold(0.0_f64, |p, v| p.max(v.abs()));
-    peak.max(0.5 * whole.rig.nominal_v)
 }

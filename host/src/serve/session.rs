@@ -6,14 +6,13 @@ use motorlens_shared::effects::Kind;
 
 use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
-use crate::compare::free_run::{free_runs, pooled};
 use crate::diagnose::candidate::{Candidate, Evidence};
 use crate::diagnose::discover::{self, Rung, prepare};
 use crate::error::Result;
-use crate::log::{Record, Warning};
+use crate::log::{Record, Warning, faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::{Story, faults, title};
+use crate::report::{Story, title};
 use crate::simulate::Answer;
 
 /// A hidden effect to be found.
@@ -140,12 +139,7 @@ impl Session {
 
 /// `model` on all records of `evidence`.
 pub fn rung(evidence: &Evidence, has_unseen: bool, model: &Candidate) -> Rung {
-    let values = model.values();
-    Rung {
-        effects: values.kinds(),
-        train: pooled(&free_runs(&evidence.whole, &values)).unwrap_or_default(),
-        validation: has_unseen.then(|| pooled(&free_runs(&evidence.unseen, &values))).flatten(),
-    }
+    discover::rung(&evidence.whole, has_unseen.then_some(&evidence.unseen), &model.values())
 }
 
 impl Scene {
