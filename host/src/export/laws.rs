@@ -58,12 +58,17 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::DeadZone => {
             drive(format!("v -= clamp(v, -{:e}, {:e})", (p[0] - p[1]).max(0.0), (p[0] + p[1]).max(0.0)))
         }
-        Kind::Coast => drive(format!(
-            "v += {} * (1.0 - fmin(fabs(v) / {:e}, 1.0)) * {:e} * speed",
-            n(0),
-            rig.supply_v,
-            place.base.back_emf()
-        )),
+        Kind::Coast => Statements {
+            drive: vec![format!(
+                "v = coasting(v, {:e} * (speed + 0.5 * m[{m}]), {}, {:e}, {:e})",
+                place.base.back_emf(),
+                n(0),
+                rig.supply_v,
+                p[1] * place.base.tau_e
+            )],
+            settle: vec![format!("m[{m}] = speed2 - speed")],
+            ..Statements::default()
+        },
         Kind::SupplySag => {
             let duty = format!("(volts / {:e})", rig.supply_v);
             drive(format!("series += {} * {duty} * {duty}", n(0)))

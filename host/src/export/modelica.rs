@@ -3,7 +3,7 @@
 //! Where the model's own step solves for dry friction, the equations have a steep slope at zero speed, and where it
 //! lets rotor and load collide, they have a stiff spring: a solver of variable step needs no events then.
 
-use motorlens_shared::effects::{Definition, Entry, Kind, Quantity, UserDefined};
+use motorlens_shared::effects::{DIODES_V, Definition, Entry, Kind, Quantity, UserDefined};
 
 use super::laws::number;
 use super::{Exported, effects, formula};
@@ -79,12 +79,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             let (up, down) = ((p[0] + p[1]).max(0.0), (p[0] - p[1]).max(0.0));
             parts.voltage("dead_zone", |v| format!("{v} - max(-{down:e}, min({up:e}, {v}))"));
         }
-        Kind::Coast => {
-            let supply = rig.supply_v;
-            parts.voltage("coast", |v| {
-                format!("{v} + {}*(1 - min(abs({v})/{supply:e}, 1))*(1 - viscous_share)/gain*w", n(0))
-            });
-        }
+        Kind::Coast => coast(parts, rig.supply_v, n(0), p[1]),
         Kind::SupplySag => parts.resistance += &format!(" + {}*(v/{:e})^2", n(0), rig.supply_v),
         Kind::WindingHeating => {
             let slope = format!("{}*(u/{:e})^2 - heat/{}", n(0), rig.nominal_v, n(1));
@@ -161,6 +156,32 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::Formula(UserDefined(own)) => add_formula(parts, model, own, p),
     }
+}
+
+/// The mean of a bridge over a PWM period; for one command, mirrored where that is negative.
+fn coast(parts: &mut Parts, supply: f64, share: &str, frequency: f64) {
+    let v = parts.voltage.clone();
+    let mut declare = |name: &str, unit: &str, meaning: &str, is: String| {
+        parts.declared.push(format!("Real {name}(unit=\"{unit}\") \"{meaning}\""));
+        parts.equations.push(format!("{name} = {is}"));
+    };
+    declare("command_side", "1", "of the command", format!("if {v} < 0 then -1 else 1"));
+    let emf = "command_side*(1 - viscous_share)/gain*w".to_owned();
+    declare("emf_against", "V", "back-EMF against the command", emf);
+    declare("duty", "1", "driven share of the PWM period", format!("min(abs({v})/{supply:e}, 1)"));
+    declare("floating", "1", "share in which the driver floats", format!("{share}*(1 - duty)"));
+    let driven = format!("({supply:e} - emf_against)*(1 - exp(-duty/({frequency:e}*tau_e))) + emf_against");
+    let left = format!("({driven})*exp(-(1 - duty - floating)/({frequency:e}*tau_e)) - emf_against");
+    declare("left_over", "V", "current as the driver switches off", left);
+    let side = "if left_over < 0 then -1 else 1".to_owned();
+    declare("current_side", "1", "of that current", side);
+    let against = format!("{:e} + current_side*emf_against", supply + DIODES_V);
+    declare("returning", "V", "what the diodes return the current against", against);
+    let conducting = format!("min({frequency:e}*tau_e*log(1 + abs(left_over)/returning), floating)");
+    declare("conducting", "1", "share in which they do", conducting);
+    parts.voltage("coast", |v| {
+        format!("{v} + command_side*(floating*emf_against - current_side*returning*conducting)")
+    });
 }
 
 fn add_formula(parts: &mut Parts, model: &Model, own: &Definition, p: &[f64]) {

@@ -46,7 +46,7 @@ pub fn sets() -> Vec<Model> {
             (Kind::QuadraticDrag, &[0.01]),
             (Kind::Cogging, &[0.2, -0.1, 3.0]),
         ],
-        vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6]), (Kind::Saturation, &[0.5])],
+        vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
         vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],
         vec![(Kind::LostCounts, &[0.05, 3.0]), (Kind::SensorLag, &[0.012, 0.0])],
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.013_773_1])],

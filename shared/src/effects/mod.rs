@@ -15,6 +15,7 @@ mod spec;
 pub(crate) mod testing;
 pub mod together;
 mod wave;
+pub use coast::DIODES_V;
 pub use formula::{Definition, Entry, Formula, Operation, Quantity, Unsound, UserDefined};
 pub use spec::{Parameter, Port, Scale, Spec};
 
@@ -48,6 +49,8 @@ pub struct Setting<S> {
     pub acceleration: S,
     /// Back-EMF constant, V per rad/s.
     pub back_emf: S,
+    /// Electrical time constant, s.
+    pub tau_e: S,
     /// Motor turns per radian of the output shaft.
     pub motor_turns: S,
     /// Output turns per radian of the output shaft, 1 / 2 pi.
@@ -73,6 +76,7 @@ impl<S: Scalar> Setting<S> {
             cell: S::lit(rig.step_s),
             acceleration: base.acceleration(),
             back_emf: base.back_emf(),
+            tau_e: base.tau_e,
             motor_turns: S::lit(rig.gear_ratio * PER_TURN),
             output_turns: S::lit(PER_TURN),
             per_nominal: S::lit(1.0 / rig.nominal_v),
