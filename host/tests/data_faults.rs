@@ -3,7 +3,7 @@
 use motorlens::exam::case::{Case, Conditions};
 use motorlens::log::{Record, Warning, suspicions};
 use motorlens_shared::excitation::{Player, Programme, Shape};
-use motorlens_virtual_motor::{Motor, Run, VirtualMotor};
+use motorlens_virtual_motor::{Effect, Motor, Run, VirtualMotor};
 
 /// Clean motors looked at; all forty where the whole test run asks for it. A fault may be missed in a tenth of them.
 fn seeds() -> std::ops::Range<u64> {
@@ -141,4 +141,24 @@ fn a_voltage_that_never_reached_the_motor_is_found() {
         let found = suspicions(&[record(&clipped)]);
         assert!(names(&found).contains(&"clipped_voltage".to_owned()), "seed {seed}: {found:?}");
     }
+}
+
+/// Under a slow sine friction trails the voltage as a shift would.
+#[test]
+fn friction_under_slow_sines_is_no_shift() {
+    let motor = Motor::paper();
+    let friction = [Effect::parse("coulomb=0.4").unwrap()];
+    let made = [3.0, 7.0].map(|amplitude| {
+        let programme = Programme::paper(amplitude);
+        let volts: Vec<f64> = Player::new(&programme, 1000).unwrap().map(f64::from).collect();
+        let made = VirtualMotor::new(&motor, &friction, 1).record(&volts, &Run::at(1000.0));
+        Record {
+            time_s: made.time_s,
+            voltage_v: made.voltage_v,
+            angle_rad: Some(made.angle_rad),
+            ..Record::default()
+        }
+    });
+    let records = [made[0].clone(), made[1].clone(), made[1].clone()];
+    assert_eq!(names(&suspicions(&records)), [""; 0]);
 }

@@ -54,11 +54,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let simulated = simulate::run(&simulation(args)?)?;
     let reading = ReadArgs { motor: Some(simulated.motor.clone()), ..ReadArgs::default() };
     let training = [simulated.training.as_slice(), &simulated.repeats].concat();
-    let logs = Logs {
-        records: log::load(&training, &reading)?,
-        validation: log::load(&simulated.held_out, &reading)?,
-        motor: reading.motor_file()?,
-    };
+    let logs = Logs::new(
+        log::load(&training, &reading)?,
+        log::load(&simulated.held_out, &reading)?,
+        reading.motor_file()?,
+    );
 
     let (problem, base) = estimate::prepare(&logs.records, &logs.motor)?;
     let map = failure_map(&free_runs(&problem, &base), &problem.rig);
@@ -79,7 +79,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(verdict(rung, found.noise_floor, unit(&logs.records)));
     }
     let report = args.out.join("report.html");
-    report::write(&Story::of(&found, &logs.records, &logs.validation), &report)?;
+    let faults = findings.data_faults.clone();
+    report::write(&Story::of(&found, &logs.records, &logs.validation, faults), &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || format!("report: {}", report.display()));

@@ -10,7 +10,6 @@ use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, Verdict, diagnose};
 use crate::error::Result;
-use crate::log::Record;
 use crate::model_file::Model;
 
 /// Options of `diagnose`.
@@ -26,16 +25,16 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let model = or_bad_data(Model::read(&args.model), &[], console)?;
     let logs = or_bad_data(args.input.load(), &[], console)?;
+    logs.warn(console);
     let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
     let unit = unit(&logs.records);
     let mut progress = watch::climb(console, &bar, unit);
     let found = diagnose(&model, &logs.records, &logs.validation, &logs.motor, &mut progress);
     bar.finish_and_clear();
-    let mut found = or_bad_data(found, &logs.records, console)?;
+    let mut found = or_bad_data(found, logs.faults(), console)?;
     let own = model.values().kinds();
     found.effects.retain(|k| !own.contains(k));
-    let all: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
-    let findings = Findings::new(&found, &all);
+    let findings = Findings::new(&found, logs.faults());
     console.answer(&findings, || story(&found, &findings, unit));
     Ok(())
 }
@@ -61,8 +60,8 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);
     }
-    for fault in &findings.data_faults {
-        text += &format!("\ndata: {}: {}\n  do: {}\n", fault.place, fault.what, fault.fix);
+    for fault in findings.later_faults() {
+        text += &format!("\n{}\n", prose::fault(fault));
     }
     text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
 }

@@ -10,7 +10,7 @@ use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, Options, Verdict, discover};
 use crate::error::{Error, Result};
 use crate::fit::grid::Quantity;
-use crate::log::Record;
+use crate::log::{Record, Warning};
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -29,7 +29,7 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = or_bad_data(args.input.load(), &[], console)?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
-    let (found, findings) = or_bad_data(search(&logs, &options, console), &logs.records, console)?;
+    let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     if let Some(path) = &args.out {
         found.model.write(path)?;
     }
@@ -42,21 +42,21 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 
 /// The climb on `logs`, watched.
 pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Discovery, Findings)> {
+    logs.warn(console);
     let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
     let unit = unit(&logs.records);
     let mut progress = watch::climb(console, &bar, unit);
     let found = discover(&logs.records, &logs.validation, &logs.motor, options, &mut progress);
     bar.finish_and_clear();
     let found = found?;
-    let everything: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
-    let findings = Findings::new(&found, &everything);
+    let findings = Findings::new(&found, logs.faults());
     Ok((found, findings))
 }
 
 /// A program that asked for findings gets the verdict `bad_data` with the error.
-pub fn or_bad_data<T>(result: Result<T>, records: &[Record], console: &Console) -> Result<T> {
+pub fn or_bad_data<T>(result: Result<T>, faults: &[Warning], console: &Console) -> Result<T> {
     if let (Err(error @ Error::BadInput(_)), true) = (&result, console.json()) {
-        console.answer(&Findings::bad_data(error, records), String::new);
+        console.answer(&Findings::bad_data(error, faults), String::new);
     }
     result
 }
@@ -92,8 +92,8 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);
     }
-    for fault in &findings.data_faults {
-        text += &format!("\ndata: {}: {}\n  do: {}\n", fault.place, fault.what, fault.fix);
+    for fault in findings.later_faults() {
+        text += &format!("\n{}\n", prose::fault(fault));
     }
     text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
 }

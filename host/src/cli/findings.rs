@@ -11,7 +11,8 @@ use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, Warning, faults, suspicions};
+use crate::log::Warning;
+use crate::report::shown_by_fit;
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -31,8 +32,10 @@ pub struct Findings {
     pub rivals: Vec<Vec<Kind>>,
     /// What to run next.
     pub next_experiment: Option<NextExperiment>,
-    /// What is odd about the logs.
+    /// What is odd about the logs, and what the fit shows of it.
     pub data_faults: Vec<Warning>,
+    #[serde(skip)]
+    of_logs: usize,
     /// With 95 % intervals.
     pub parameters: Vec<Estimate>,
     /// What voltage and motion alone determine.
@@ -62,13 +65,11 @@ impl From<Plan> for NextExperiment {
 }
 
 impl Findings {
-    /// What a discovery on `records` found.
-    pub fn new(found: &Discovery, records: &[Record]) -> Self {
+    /// What a discovery found on logs with the faults `of_logs`.
+    pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
         let values = found.model.values();
         let parameters = estimates(&found.evidence.whole, &values);
-        let mut faults = data_faults(records);
-        faults.extend(too_little_excitation(&parameters));
-        faults.extend(found.effects.iter().filter_map(|kind| of_the_sensor(*kind)));
+        let later = shown_by_fit::faults(&parameters, &found.effects);
         Self {
             schema: 1,
             effects: found.effects.clone(),
@@ -78,7 +79,8 @@ impl Findings {
             candidates: found.candidates.clone(),
             rivals: found.rivals.clone(),
             next_experiment: next_experiment(found),
-            data_faults: faults,
+            data_faults: of_logs.iter().cloned().chain(later).collect(),
+            of_logs: of_logs.len(),
             parameters,
             combinations: combinations(&found.evidence.whole, &values),
             seconds: found.seconds,
@@ -88,8 +90,8 @@ impl Findings {
     }
 
     /// Data that must be mended first.
-    pub fn bad_data(error: &Error, records: &[Record]) -> Self {
-        let mut faults = data_faults(records);
+    pub fn bad_data(error: &Error, of_logs: &[Warning]) -> Self {
+        let mut faults = of_logs.to_vec();
         if let (Error::BadInput(fault), true) = (error, faults.is_empty()) {
             let line = fault.line.map_or(String::new(), |l| format!(", line {l}"));
             let column = fault.column.as_ref().map_or(String::new(), |c| format!(", column {c}"));
@@ -109,6 +111,7 @@ impl Findings {
             rivals: Vec::new(),
             next_experiment: None,
             data_faults: faults,
+            of_logs: of_logs.len(),
             parameters: Vec::new(),
             combinations: Vec::new(),
             seconds: 0.0,
@@ -118,49 +121,15 @@ impl Findings {
     }
 }
 
+impl Findings {
+    /// Faults that only the fit has shown; those of the logs were told before it.
+    pub fn later_faults(&self) -> &[Warning] {
+        &self.data_faults[self.of_logs..]
+    }
+}
+
 /// The programme for the rivals, within the voltages that the logs reached.
 fn next_experiment(found: &Discovery) -> Option<NextExperiment> {
     let limits = Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 };
     found.plan(limits).map(NextExperiment::from)
-}
-
-/// What reader and judge of the logs found odd.
-pub fn data_faults(records: &[Record]) -> Vec<Warning> {
-    records.iter().flat_map(faults).chain(suspicions(records)).collect()
-}
-
-/// Records from which even the plain motor cannot be had.
-pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
-    let open: Vec<&str> = parameters
-        .iter()
-        .filter(|p| matches!(p.name.as_str(), "gain" | "tau_m") && !p.identifiable)
-        .map(|p| p.name.as_str())
-        .collect();
-    (!open.is_empty()).then(|| Warning {
-        place: "all records together".into(),
-        what: format!("too_little_excitation: they do not determine {}", open.join(" and ")),
-        fix:
-            "record a programme that accelerates, brakes and holds several speeds (motorlens plan writes one)"
-                .into(),
-    })
-}
-
-/// Effects that are faults of the measurement, and how to end them instead of modelling them.
-fn of_the_sensor(kind: Kind) -> Option<Warning> {
-    let (what, fix) = match kind {
-        Kind::LostCounts => (
-            "lost_counts: the angle falls behind at speed as if edges were missed",
-            "read the encoder by hardware or faster, check its cable and filter, and log again",
-        ),
-        Kind::SensorLag => (
-            "stale_samples: the reading trails the motion as if it were filtered or old",
-            "log the raw reading at the instant of the voltage; else keep the effect",
-        ),
-        Kind::Delay => (
-            "shifted_samples: the motion follows the logged voltage late",
-            "check that the columns of a row belong to one instant; if the drive is that slow, keep the effect",
-        ),
-        _ => return None,
-    };
-    Some(Warning { place: "all records together".into(), what: what.into(), fix: fix.into() })
 }

@@ -6,7 +6,6 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::discover::unit;
-use super::findings::{data_faults, too_little_excitation};
 use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::compare::measures::Measures;
@@ -14,6 +13,7 @@ use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
+use crate::report::shown_by_fit;
 
 /// Options of `fit`.
 #[derive(Debug, clap::Args)]
@@ -85,10 +85,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.out {
         fitted.model.write(path)?;
     }
-    let mut faults = data_faults(&logs.records);
-    let lacking = too_little_excitation(&fitted.parameters);
+    let mut faults = logs.faults().to_vec();
+    let lacking = shown_by_fit::too_little_excitation(&fitted.parameters);
     if let Some(warning) = &lacking {
-        console.say(format!("data: {}: {}\n  do: {}", warning.place, warning.what, warning.fix));
+        console.say(prose::fault(warning));
     }
     faults.extend(lacking);
     let document = Document {

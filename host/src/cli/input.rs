@@ -1,13 +1,14 @@
 //! What most verbs begin with: logs, the motor file, models.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-use super::Console;
+use super::{Console, prose};
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::fixed;
 use crate::fit::search::Problem;
-use crate::log::{self, ReadArgs, Record};
+use crate::log::{self, ReadArgs, Record, Warning};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
@@ -21,7 +22,7 @@ pub struct LogArgs {
     pub reading: ReadArgs,
 }
 
-/// Logs in memory.
+/// Logs in memory; they do not change.
 #[derive(Debug)]
 pub struct Logs {
     /// To fit.
@@ -30,6 +31,7 @@ pub struct Logs {
     pub validation: Vec<Record>,
     /// What is known of the motor.
     pub motor: MotorFile,
+    faults: OnceCell<Vec<Warning>>,
 }
 
 impl LogArgs {
@@ -39,21 +41,26 @@ impl LogArgs {
         if let Some(path) = &self.reading.motor {
             fixed::check(path, &motor.fixed)?;
         }
-        Ok(Logs {
-            records: log::load(&self.logs, &self.reading)?,
-            validation: log::load_validation(&self.reading)?,
-            motor,
-        })
+        let records = log::load(&self.logs, &self.reading)?;
+        Ok(Logs::new(records, log::load_validation(&self.reading)?, motor))
     }
 }
 
 impl Logs {
+    /// Logs to fit, logs to judge by, and what is known of their motor.
+    pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Self {
+        Self { records, validation, motor, faults: OnceCell::new() }
+    }
+
+    /// What is odd about the logs; sought once.
+    pub fn faults(&self) -> &[Warning] {
+        self.faults.get_or_init(|| log::data_faults(self.records.iter().chain(&self.validation)))
+    }
+
     /// Tells what is odd about the logs.
     pub fn warn(&self, console: &Console) {
-        let odd = log::suspicions(&self.records);
-        let read = self.records.iter().chain(&self.validation).flat_map(|r| &r.warnings);
-        for warning in read.chain(&odd) {
-            console.say(format!("data: {}: {}\n  do: {}", warning.place, warning.what, warning.fix));
+        for fault in self.faults() {
+            console.say(prose::fault(fault));
         }
     }
 }

@@ -41,7 +41,7 @@ struct Answer {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = or_bad_data(args.input.load(), &[], console)?;
     let options = Options { most: 1, ..Options::default() };
-    let (found, _) = or_bad_data(search(&logs, &options, console), &logs.records, console)?;
+    let (found, _) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
     let answer =

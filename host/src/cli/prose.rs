@@ -2,6 +2,7 @@
 
 use crate::compare::measures::Measures;
 use crate::fit::uncertainty::Estimate;
+use crate::log::Warning;
 
 /// A line of errors.
 pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
@@ -11,6 +12,11 @@ pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
         figure(m.me),
         m.nrmse_fit_percent
     )
+}
+
+/// A fault of the data and what to do.
+pub fn fault(fault: &Warning) -> String {
+    format!("data: {}: {}\n  do: {}", fault.place, fault.what, fault.fix)
 }
 
 /// A table of parameters with intervals.

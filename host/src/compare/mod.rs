@@ -1,6 +1,8 @@
 //! Model against measurement: free runs, their errors, and where the model fails.
 
 mod course;
+pub mod effect_trace;
+pub mod effect_views;
 pub mod failure;
 pub mod free_run;
 pub mod measures;

@@ -31,10 +31,14 @@ pub struct ResidualTorque {
     pub torque_v: Vec<f64>,
     /// Measured angle of the output shaft, rad (integrated, where only speed was measured).
     pub angle_rad: Vec<f64>,
+    /// Simulated angle, alike, rad.
+    pub simulated_angle_rad: Vec<f64>,
     /// Measured speed of the output shaft, rad/s, smoothed.
     pub speed_rad_s: Vec<f64>,
     /// Simulated speed, rad/s, smoothed alike.
     pub simulated_speed_rad_s: Vec<f64>,
+    /// Measured acceleration, rad/s^2, smoothed.
+    pub acceleration_rad_s2: Vec<f64>,
     /// Voltage held at each sample, V.
     pub voltage_v: Vec<f64>,
 }
@@ -56,7 +60,7 @@ pub fn residual_torque(run: &FreeRun, base: &BaseValues) -> ResidualTorque {
     let inertia = base.tau_m - (1.0 - base.viscous_share) * base.tau_e;
     let of_angle = run.quantity == Quantity::Angle;
     let mut out = ResidualTorque::default();
-    let mut travelled = 0.0;
+    let mut travelled = [0.0; 2];
     for k in beside..n.saturating_sub(beside) {
         let around = (k - beside..=k + beside).step_by(every);
         let fit = Quadratic::around(&run.time_s, k, around, |j| [run.measured[j], run.simulated[j]]);
@@ -64,12 +68,17 @@ pub fn residual_torque(run: &FreeRun, base: &BaseValues) -> ResidualTorque {
         // A speed's value and slope stand one place earlier than an angle's.
         let motion = |q: &Quadratic| if of_angle { (q.slope, q.bend) } else { (q.value, q.slope) };
         let ((w, a), (ws, as_)) = (motion(&measured), motion(&simulated));
-        travelled += run.measured[k] * (run.time_s[k] - run.time_s[k - 1]);
+        for (way, speed) in travelled.iter_mut().zip([run.measured[k], run.simulated[k]]) {
+            *way += speed * (run.time_s[k] - run.time_s[k - 1]);
+        }
+        let [angle, simulated_angle] = if of_angle { [measured.value, simulated.value] } else { travelled };
         out.time_s.push(run.time_s[k]);
         out.torque_v.push((inertia * (a - as_) + (w - ws)) / base.gain);
-        out.angle_rad.push(if of_angle { measured.value } else { travelled });
+        out.angle_rad.push(angle);
+        out.simulated_angle_rad.push(simulated_angle);
         out.speed_rad_s.push(w);
         out.simulated_speed_rad_s.push(ws);
+        out.acceleration_rad_s2.push(a);
         out.voltage_v.push(run.voltage_v[k]);
     }
     out

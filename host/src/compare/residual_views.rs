@@ -20,7 +20,7 @@ pub struct Binned {
 }
 
 /// Bins with fewer samples than this say nothing.
-const FEWEST_IN_BIN: usize = 8;
+pub(super) const FEWEST_IN_BIN: usize = 8;
 
 /// Bins of `torque_v` between `low` and `high` by `key`, over any number of records. Samples outside, or with no
 /// key, are left out.
@@ -61,7 +61,7 @@ pub fn binned<'a>(
 }
 
 /// Largest magnitude that matters: exceeded by one in a hundred.
-fn reach<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+pub(super) fn reach<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     let mut all: Vec<f64> = values.map(|v| v.abs()).collect();
     if all.is_empty() {
         return 1.0;
@@ -96,37 +96,47 @@ pub fn by_angle(all: &[ResidualTorque], turns_per_turn: f64) -> Binned {
 }
 
 /// Time looked at before and after a reversal, s.
-const AROUND_S: (f64, f64) = (0.1, 0.3);
+pub(super) const AROUND_S: (f64, f64) = (0.1, 0.3);
+
+/// Instants at which the speed changes its sign for good, and its sign from then on.
+pub(super) fn reversals(r: &ResidualTorque) -> Vec<(f64, f64)> {
+    let still = 0.02 * reach(r.speed_rad_s.iter());
+    let (mut direction, mut crossed) = (0.0, 0.0);
+    let mut reversals = Vec::new();
+    for (k, w) in r.speed_rad_s.iter().enumerate() {
+        if k > 0 && w * r.speed_rad_s[k - 1] <= 0.0 {
+            crossed = r.time_s[k];
+        }
+        if w.abs() > still && w.signum() != direction {
+            if direction != 0.0 {
+                reversals.push((crossed, w.signum()));
+            }
+            direction = w.signum();
+        }
+    }
+    reversals
+}
+
+/// Samples up to so long before and after each of the `events`, none counted twice: which, when, the event's sign.
+pub(super) fn around(time_s: &[f64], events: &[(f64, f64)], span: (f64, f64)) -> Vec<(usize, f64, f64)> {
+    let mut near = Vec::new();
+    for (k, &(at, sign)) in events.iter().enumerate() {
+        let before = if k > 0 { 0.5 * (events[k - 1].0 + at) } else { f64::MIN };
+        let after = events.get(k + 1).map_or(f64::MAX, |next| 0.5 * (next.0 + at));
+        let first = time_s.partition_point(|t| *t < (at - span.0).max(before));
+        let last = time_s.partition_point(|t| *t < (at + span.1).min(after));
+        near.extend((first..last.max(first)).map(|j| (j, time_s[j] - at, sign)));
+    }
+    near
+}
 
 /// Around reversals: time since the speed changed its sign; torques count along the new direction.
 pub fn around_reversals(all: &[ResidualTorque]) -> Binned {
-    let mut keyed: Vec<(Option<f64>, f64)> = Vec::new();
-    for r in all {
-        let still = 0.02 * reach(r.speed_rad_s.iter());
-        let mut direction = 0.0;
-        let mut reversals: Vec<(f64, f64)> = Vec::new();
-        let mut crossed = 0.0;
-        for (k, w) in r.speed_rad_s.iter().enumerate() {
-            if k > 0 && w * r.speed_rad_s[k - 1] <= 0.0 {
-                crossed = r.time_s[k];
-            }
-            if w.abs() > still && w.signum() != direction {
-                if direction != 0.0 {
-                    reversals.push((crossed, w.signum()));
-                }
-                direction = w.signum();
-            }
-        }
-        for (k, &(at, sign)) in reversals.iter().enumerate() {
-            let before = if k > 0 { 0.5 * (reversals[k - 1].0 + at) } else { f64::MIN };
-            let after = reversals.get(k + 1).map_or(f64::MAX, |next| 0.5 * (next.0 + at));
-            let first = r.time_s.partition_point(|t| *t < (at - AROUND_S.0).max(before));
-            let last = r.time_s.partition_point(|t| *t < (at + AROUND_S.1).min(after));
-            for j in first..last.max(first) {
-                keyed.push((Some(r.time_s[j] - at), sign * r.torque_v[j]));
-            }
-        }
-    }
+    let near = all.iter().flat_map(|r| {
+        let near = around(&r.time_s, &reversals(r), AROUND_S);
+        near.into_iter().map(|(j, since, sign)| (Some(since), sign * r.torque_v[j]))
+    });
+    let keyed: Vec<(Option<f64>, f64)> = near.collect();
     binned(keyed.iter().map(|(key, f)| (*key, f)), -AROUND_S.0, AROUND_S.1, 40)
 }
 

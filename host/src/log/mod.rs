@@ -36,7 +36,7 @@ pub use metadata::{EncoderShaft, Metadata};
 pub use read::{Format, ReadOptions, read};
 pub use record::{Hold, Record, Warning};
 pub use samples::FEWEST_SAMPLES;
-pub use suspicion::suspicions;
+pub use suspicion::{data_faults, suspicions};
 pub(crate) use text::{cannot_read, open as open_text};
 pub use usable::{Fault, check_usable, content_faults, faults};
 pub use write::write_canonical;

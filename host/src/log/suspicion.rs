@@ -6,7 +6,7 @@
 use super::motion::peak;
 use super::quantum::quantum;
 use super::weak::Weak;
-use super::{Record, Warning};
+use super::{Record, Warning, faults};
 
 /// A finding about one record: short name, column, cause, remedy.
 type Odd = (&'static str, &'static str, String, String);
@@ -17,11 +17,17 @@ struct Seen<'a> {
     weak: Option<Weak<'a>>,
 }
 
+/// What reader and judge found odd, and everything odd about the content: all that is told before any physics.
+pub fn data_faults<'a>(records: impl IntoIterator<Item = &'a Record> + Clone) -> Vec<Warning> {
+    records.clone().into_iter().flat_map(faults).chain(suspicions(records)).collect()
+}
+
 /// Everything odd about `records`, each by itself and against each other.
-pub fn suspicions(records: &[Record]) -> Vec<Warning> {
+pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
     let alone = [beyond_supply, constant_supply, stale, jumps, drifting_count];
     let regressed = [clipped, wrong_gear];
-    let seen: Vec<Seen> = records.iter().map(|record| Seen { record, weak: Weak::new(record) }).collect();
+    let seen: Vec<Seen> =
+        records.into_iter().map(|record| Seen { record, weak: Weak::new(record) }).collect();
     let mut found = Vec::new();
     for one in &seen {
         let odd = alone.iter().filter_map(|check| check(one.record));
@@ -104,10 +110,29 @@ const TOGETHER_STEPS: f64 = 1.6;
 const FEW: usize = 3;
 const SHIFT_BETTER: f64 = 0.6;
 
+/// A voltage that changes by less than this share of itself in so many seconds shows no shift: friction looks alike.
+const LIVELY: f64 = 0.1;
+const LIVELY_S: f64 = 0.02;
+
+/// Whether the voltage of `record` changes fast enough to tell a shift from friction.
+fn lively(record: &Record) -> bool {
+    let (t, v) = (&record.time_s, &record.voltage_v);
+    let mean = v.iter().sum::<f64>() / v.len().max(1) as f64;
+    let (mut change, mut all, mut later) = (0.0, 0.0, 0);
+    for k in 0..v.len() {
+        while later + 1 < v.len() && t[later] < t[k] + LIVELY_S {
+            later += 1;
+        }
+        change += (v[later] - v[k]).powi(2);
+        all += (v[k] - mean).powi(2);
+    }
+    change > LIVELY * LIVELY * all
+}
+
 /// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
 fn shifted(seen: &[Seen]) -> Option<Warning> {
     let weak: Vec<(&Record, &Weak)> =
-        seen.iter().filter_map(|s| Some((s.record, s.weak.as_ref()?))).collect();
+        seen.iter().filter(|s| lively(s.record)).filter_map(|s| Some((s.record, s.weak.as_ref()?))).collect();
     let interval = weak.iter().map(|w| w.1.interval_s()).fold(0.0, f64::max);
     let step = interval.max(0.002);
     let most = (FURTHEST_S / step).floor().min(24.0) as i32;

@@ -73,8 +73,10 @@ pub enum Draw {
     Dotted,
     /// Held until the next point.
     Steps,
-    /// Points alone.
+    /// Points alone, rings.
     Points,
+    /// Points alone, many and small.
+    Dots,
     /// Bars from the bottom, each with its value in words.
     Bars,
 }

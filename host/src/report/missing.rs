@@ -1,12 +1,12 @@
-//! Step 3, What is missing: a card for every suspect, the best with its evidence drawn.
+//! Step 3, What is missing: a card for every suspect, the best and the accepted with their evidence drawn.
 
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::fails::{Side, view};
-use super::figure::Figure;
-use super::story::{Suspect, Torques};
-use crate::compare::residual_views::Binned;
+use super::falls::judged;
+use super::figure::{Figure, in_words};
+use super::story::Suspect;
+use crate::diagnose::discover::{Ranked, Rung};
 
 /// A suspect as it is shown.
 #[derive(Debug, Clone, Serialize)]
@@ -27,21 +27,17 @@ pub struct Card {
     pub rivals: Vec<String>,
     /// Whether it is in the model.
     pub added: bool,
-    /// Name of the figure that shows it.
-    pub figure: Option<String>,
+    /// Names of the figures that show it.
+    pub figures: Vec<String>,
 }
 
 /// What suspects are told against.
 #[derive(Debug)]
 pub struct Setting<'a> {
-    /// Name and residual torques of the model that they were tried on.
-    pub tried_on: (&'a str, &'a Torques),
     /// Sets that these records cannot tell apart.
     pub rivals: &'a [Vec<Kind>],
     /// Effects that are in the model by now.
     pub in_model: Vec<Kind>,
-    /// Motor turns per turn of the output shaft.
-    pub gear_ratio: f64,
 }
 
 /// Cards in order, and the figures of those that have one.
@@ -52,7 +48,6 @@ pub fn cards(suspects: &[Suspect], setting: &Setting) -> (Vec<Card>, Vec<Figure>
         .map(|suspect| {
             let kind = suspect.ranked.effect;
             let spec = kind.spec();
-            let evidence = evidence(suspect, setting);
             let rivals = setting.rivals.iter().filter(|set| set.contains(&kind)).flatten();
             let card = Card {
                 effect: spec.name.into(),
@@ -63,29 +58,54 @@ pub fn cards(suspects: &[Suspect], setting: &Setting) -> (Vec<Card>, Vec<Figure>
                 evidence: suspect.ranked.evidence.clone(),
                 rivals: rivals.filter(|r| **r != kind).map(ToString::to_string).collect(),
                 added: setting.in_model.contains(&kind),
-                figure: evidence.as_ref().map(|f| f.id.clone()),
+                figures: suspect.figures.iter().map(|f| f.id.clone()).collect(),
             };
-            figures.extend(evidence);
+            figures.extend(suspect.figures.iter().cloned());
             card
         })
         .collect();
     (cards, figures)
 }
 
-/// The side from which the effect takes most of the residual torque away.
-fn evidence(suspect: &Suspect, setting: &Setting) -> Option<Figure> {
-    let with = suspect.torques.as_ref()?;
-    let (name_before, before) = setting.tried_on;
-    let square =
-        |seen: &Binned| seen.mean_v.iter().map(|m| m * m).sum::<f64>() / seen.mean_v.len().max(1) as f64;
-    let sides = Side::ALL.into_iter().map(|side| {
-        let [base, candidate] = [before, with].map(|torques| side.binned(torques, setting.gear_ratio));
-        (square(&base) - square(&candidate), side, base, candidate)
-    });
-    let (_, side, base, candidate) = sides.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let name = suspect.ranked.effect.spec().name;
-    let names = [name_before, &format!("with {name}")];
-    let mut figure = view(side, &format!("evidence-{name}"), &base, &candidate, names);
-    figure.reading = format!("What {name} takes away, seen {}.", figure.title.to_lowercase());
-    Some(figure)
+/// An effect of the model as the ladder tells its coming; `figures` show it.
+pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -> Suspect {
+    let has = |rung: &Rung| rung.effects.contains(&kind);
+    let came = ladder.windows(2).find(|pair| !has(&pair[0]) && has(&pair[1]));
+    let (score, evidence) = came.map_or_else(
+        || (0.0, "it was in the model from the start".into()),
+        |pair| {
+            let [before, after] = [&pair[0], &pair[1]].map(|rung| judged(rung).rmse);
+            let on = if pair[1].validation.is_some() { "unseen data" } else { "the records fitted" };
+            let way = if after < before { "fell" } else { "went" };
+            let words = [before, after].map(|error| in_words(error, unit));
+            let evidence =
+                format!("when {kind} came in, the error {way} from {} to {} on {on}", words[0], words[1]);
+            ((1.0 - after / before.max(1e-300)).clamp(0.0, 1.0), evidence)
+        },
+    );
+    Suspect { ranked: Ranked { effect: kind, score, validation: None, evidence }, figures }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::measures::Measures;
+
+    #[test]
+    fn an_accepted_effect_is_told_by_the_step_that_brought_it() {
+        let rung = |effects: &[Kind], rmse: f64| Rung {
+            effects: effects.to_vec(),
+            train: Measures { rmse, ..Measures::default() },
+            validation: None,
+        };
+        let ladder =
+            [rung(&[], 0.4), rung(&[Kind::Coulomb], 0.2), rung(&[Kind::Coulomb, Kind::Gravity], 0.05)];
+        let told = accepted(Kind::Gravity, &ladder, "rad", Vec::new()).ranked;
+        assert!((told.score - 0.75).abs() < 1e-12);
+        assert_eq!(
+            told.evidence,
+            "when gravity came in, the error fell from 0.2 rad to 50 mrad on the records fitted"
+        );
+        assert_eq!(accepted(Kind::Coulomb, &ladder[1..], "rad", Vec::new()).ranked.score, 0.0);
+    }
 }

@@ -4,11 +4,13 @@
 //! draws with the plotting library that comes along. The live page shows the same figures.
 
 pub mod decimate;
+pub mod evidence;
 pub mod fails;
 pub mod falls;
 pub mod figure;
 pub mod missing;
 pub mod records;
+pub mod shown_by_fit;
 mod story;
 pub mod words;
 
@@ -56,12 +58,9 @@ pub fn figures(story: &Story) -> (Figures, Vec<missing::Card>) {
     let compare = compare.map(|(k, shown)| records::figure(&format!("record-{k}"), shown, story.floor, None));
     let shown: Vec<&Shown> = story.records.iter().collect();
     let torques = [&story.base_torques, &story.model_torques];
-    let before = if story.diagnosed_model { ("model", torques[1]) } else { ("base model", torques[0]) };
     let setting = missing::Setting {
-        tried_on: before,
         rivals: &story.rivals,
         in_model: story.model.effects.iter().map(|e| e.effect).collect(),
-        gear_ratio: story.model.rig.gear_ratio,
     };
     let (cards, missing) = missing::cards(&story.suspects, &setting);
     let figures = Figures {

@@ -2,6 +2,8 @@
 
 use motorlens_shared::effects::Kind;
 
+use super::figure::Figure;
+use super::{evidence, missing};
 use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
@@ -10,7 +12,7 @@ use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, Warning, faults};
+use crate::log::{Record, Warning};
 use crate::model_file::Model;
 
 /// A record with the runs of two models.
@@ -31,13 +33,13 @@ pub struct Torques {
     pub records: Vec<ResidualTorque>,
 }
 
-/// A candidate of the first diagnosis with the run that it gives.
+/// A candidate of the first diagnosis, or an accepted effect.
 #[derive(Debug, Clone)]
 pub struct Suspect {
     /// What the diagnosis says.
     pub ranked: Ranked,
-    /// Residual torques with the effect added; only the first few have them.
-    pub torques: Option<Torques>,
+    /// Its law over the records; only the first few and the accepted have it.
+    pub figures: Vec<Figure>,
 }
 
 /// Everything a report shows.
@@ -59,8 +61,6 @@ pub struct Story {
     pub ladder: Vec<Rung>,
     /// First diagnosis, best first.
     pub suspects: Vec<Suspect>,
-    /// Whether the suspects were tried on the model (else on the base model).
-    pub diagnosed_model: bool,
     /// Sets that these records cannot tell apart.
     pub rivals: Vec<Vec<Kind>>,
     /// The experiment that would tell them apart, in words.
@@ -79,12 +79,17 @@ pub struct Story {
     pub model_torques: Torques,
 }
 
-/// Candidates whose evidence is drawn.
-pub const DRAWN: usize = 3;
+/// Candidates whose evidence is drawn, whether they were accepted or not.
+pub const DRAWN: usize = 4;
 
 impl Story {
-    /// The story of a discovery on `records`, judged on `validation`.
-    pub fn of(discovery: &Discovery, records: &[Record], validation: &[Record]) -> Self {
+    /// The story of a discovery on `records` with the `faults` found in them, judged on `validation`.
+    pub fn of(
+        discovery: &Discovery,
+        records: &[Record],
+        validation: &[Record],
+        faults: Vec<Warning>,
+    ) -> Self {
         let rungs = &discovery.climb.rungs;
         let base = rungs[0].values();
         let values = discovery.model.values();
@@ -92,13 +97,6 @@ impl Story {
         let unseen = (!validation.is_empty()).then_some(&discovery.evidence.unseen);
         let shown = shown(whole, unseen, &base, &values);
         let next = discovery.plan(Limits { volts: discovery.evidence.highest_voltage(), seconds: 8.0 });
-        let suspects = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
-            let candidate = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&ranked.effect));
-            let torques = candidate
-                .filter(|_| place < DRAWN)
-                .map(|c| torques(free_runs(whole, &c.values()).iter(), &c.values()));
-            Suspect { ranked: ranked.clone(), torques }
-        });
         Self {
             title: title(records),
             base_torques: torques(shown.iter().map(|s| &s.base), &base),
@@ -107,18 +105,38 @@ impl Story {
             records: shown,
             floor: discovery.noise_floor,
             ladder: discovery.ladder.clone(),
-            suspects: suspects.collect(),
-            diagnosed_model: false,
+            suspects: suspects(discovery, !validation.is_empty()),
             rivals: discovery.rivals.clone(),
             next: next.map(|plan| plan.why()),
             verdict: Some(discovery.verdict),
-            faults: records.iter().chain(validation).flat_map(faults).collect(),
+            faults,
             parameters: estimates(whole, &values),
             combinations: combinations(whole, &values),
             model: discovery.model.clone(),
             base,
         }
     }
+}
+
+/// The candidates in order, and after them what only a later diagnosis brought.
+fn suspects(discovery: &Discovery, has_unseen: bool) -> Vec<Suspect> {
+    let model = discovery.climb.model();
+    let drawn = |kind: Kind, values: &Values| evidence::of(&discovery.evidence, has_unseen, kind, values);
+    let candidates = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
+        let kind = ranked.effect;
+        let tried = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
+        let shown = if model.kinds().contains(&kind) { Some(model) } else { tried.filter(|_| place < DRAWN) };
+        let figures = shown.map_or_else(Vec::new, |c| drawn(kind, &c.values()));
+        Suspect { ranked: ranked.clone(), figures }
+    });
+    let later = |kind: &&Kind| !discovery.candidates.iter().any(|c| c.effect == **kind);
+    let unit = discovery.evidence.whole.grids.first().map_or("rad", |g| g.quantity.unit());
+    let later = model
+        .kinds()
+        .iter()
+        .filter(later)
+        .map(|kind| missing::accepted(*kind, &discovery.ladder, unit, drawn(*kind, &model.values())));
+    candidates.chain(later).collect()
 }
 
 /// Runs of both models on all records, training first.

@@ -4,6 +4,7 @@ use motorlens_virtual_motor::{Effect, Motor};
 
 use super::*;
 use crate::diagnose::discover::{Options, discover};
+use crate::log::Warning;
 use crate::motor_file::MotorFile;
 use crate::simulate::{Excitation, Role, Scenario, plays};
 use motorlens_shared::effects::Kind;
@@ -20,7 +21,12 @@ static STORY: LazyLock<Story> = LazyLock::new(|| {
     let (fitted, unseen) = (of(fitted), of(unseen));
     let options = Options { library: vec![Kind::Coulomb, Kind::Gravity, Kind::DeadZone], most: 2 };
     let found = discover(&fitted, &unseen, &MotorFile::default(), &options, &mut |_| ()).unwrap();
-    Story::of(&found, &fitted, &unseen)
+    let faults = vec![Warning {
+        place: "a.csv, column angle_rad".into(),
+        what: "stale_samples: old".into(),
+        fix: "read it anew".into(),
+    }];
+    Story::of(&found, &fitted, &unseen, faults)
 });
 
 #[test]
@@ -37,11 +43,16 @@ fn a_report_of_the_default_protocol_needs_no_network_and_less_than_6_megabytes()
 #[test]
 fn the_steps_come_in_the_order_of_the_work() {
     let page = html(&STORY).unwrap();
-    let places: Vec<usize> = ["compare", "fails", "missing", "add", "falls"]
+    let places: Vec<usize> = ["data-faults", "compare", "fails", "missing", "add", "falls"]
         .iter()
         .map(|id| page.find(&format!("section id=\"{id}\"")).expect(id))
         .collect();
     assert!(places.is_sorted());
+    let fault = page.find("stale_samples").expect("told before any physics");
+    assert!(places[0] < fault && fault < places[1]);
+    let ids: Vec<&str> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let twice = ids.iter().find(|id| ids.iter().filter(|other| other == id).count() > 1);
+    assert_eq!(twice, None, "the scripts find things by their ids");
     assert!(page.contains("unseen") && page.contains("dry (Coulomb) friction"));
 }
 
@@ -61,6 +72,21 @@ fn friction_shows_as_the_side_that_explains_most_and_goes_when_added() {
         b.mean_v.iter().copied().fold(f64::MIN, f64::max) - b.mean_v.iter().copied().fold(f64::MAX, f64::min)
     };
     assert!(swing(&after) < 0.3 * swing(&before), "{} {}", swing(&after), swing(&before));
+}
+
+#[test]
+fn the_accepted_effect_and_the_best_of_the_others_are_shown_over_the_records() {
+    let (all, cards) = figures(&STORY);
+    let drawn = cards.iter().filter(|card| !card.figures.is_empty()).count();
+    assert!(drawn >= DRAWN.min(cards.len()), "{drawn} of {}", cards.len());
+    let accepted = cards.iter().find(|card| card.added).unwrap();
+    let figure = all.missing.iter().find(|f| f.id == accepted.figures[0]).unwrap();
+    assert_eq!(figure.panels[0].curves[1].name, "law of coulomb");
+    assert!(
+        figure.title.contains("by speed") && figure.reading.contains("the dots follow it"),
+        "{}",
+        figure.reading
+    );
 }
 
 #[test]

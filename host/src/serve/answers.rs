@@ -89,6 +89,7 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         "ladder": session.ladder,
         "floor": session.floor,
         "unit": session.unit(),
+        "faults": session.faults,
         "counts_per_rev": session.motor.counts_per_rev.or_else(|| told(Metadata::counts_per_rev)),
         "gear_ratio": session.motor.gear_ratio.or_else(|| told(Metadata::gear_ratio)),
         "diagnosed": session.diagnosis.is_some(),
@@ -110,15 +111,10 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
             }
             "missing" => {
                 let diagnosis = scene.diagnosis.as_deref().cloned().unwrap_or_default();
-                let setting = Setting {
-                    tried_on: ("model", &view.torques()[1]),
-                    rivals: &diagnosis.rivals,
-                    in_model: scene.effects(),
-                    gear_ratio: scene.gear_ratio(),
-                };
-                let (cards, figures) = missing::cards(&diagnosis.suspects, &setting);
+                let setting = Setting { rivals: &diagnosis.rivals, in_model: scene.effects() };
+                let (cards, figures) = missing::cards(&scene.suspects(), &setting);
                 json!({ "figures": figures, "cards": cards, "rivals": diagnosis.rivals, "next": diagnosis.next,
-                        "worth": diagnosis.worth, "diagnosed": scene.diagnosis.is_some(), "faults": scene.faults })
+                        "worth": diagnosis.worth, "diagnosed": scene.diagnosis.is_some() })
             }
             "falls" => json!({
                 "figures": [falls::figure(&scene.ladder, scene.floor, scene.unit)],
@@ -128,7 +124,7 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
             "estimates" => {
                 let [parameters, combinations] = view.estimates();
                 json!({ "parameters": words::estimate_rows(parameters),
-                        "combinations": words::estimate_rows(combinations) })
+                        "combinations": words::estimate_rows(combinations), "faults": scene.later_faults() })
             }
             _ => return Err(refused(StatusCode::NOT_FOUND, "there is no such step")),
         };

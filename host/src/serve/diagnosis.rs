@@ -4,19 +4,18 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use crate::compare::free_run::free_runs;
 use crate::diagnose::candidate::{Candidate, Evidence};
 use crate::diagnose::climb::{Climb, simplest, worth};
 use crate::diagnose::discover;
 use crate::diagnose::plan::{self, Limits};
-use crate::report::{DRAWN, Suspect, torques};
+use crate::report::{DRAWN, Suspect, evidence};
 
 /// Effects that were tried on a model.
 #[derive(Debug, Clone, Default)]
 pub struct Diagnosis {
     /// With their parameters, best first.
     pub candidates: Vec<Candidate>,
-    /// The same as they are told; the first few with their residual torques.
+    /// The same as they are told; the first few with what shows them.
     pub suspects: Vec<Suspect>,
     /// Sets that cannot be told apart.
     pub rivals: Vec<Vec<Kind>>,
@@ -49,14 +48,9 @@ impl Diagnosis {
         let rivals = discover::rivals(&climb);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
-            let torques = of(ranked.effect).filter(|_| place < DRAWN).map(|c| {
-                let mut runs = free_runs(&evidence.whole, &c.values());
-                if has_unseen {
-                    runs.extend(free_runs(&evidence.unseen, &c.values()));
-                }
-                torques(runs.iter(), &c.values())
-            });
-            Suspect { torques, ranked }
+            let tried = of(ranked.effect).filter(|_| place < DRAWN);
+            let drawn = |c: &Candidate| evidence::of(evidence, has_unseen, ranked.effect, &c.values());
+            Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
         let suspects = suspects.collect();
         let among: Vec<&Candidate> =

@@ -9,10 +9,10 @@ use super::view::{Tracks, View};
 use crate::diagnose::candidate::{Candidate, Evidence};
 use crate::diagnose::discover::{self, Rung, prepare};
 use crate::error::Result;
-use crate::log::{Record, Warning, faults};
+use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::{Story, title};
+use crate::report::{Story, Suspect, missing, shown_by_fit, title};
 use crate::simulate::Answer;
 
 /// A hidden effect to be found.
@@ -45,6 +45,8 @@ pub struct Session {
     pub puzzle: Option<Puzzle>,
     /// Error that a perfect model would leave.
     pub floor: f64,
+    /// What is odd about the records.
+    pub faults: Vec<Warning>,
     view: Arc<View>,
 }
 
@@ -61,7 +63,7 @@ pub struct Scene {
     pub floor: f64,
     /// Unit of what is compared.
     pub unit: &'static str,
-    /// What is odd about the data.
+    /// What is odd about the records.
     pub faults: Vec<Warning>,
     /// The model as a file.
     pub model: Model,
@@ -79,6 +81,7 @@ impl Session {
         let tracks = Arc::new(Tracks::new(&evidence, !validation.is_empty()));
         let base = current.values();
         Ok(Self {
+            faults: data_faults(records.iter().chain(&validation)),
             ladder: vec![rung(&evidence, !validation.is_empty(), &current)],
             view: Arc::new(View::new(tracks, base.clone(), base)),
             diagnosis: None,
@@ -130,7 +133,7 @@ impl Session {
             diagnosis: self.diagnosis.clone(),
             floor: self.floor,
             unit: self.unit(),
-            faults: self.records.iter().chain(&self.validation).flat_map(faults).collect(),
+            faults: self.faults.clone(),
             model: self.model(),
             title: title(&self.records),
         }
@@ -153,6 +156,24 @@ impl Scene {
         self.view.model.kinds()
     }
 
+    /// Faults of the data that only the fit shows.
+    pub fn later_faults(&self) -> Vec<Warning> {
+        shown_by_fit::faults(&self.view.estimates()[0], &self.effects())
+    }
+
+    /// What is suspected, and after it what is in the model already.
+    pub fn suspects(&self) -> Vec<Suspect> {
+        let mut all = self.diagnosis.as_deref().map_or_else(Vec::new, |d| d.suspects.clone());
+        let drawn = self.view.evidence();
+        all.extend(
+            self.effects()
+                .into_iter()
+                .zip(drawn)
+                .map(|(kind, figures)| missing::accepted(kind, &self.ladder, self.unit, figures.clone())),
+        );
+        all
+    }
+
     /// Everything that a report tells.
     pub fn story(&self) -> Story {
         let [base_torques, model_torques] = self.view.torques().clone();
@@ -164,12 +185,11 @@ impl Scene {
             unit: self.unit,
             floor: self.floor,
             ladder: self.ladder.clone(),
-            suspects: diagnosis.suspects,
-            diagnosed_model: true,
+            suspects: self.suspects(),
             rivals: diagnosis.rivals,
             next: diagnosis.next.map(|next| next.why),
             verdict: None,
-            faults: self.faults.clone(),
+            faults: self.faults.iter().cloned().chain(self.later_faults()).collect(),
             parameters,
             combinations,
             base_torques,

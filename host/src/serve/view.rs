@@ -11,7 +11,8 @@ use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::report::{Shown, Torques, torques};
+use crate::report::figure::Figure;
+use crate::report::{Shown, Torques, evidence, torques};
 
 /// The records as a model runs over them, training first.
 #[derive(Debug)]
@@ -86,6 +87,7 @@ pub struct View {
     pub model: Values,
     shown: Vec<OnceLock<Shown>>,
     torques: OnceLock<[Torques; 2]>,
+    evidence: OnceLock<Vec<Vec<Figure>>>,
     estimates: OnceLock<[Vec<Estimate>; 2]>,
 }
 
@@ -93,7 +95,8 @@ impl View {
     /// Nothing is computed yet.
     pub fn new(tracks: Arc<Tracks>, base: Values, model: Values) -> Self {
         let shown = (0..tracks.len()).map(|_| OnceLock::new()).collect();
-        Self { tracks, base, model, shown, torques: OnceLock::new(), estimates: OnceLock::new() }
+        let (torques, evidence, estimates) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { tracks, base, model, shown, torques, evidence, estimates }
     }
 
     /// Record `number` with the runs of base model and model; none beyond the last.
@@ -121,6 +124,19 @@ impl View {
                 torques(shown.iter().map(|s| &s.base), &self.base),
                 torques(shown.iter().map(|s| &s.model), &self.model),
             ]
+        })
+    }
+
+    /// What shows each effect of the model, in order.
+    pub fn evidence(&self) -> &[Vec<Figure>] {
+        self.evidence.get_or_init(|| {
+            let rig = self.tracks.whole.lock().unwrap_or_else(PoisonError::into_inner).rig;
+            let with: Vec<FreeRun> = self.all_shown().into_iter().map(|s| s.model.clone()).collect();
+            let drawn = self.model.kinds().into_iter().map(|kind| {
+                let without = self.tracks.runs(&self.model.without(kind));
+                evidence::figures(kind, &self.model, &rig, [&with, &without])
+            });
+            drawn.collect()
         })
     }
 

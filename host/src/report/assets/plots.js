@@ -23,6 +23,7 @@ const Plots = (() => {
     const s = { label: curve.name, stroke, width: curve.role === "measured" ? 2.4 : 1.6, spanGaps: true, points: { show: false }, value: (u, v) => brief(v) };
     if (curve.draw === "dotted") s.points = { show: true, size: 5, fill: stroke, stroke };
     if (curve.draw === "steps") s.paths = uPlot.paths.stepped({ align: 1 });
+    if (curve.draw === "dots") Object.assign(s, { paths: () => null, points: { show: true, size: 5, fill: stroke, stroke } });
     if (curve.draw === "points") Object.assign(s, { paths: () => null, points: { show: true, size: 10, fill: colour("surface"), stroke, width: 2.5 } });
     if (curve.draw === "bars") Object.assign(s, { paths: uPlot.paths.bars({ size: [0.62, 260] }), fill: curve.role === "gone" ? fade(stroke, 0.4) : stroke });
     return s;
@@ -94,7 +95,7 @@ const Plots = (() => {
       Object.assign(across, { splits: () => names.map((_, k) => k), values: (u, splits) => splits.map((k) => broken(names[k], narrow)), grid: { show: false }, size: 18 + 1.5 * size * high });
     }
     if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
-    const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58 };
+    const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58, values: (u, splits) => splits.map(brief) };
     if (panel.height < 150) up.space = 20;
     if (panel.y.log) {
       // Lines and numbers at whole decades only, or at 1, 2, 5 where there are few: nine to each would be all that one sees.

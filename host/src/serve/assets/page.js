@@ -114,6 +114,7 @@ async function refresh() {
   $("in-model").replaceChildren(...has.map((e) => element("span", { className: "chip" }, e.name, Object.assign(element("button", { type: "button", textContent: "✕", onclick: guard(() => ask("/api/remove", { effect: e.name })) }), { ariaLabel: "Remove " + e.name }))));
   $("reveal").hidden = !state.puzzle;
   if (!state.puzzle || !state.puzzle.revealed) $("answer").hidden = true;
+  showFaults(state.faults);
   slidersOf(state.parameters);
   showFitted();
   showDevice(state);

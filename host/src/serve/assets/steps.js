@@ -9,6 +9,13 @@ function figureElement(f, level = "h3") {
   return figure;
 }
 
+// Before any physics: what is wrong with the data.
+function showFaults(faults) {
+  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + f.fix + "." }));
+  $("data-faults").hidden = !faults.length;
+  $("faults").replaceChildren(...faults.map(card));
+}
+
 // 2 Where it fails
 async function showFails() { $("fails-figures").replaceChildren(...(await ask("/api/figures/fails")).figures.map((f) => figureElement(f))); }
 
@@ -20,9 +27,8 @@ function card(c, figures) {
     element("p", { className: "gain" }, element("code", { textContent: c.effect }), share, ` ${c.gain_percent} %`),
     element("p", { textContent: c.evidence + "." }), element("p", { className: "quiet", textContent: `Look for: ${c.signature}. Law: ${c.equation}.` }));
   if (c.rivals.length) all.append(element("p", { textContent: "These records cannot tell it from " + c.rivals.join(", ") + "." }));
-  all.append(element("p", {}, add));
-  const figure = figures.find((f) => f.id === c.figure);
-  if (figure) all.append(figureElement(figure, "h4"));
+  all.append(c.added ? element("p", {}, element("span", { className: "tag training", textContent: "in the model" })) : element("p", {}, add));
+  all.append(...figures.filter((f) => c.figures.includes(f.id)).map((f) => figureElement(f, "h4")));
   return all;
 }
 function nextCard(next) {
@@ -33,7 +39,7 @@ function nextCard(next) {
     element("p", { className: "tools" }, run, element("a", { className: "button", href: "/export/programme.json", download: "programme.json", textContent: "Save the programme" })));
 }
 async function showMissing() {
-  const { cards, figures, faults, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
+  const { cards, figures, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
   const nothing = element("article", { className: "card nothing" + (diagnosed && !worth ? " added" : "") }, element("h3", { textContent: "Nothing missing" }),
     element("p", { textContent: !diagnosed ? "Not sought yet." : worth ? "Not so: the first card lowers the error on the records fitted and on those kept out." : "No effect of the library lowers the error enough, on the records fitted and on those kept out, to be worth its parameters." }));
   const all = cards.map((c) => card(c, figures));
@@ -41,7 +47,6 @@ async function showMissing() {
   else if (diagnosed) all.push(nothing);
   for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Rivals" }), element("p", { textContent: `These records cannot tell ${set.join(", ")} apart: the first of them is as good a name as the others.` })));
   if (next) all.push(nextCard(next));
-  for (const f of faults) all.push(element("article", { className: "card fault" }, element("h3", { textContent: "Data fault" }), element("p", { textContent: f.fault }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + f.fix })));
   $("cards").replaceChildren(...all);
   $("programme").querySelector("[value=next]").disabled = !next;
 }
@@ -80,9 +85,10 @@ async function showLadder() {
   $("summary").textContent = answer.summary;
 }
 async function showEstimates() {
-  const { parameters, combinations } = await ask("/api/figures/estimates");
+  const { parameters, combinations, faults } = await ask("/api/figures/estimates");
   const cells = (e) => [e.name, e.value, e.interval, e.unit, e.identifiable];
   const mark = (e) => e.identifiable;
   rows("parameters", parameters, cells, mark);
   rows("combinations", combinations, cells, mark);
+  showFaults(state.faults.concat(faults));
 }

@@ -54,7 +54,7 @@ fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     browser.wait(&format!(
         "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'good' && {FRESH}"
     ));
-    let fault = browser.text(".card.fault");
+    let fault = browser.text("#data-faults .card.fault");
     assert!(fault.contains("repeat the time") && fault.contains("To do"), "{fault}");
     // A record of speed: speed, residual, voltage.
     assert_eq!(browser.number("document.querySelectorAll('#record-plot canvas').length"), 3.0);
@@ -78,6 +78,8 @@ fn rivals_and_the_next_experiment_are_among_the_cards_where_the_data_leave_a_que
     diagnosed(&mut browser);
     browser.wait("document.querySelector('.card.rivals') && document.querySelector('.card.next')");
     assert!(browser.text(".card.rivals").contains("coulomb"));
+    let first = browser.text(".card figcaption");
+    assert!(first.contains("taken out") && first.contains("the dots follow it"), "{first}");
     browser.screenshot(".card.rivals", "light-3-rivals-and-next-experiment");
     let programme = browser.value("fetch('/export/programme.json').then((r) => r.json())");
     assert!(programme["segments"].as_array().is_some_and(|s| !s.is_empty()), "{programme}");
