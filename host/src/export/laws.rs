@@ -71,7 +71,15 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         },
         Kind::SupplySag => {
             let duty = format!("(volts / {:e})", rig.supply_v);
-            drive(format!("series += {} * {duty} * {duty}", n(0)))
+            let renewed = 1.0 - (-place.part_s / (p[1] + 0.5 * place.part_s)).exp();
+            Statements {
+                drive: vec![
+                    format!("series += {:e} * {duty} * {duty}", renewed * p[0]),
+                    format!("v -= {duty} * {:e} * m[{m}]", 1.0 - renewed),
+                ],
+                settle: vec![format!("m[{m}] += {renewed:e} * ({} * {duty} * current2 - m[{m}])", n(0))],
+                ..Statements::default()
+            }
         }
         Kind::WindingHeating => Statements {
             drive: vec![format!("series += m[{m}]")],

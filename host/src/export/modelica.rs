@@ -80,6 +80,12 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             parts.voltage("dead_zone", |v| format!("{v} - max(-{down:e}, min({up:e}, {v}))"));
         }
         Kind::Coast => coast(parts, rig.supply_v, n(0), p[1]),
+        Kind::SupplySag if p[1] > 0.0 => {
+            let supply = rig.supply_v;
+            let slope = format!("({}*v/{supply:e}*u - sag)/{}", n(0), n(1));
+            parts.state("sag", "V", "what the supply lacks", slope);
+            parts.voltage("supply_sag", |name| format!("{name} - v/{supply:e}*sag"));
+        }
         Kind::SupplySag => parts.resistance += &format!(" + {}*(v/{:e})^2", n(0), rig.supply_v),
         Kind::WindingHeating => {
             let slope = format!("{}*(u/{:e})^2 - heat/{}", n(0), rig.nominal_v, n(1));

@@ -35,7 +35,11 @@ pub fn sets() -> Vec<Model> {
     let sets: Vec<Vec<(Kind, &[f64])>> = vec![
         vec![],
         vec![(Kind::DeadZone, &[0.3, 0.05]), (Kind::Coulomb, &[0.2]), (Kind::Gravity, &[0.4, -0.2])],
-        vec![(Kind::SupplySag, &[0.3]), (Kind::Stribeck, &[0.2, 0.3, 0.2]), (Kind::Spring, &[0.05, -0.1])],
+        vec![
+            (Kind::SupplySag, &[0.3, 0.003]),
+            (Kind::Stribeck, &[0.2, 0.3, 0.2]),
+            (Kind::Spring, &[0.05, -0.1]),
+        ],
         vec![
             (Kind::VoltageDrop, &[0.4, 0.2]),
             (Kind::LoadFriction, &[0.1, 0.2]),

@@ -1,48 +1,68 @@
 //! A weak supply: its voltage falls as the motor draws from it.
 
-use super::spec::{SERIES, Port, Scale, Spec, strength};
+use super::spec::{SERIES, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
-use crate::step::Drive;
+use crate::step::{Drive, State};
 
 pub(super) const SPEC: Spec = Spec {
     name: "supply_sag",
     port: Port::Voltage,
     title: "a weak supply: the voltage falls with the current drawn",
-    equation: "v = v_log - resistance (v_log / supply)^2 u",
-    source: "a bridge at duty d draws d i from a source of resistance R_s, and passes on d of what is left",
+    equation: "v = v_log - (v_log / supply) q,  buffer dq/dt = resistance (v_log / supply) u - q",
+    source: "a bridge at duty d draws d i from a source of resistance R_s behind a capacitor, and passes on d of what is left",
     signature: "too little torque at full duty and high current, none missing at low duty",
-    parameters: &[strength("resistance", "1", "source resistance per winding resistance", Scale::One, [0.0, 0.2, 4.0])],
-    probes: &[&[0.1], &[0.35], &[0.8]],
+    parameters: &[
+        strength("resistance", "1", "source resistance per winding resistance", Scale::One, [0.0, 0.2, 4.0]),
+        shape("buffer", "s", "time constant of source and capacitor", Scale::Millisecond, [0.0, 2.0, 50.0]),
+    ],
+    probes: &[&[0.1, 1.5], &[0.35, 1.5], &[0.8, 1.5]],
     laws: SERIES,
-    remembers: false,
+    remembers: true,
     contains: &[],
 };
 
-/// Source resistance as a share of the winding's.
+/// Source resistance as a share of the winding's; memory holds the volts that the supply lacks.
 #[derive(Debug, Clone, Copy)]
 pub struct SupplySag<S> {
     resistance: S,
     per_supply: S,
+    /// Share of the sag that a step renews.
+    renewed: S,
 }
 
 impl<S: Scalar> SupplySag<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
-        Self { resistance: parameters[0], per_supply: setting.per_supply }
+        // The sag at a step's end acts over the step, half a step early.
+        let steps = setting.step / (parameters[1] + S::lit(0.5) * setting.step);
+        Self {
+            resistance: parameters[0],
+            per_supply: setting.per_supply,
+            renewed: S::one() - (-steps).map(libm::exp),
+        }
     }
 }
 
 impl<S: Scalar> Effect<S> for SupplySag<S> {
     #[inline(always)]
-    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
+    fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
         let duty = now.command * self.per_supply;
-        drive.series += self.resistance * duty * duty;
+        // What the new current adds to the sag is solved with it: no buffer is too small.
+        drive.series += self.renewed * self.resistance * duty * duty;
+        drive.voltage -= duty * (memory.store - self.renewed * memory.store);
+    }
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
+        let sag = self.resistance * now.command * self.per_supply * after.current;
+        memory.store += self.renewed * (sag - memory.store);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::{Kind, testing::*};
+    use crate::simulator::Simulator;
+    use crate::step::State;
 
     /// Steady: u = b w / c, so w (1 / gain + s b / c) = v with s the resistance at this duty.
     #[test]
@@ -50,6 +70,26 @@ mod tests {
         let v = 6.0;
         let s = 0.8 * (v / RIG.supply_v) * (v / RIG.supply_v);
         let truth = v * BASE.gain / (1.0 + s * BASE.viscous_share);
-        close(steady_speed(Kind::SupplySag, &[0.8], v), truth, 1e-9);
+        close(steady_speed(Kind::SupplySag, &[0.8, 0.0], v), truth, 1e-9);
+        close(steady_speed(Kind::SupplySag, &[0.8, 0.01], v), truth, 1e-9);
+    }
+
+    /// Stalled by friction at full duty, with s the source resistance and T its time constant: u = v - q and
+    /// T q' = s u - q give q = v s / (1 + s) (1 - e^(-(1 + s) t / T)).
+    #[test]
+    fn the_supply_sags_with_its_capacitor() {
+        let (s, buffer, v) = (0.8, 0.02, RIG.supply_v);
+        let (sag, stall) = ([s, buffer], [50.0]);
+        let simulator = Simulator::new(&BASE, [(Kind::SupplySag, &sag[..]), (Kind::Coulomb, &stall[..])], &RIG);
+        let mut motion = simulator.start(State::rest());
+        for k in 1..60 {
+            simulator.advance(&mut motion, &[v; 60], k);
+            // The winding follows within its own time constant, and a step's current is that of its middle.
+            let t = (f64::from(k as u32) - 0.5) * 1e-3 - BASE.tau_e;
+            let truth = v - v * s / (1.0 + s) * (1.0 - libm::exp(-(1.0 + s) * t / buffer));
+            if k > 8 {
+                close(simulator.current(&motion), truth, 0.1);
+            }
+        }
     }
 }
