@@ -40,12 +40,19 @@ impl<S: Scalar> Base<S> {
     pub fn damping(&self) -> S {
         self.viscous_share / self.tau_m
     }
-    /// The rotor alone, when `load_share` of the inertia sits behind a gap or a spring.
+    /// The rotor alone, when `load_share` of the inertia and `load_damping` of the viscous friction sit behind a gap or
+    /// a spring: c / (1 - load_share), b (1 - load_damping) / (1 - load_share) and k_e.
     #[inline(always)]
     #[must_use]
-    pub fn without_load(self, load_share: S) -> Self {
-        // Damping stays with the rotor, so every rate of the mechanical equation rises alike.
-        Self { tau_m: self.tau_m * (S::one() - load_share), ..self }
+    pub fn without_load(self, load_share: S, load_damping: S) -> Self {
+        let moved = self.viscous_share * load_damping;
+        let rest = S::one() / (S::one() - moved);
+        Self {
+            gain: self.gain * rest,
+            tau_m: self.tau_m * (S::one() - load_share) * rest,
+            viscous_share: (self.viscous_share - moved) * rest,
+            ..self
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::base::{Base, Coefficients};
 use crate::effects::together::{Effects, Several};
-use crate::effects::{Kind, Memory, Now, Rig, Setting};
+use crate::effects::{Kind, Memory, Now, Rig, Setting, Spec};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State, step};
 use heapless::Vec;
@@ -43,9 +43,16 @@ impl<S: Scalar> Prepared<S> {
     #[inline(always)]
     #[must_use]
     pub fn new(base: &Base<S>, effects: &[Chosen<S>], rig: &Rig) -> Self {
-        let share = effects.iter().find_map(|(kind, p)| kind.spec().load_share().map(|index| p[index]));
+        let transmission = effects.iter().find(|(kind, _)| kind.is_transmission());
+        let of = |place: fn(&Spec) -> Option<usize>| {
+            transmission.and_then(|(kind, p)| Some(p[place(kind.spec())?]))
+        };
+        let share = of(Spec::load_share);
         let (rotor, parts) = match share {
-            Some(share) => (base.without_load(share), TRANSMISSION_PARTS),
+            Some(share) => {
+                let damping = of(Spec::load_damping).unwrap_or(S::zero());
+                (base.without_load(share, damping), TRANSMISSION_PARTS)
+            }
             None => (*base, 1),
         };
         let setting = Setting::new(base, rig, parts);

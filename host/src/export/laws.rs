@@ -122,7 +122,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             drive(format!("torque -= {} * sin{turn} + {} * cos{turn}", n(0), n(1)))
         }
         Kind::Spring => drive(format!("load_torque -= {} * (load_angle - start) + {}", n(0), n(1))),
-        Kind::Backlash => Statements { couple: backlash(p, place.part_s), ..Statements::default() },
+        Kind::Backlash => Statements { couple: backlash(p, place), ..Statements::default() },
         Kind::Compliance => Statements { couple: compliance(p, place.part_s), ..Statements::default() },
         Kind::Eccentricity => {
             let turn =
@@ -167,17 +167,20 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
     }
 }
 
-/// Rotor and load overlap by what exceeds the gap; while they close in on each other they go on together.
-fn backlash(p: &[f64], part_s: f64) -> Vec<String> {
-    let (half, share) = (0.5 * p[0], p[1]);
+/// Rotor and load overlap by what exceeds the gap; where they close in on each other they rebound.
+fn backlash(p: &[f64], place: &Place) -> Vec<String> {
+    let (half, share, part_s) = (0.5 * p[0], p[1], place.part_s);
+    let keep = 1.0 - part_s * place.base.damping() * p[2] / share;
     vec![
-        format!("load_angle2 += {part_s:e} * load_speed2"),
+        format!("common = {keep:e} * load_speed2"),
+        format!("load_angle2 += {:e} * (load_speed2 + common)", 0.5 * part_s),
+        "load_speed2 = common".into(),
         "overlap = angle2 - load_angle2".into(),
         format!("overlap -= clamp(overlap, -{half:e}, {half:e})"),
-        "closing = overlap * (speed2 - load_speed2)".into(),
-        format!("common = speed2 + {share:e} * (load_speed2 - speed2)"),
-        "speed2 = pick(closing, common, speed2)".into(),
-        "load_speed2 = pick(closing, common, load_speed2)".into(),
+        "closing = speed2 - load_speed2".into(),
+        format!("closing = pick(overlap * closing, {:e} * closing, 0.0)", 1.0 + p[3]),
+        format!("speed2 -= {share:e} * closing"),
+        format!("load_speed2 += {:e} * closing", 1.0 - share),
         format!("angle2 -= {share:e} * overlap"),
         format!("load_angle2 += {:e} * overlap", 1.0 - share),
     ]

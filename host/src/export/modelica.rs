@@ -34,8 +34,8 @@ struct Parts {
     error: String,
     /// The variable that holds the voltage so far.
     voltage: String,
-    /// Torque from rotor to load per inertia of the load, and the load's share of the inertia.
-    pull: Option<(String, f64)>,
+    /// Torque from rotor to load per inertia of the load, and the load's shares of inertia and viscous friction.
+    pull: Option<(String, [f64; 2])>,
     left_out: Vec<String>,
 }
 
@@ -120,17 +120,21 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             parts.equations.push(format!(
                 "overlap = angle - load_angle - max(-{half:e}, min({half:e}, angle - load_angle))"
             ));
+            // A contact of damping ratio z rebounds with e^(-pi z / sqrt(1 - z^2)) of the speed; the two masses
+            // together swing faster than the load alone.
+            let ln = p[3].max(1e-3).ln();
+            let damping = 2.0 * rate * (1.0 - p[1]).sqrt() * -ln / ln.hypot(std::f64::consts::PI);
             // Damping acts in contact only, where rotor and load overlap.
             let touching = format!("abs(overlap)/(abs(overlap) + {:e})", 1e-3 * half);
-            let pull = format!("{:e}*overlap + {:e}*(w - load_w)*{touching}", rate * rate, 2.0 * rate);
-            parts.pull = Some((pull, p[1]));
+            let pull = format!("{:e}*overlap + {:e}*(w - load_w)*{touching}", rate * rate, damping);
+            parts.pull = Some((pull, [p[1], p[2]]));
             parts.left_out.push(format!("The gap closes on a spring of {CONTACT_HZ} Hz, not at once."));
         }
         Kind::Compliance => {
             let rate = p[0] * std::f64::consts::TAU;
             let pull =
                 format!("{:e}*(angle - load_angle) + {:e}*(w - load_w)", rate * rate, 2.0 * p[2] * rate);
-            parts.pull = Some((pull, p[1]));
+            parts.pull = Some((pull, [p[1], 0.0]));
         }
         Kind::Eccentricity => {
             let turn = if rig.encoder_on_motor {
@@ -224,17 +228,20 @@ fn add_formula(parts: &mut Parts, model: &Model, own: &Definition, p: &[f64]) {
 fn file(model: &Model, parts: &Parts) -> String {
     let (b, r) = (&model.base, &model.rig);
     let comment: String = parts.left_out.iter().map(|s| format!("\n// {s}")).collect();
-    let (coupling, load, rotor_share) = match &parts.pull {
-        Some((pull, share)) => (
+    let (coupling, load, rotor_share, rotor_damping) = match &parts.pull {
+        Some((pull, [share, damping])) => (
             format!(" - {:e}*pull", share / (1.0 - share)),
             vec![
                 format!("pull = {pull}"),
-                format!("der(load_w) = pull + gain/tau_m/{share:e}*load_torque"),
+                format!(
+                    "der(load_w) = pull + (gain*load_torque - {damping:e}*viscous_share*load_w)/(tau_m*{share:e})"
+                ),
                 "der(load_angle) = load_w".into(),
             ],
             1.0 - share,
+            1.0 - damping,
         ),
-        None => (String::new(), vec!["load_w = w".into(), "load_angle = angle".into()], 1.0),
+        None => (String::new(), vec!["load_w = w".into(), "load_angle = angle".into()], 1.0, 1.0),
     };
     let on_rotor = if parts.pull.is_some() { "" } else { " + load_torque" };
     let load_start = if parts.pull.is_some() { ", start=0, fixed=true" } else { "" };
@@ -274,7 +281,7 @@ model Motor "geared DC motor; current and torques as voltages"
   torque = 0{torque};
   load_torque = 0{load_torque};
   friction = 0{friction};
-  der(w) = (gain*(field*u + torque{on_rotor} - friction*tanh(w/w0)) - viscous_share*w)/(tau_m*{rotor_share:e}){coupling};
+  der(w) = (gain*(field*u + torque{on_rotor} - friction*tanh(w/w0)) - {rotor_damping:e}*viscous_share*w)/(tau_m*{rotor_share:e}){coupling};
   der(angle) = w;
 {equations}  reading = {shaft}{error};
 end Motor;

@@ -28,7 +28,9 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     let load_share = effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_share()?]));
     let parts = if load_share.is_some() { TRANSMISSION_PARTS } else { 1 };
     let part_s = options.step_s / parts as f64;
-    let rotor = load_share.map_or(base, |share| base.without_load(share));
+    let load_damping =
+        effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_damping()?])).unwrap_or(0.0);
+    let rotor = load_share.map_or(base, |share| base.without_load(share, load_damping));
     let all: Vec<Statements> = effects
         .iter()
         .enumerate()

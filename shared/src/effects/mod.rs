@@ -47,6 +47,8 @@ pub struct Setting<S> {
     pub cell: S,
     /// Acceleration per volt-equivalent, rad/s^2 per V.
     pub acceleration: S,
+    /// Viscous damping rate, 1/s.
+    pub damping: S,
     /// Back-EMF constant, V per rad/s.
     pub back_emf: S,
     /// Electrical time constant, s.
@@ -75,6 +77,7 @@ impl<S: Scalar> Setting<S> {
             step: S::lit(rig.step_s / parts as f64),
             cell: S::lit(rig.step_s),
             acceleration: base.acceleration(),
+            damping: base.damping(),
             back_emf: base.back_emf(),
             tau_e: base.tau_e,
             motor_turns: S::lit(rig.gear_ratio * PER_TURN),

@@ -132,6 +132,11 @@ impl Spec {
     pub fn load_share(&self) -> Option<usize> {
         self.parameters.iter().position(|p| p.name == "load_share")
     }
+    /// Which parameter is the load's share of the viscous friction, where a transmission has one.
+    #[must_use]
+    pub fn load_damping(&self) -> Option<usize> {
+        self.parameters.iter().position(|p| p.name == "load_damping")
+    }
 }
 
 /// A parameter whose zero switches the effect off.
