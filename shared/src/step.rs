@@ -54,8 +54,10 @@ pub struct Drive<S> {
     pub drop: S,
     /// Voltage lost against the direction of a current well above `brush_knee` (0 or more), V.
     pub brush: S,
-    /// Current, as a voltage, at which two thirds of `brush` are lost; more than 0, V.
+    /// Current, as a voltage, well above which all of `brush` is lost; more than 0, V.
     pub brush_knee: S,
+    /// `brush_knee` times the slope at no current, in units of `brush` / `brush_knee`; more than 0, V.
+    pub brush_rise: S,
     /// Resistance in series with the winding, as a share of the winding's.
     pub series: S,
     /// Magnetic field as a share of the rated one: scales torque and back-EMF alike.
@@ -78,6 +80,7 @@ impl<S: Scalar> Drive<S> {
             drop: zero,
             brush: zero,
             brush_knee: S::one(),
+            brush_rise: S::one(),
             series: zero,
             field: S::one(),
         }
@@ -186,8 +189,8 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
 
 /// What is left of the current `u2` behind a drop, a brush and a resistance.
 ///
-/// A brush loses at current `u` the share u (|u| + knee) / (u^2 + knee |u| + knee^2) of its full drop: an odd function
-/// that rises over `knee` and comes near 1 with the square of the current.
+/// A brush loses at current `u` the share u (|u| + rise) / (u^2 + rise |u| + knee^2) of its full drop: an odd function
+/// that rises as rise u / knee^2 and comes near 1 with the square of knee / u.
 #[inline(always)]
 fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, u2: S, drive: &Drive<S>) -> S {
     let mut after = if laws.drop { u2.shrink(c.uv * drive.drop) } else { u2 };
@@ -198,7 +201,7 @@ fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, u2: S, drive: &Drive<S>)
         after = free.shrink(full);
         for _ in 0..3 {
             let size = after.abs();
-            let sum = size + knee;
+            let sum = size + drive.brush_rise;
             let scale = size.mul_add(sum, knee * knee);
             after = free * scale / open.mul_add(scale, full * sum);
         }

@@ -97,6 +97,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::VoltageDrop => {
             let mut lines = drive(format!("brush = {}", n(0)));
             lines.drive.push(format!("brush_knee = {}", n(1)));
+            lines.drive.push(format!("brush_rise = {:e}", p[1] * p[2]));
             lines
         }
         Kind::Coulomb => friction(n(0), n(0)),

@@ -94,7 +94,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::Saturation => parts.field += &format!("/(1 + {}*(u/{:e})^2)", n(0), rig.nominal_v),
         Kind::VoltageDrop => {
-            let (k, square) = (n(1), number(p[1] * p[1]));
+            let (k, square) = (number(p[1] * p[2]), number(p[1] * p[1]));
             parts.brush += &format!(" - {}*u*(abs(u) + {k})/(u^2 + {k}*abs(u) + {square})", n(0));
         }
         Kind::Coulomb => parts.friction += &format!(" + {}", n(0)),
