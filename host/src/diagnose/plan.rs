@@ -38,37 +38,59 @@ pub struct Plan {
 
 /// Rate at which programmes are tried, Hz.
 const RATE_HZ: u32 = 500;
+/// A longer programme would show nothing new, s.
+const LONGEST_S: f64 = 24.0;
 /// Increments over 50 ms, every 4 ms.
 const SPAN: usize = 25;
 const STRIDE: usize = 2;
 
 /// The programme that best separates `rivals`; none with fewer than two of them.
+///
+/// A law and a simpler one that it contains are alike wherever it gains nothing, so no programme separates their fits:
+/// among others the richer law does not count. Where nothing else is left, the programme counts that shows most of
+/// what the richer laws would add at their usual size.
 pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Option<Plan> {
     if rivals.len() < 2 {
         return None;
     }
-    let kinds: Vec<Kind> = rivals.iter().filter_map(|c| c.kinds().last().copied()).collect();
-    // A law and a simpler one that it contains are alike wherever it gains nothing: others come first.
-    let all_nested = kinds.iter().all(|a| kinds.iter().all(|b| a == b || nested(*a, *b).is_some()));
-    let counts = |a: usize, b: usize| a != b && (all_nested || nested(kinds[a], kinds[b]).is_none());
-    menu(limits)
-        .into_iter()
-        .filter_map(|programme| {
-            let grid = played(&programme, problem)?;
-            let seen: Vec<View> = rivals.iter().map(|c| View::new(problem, c, &grid)).collect();
-            let mut least = (f64::MAX, (kinds[0], kinds[1]));
-            for (a, view) in seen.iter().enumerate() {
-                for b in 0..seen.len() {
-                    let left = if counts(a, b) { view.left_of(&seen[b].centre) } else { f64::MAX };
-                    if left < least.0 {
-                        least = (left, (kinds[a], kinds[b]));
-                    }
+    let kind = |c: &Candidate| c.kinds().last().copied();
+    let kinds: Vec<Kind> = rivals.iter().filter_map(|c| kind(c)).collect();
+    let simple = simplest(&kinds);
+    // Two richer laws of one simpler law both come down to it.
+    let all_nested = simple.len() < 2;
+    let judged: Vec<&Candidate> = if all_nested {
+        rivals.to_vec()
+    } else {
+        rivals.iter().copied().filter(|c| kind(c).is_some_and(|k| simple.contains(&k))).collect()
+    };
+    let kinds: Vec<Kind> = judged.iter().filter_map(|c| kind(c)).collect();
+    let plans = menu(limits).into_iter().filter_map(|programme| {
+        let grid = played(&programme, problem)?;
+        let seen: Vec<View> = judged.iter().map(|c| View::new(problem, c, &grid)).collect();
+        let mut least = (f64::MAX, (kinds[0], kinds[1]));
+        for (a, view) in seen.iter().enumerate() {
+            for (b, other) in seen.iter().enumerate().filter(|(b, _)| *b != a) {
+                let left = match nested(kinds[a], kinds[b]) {
+                    None if all_nested => continue,
+                    None => view.left_of(&other.centre),
+                    Some((simple, rich)) if rich == kinds[a] => view.added(judged[a], simple),
+                    Some(_) => continue,
+                };
+                if left < least.0 {
+                    least = (left, (kinds[a], kinds[b]));
                 }
             }
-            let separation = least.0 / problem.grids[0].sigma;
-            Some(Plan { programme, rivals: kinds.clone(), separation, closest: least.1 })
-        })
-        .max_by(|a, b| a.separation.total_cmp(&b.separation))
+        }
+        let separation = least.0 / problem.grids[0].sigma;
+        Some(Plan { programme, rivals: kinds.clone(), separation, closest: least.1 })
+    });
+    plans.max_by(|a, b| a.separation.total_cmp(&b.separation))
+}
+
+/// Those of `kinds` that contain no other of them: of nested laws that fit alike the simpler suffices.
+pub fn simplest(kinds: &[Kind]) -> Vec<Kind> {
+    let rich = |k: &Kind| kinds.iter().any(|other| nested(*k, *other).is_some_and(|(_, rich)| rich == *k));
+    kinds.iter().copied().filter(|k| !rich(k)).collect()
 }
 
 /// The simpler and the richer of two laws of which one contains the other.
@@ -80,9 +102,10 @@ fn nested(a: Kind, b: Kind) -> Option<(Kind, Kind)> {
 /// Programmes within the limits.
 fn menu(limits: Limits) -> Vec<Programme> {
     let volts = limits.volts as f32;
-    let seconds = limits.seconds.min(8.0) as f32;
+    let seconds = limits.seconds.min(LONGEST_S) as f32;
     let share = |part: f32| part * volts;
-    let triangle = |part: f32| Shape::Triangle { amplitude_v: share(part), period_s: seconds / 2.0 };
+    let triangle =
+        |part: f32| Shape::Triangle { amplitude_v: share(part), period_s: (seconds / 2.0).min(4.0) };
     let slow = [triangle(0.1), triangle(0.2)].map(|shape| Segment { shape, seconds: seconds / 2.0 });
     let mut menu: Vec<Programme> = Programme::sequence("slow-triangles", slow).into_iter().collect();
     let multisine = |part: f32| Shape::Multisine {
@@ -155,16 +178,34 @@ impl View {
 
     /// rms of what this rival could not imitate of `other`.
     fn left_of(&self, other: &DVector<f64>) -> f64 {
-        let difference = other - &self.centre;
-        let mut h = self.tangent.tr_mul(&self.tangent);
-        for k in 0..h.nrows() {
-            h[(k, k)] += 1e-9 * h[(k, k)] + 1e-15;
-        }
-        let g = self.tangent.tr_mul(&difference);
-        let bend = h.cholesky().map_or_else(|| DVector::zeros(g.len()), |f| f.solve(&g));
-        let left = difference - &self.tangent * bend;
-        (left.norm_squared() / left.len().max(1) as f64).sqrt()
+        left(&self.tangent, other - &self.centre)
     }
+
+    /// rms of what the most visible parameter of this rival `c` that `simple` lacks would show at its usual size, and
+    /// no other parameter could imitate.
+    fn added(&self, c: &Candidate, simple: Kind) -> f64 {
+        let common = simple.spec().parameters;
+        let own = c.kinds().last().map_or(&[][..], |kind| kind.spec().parameters);
+        let first = c.layout.len() - own.len();
+        let news = (0..own.len()).filter(|k| !common.iter().any(|p| p.name == own[*k].name));
+        news.map(|k| {
+            let others = self.tangent.clone().remove_column(first + k);
+            left(&others, self.tangent.column(first + k).into_owned())
+        })
+        .fold(0.0, f64::max)
+    }
+}
+
+/// rms of what is left of `difference` beside the columns of `tangent`.
+fn left(tangent: &DMatrix<f64>, difference: DVector<f64>) -> f64 {
+    let mut h = tangent.tr_mul(tangent);
+    for k in 0..h.nrows() {
+        h[(k, k)] += 1e-9 * h[(k, k)] + 1e-15;
+    }
+    let g = tangent.tr_mul(&difference);
+    let bend = h.cholesky().map_or_else(|| DVector::zeros(g.len()), |f| f.solve(&g));
+    let left = difference - tangent * bend;
+    (left.norm_squared() / left.len().max(1) as f64).sqrt()
 }
 
 impl Plan {
@@ -174,8 +215,9 @@ impl Plan {
         let (a, b) = self.closest;
         if let Some((simple, rich)) = nested(a, b) {
             return format!(
-                "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it best",
-                self.programme.name
+                "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it \
+                 best, by {:.1} noise units at its usual size",
+                self.programme.name, self.separation
             );
         }
         format!(
@@ -224,5 +266,24 @@ mod tests {
         assert!(why(&[Kind::Stribeck, Kind::Coulomb]).starts_with("coulomb suffices: stribeck contains it"));
         let three = why(&[Kind::Stribeck, Kind::Coulomb, Kind::DeadZone]);
         assert!(three.contains("dead_zone") && !three.contains("suffices"), "{three}");
+    }
+
+    #[test]
+    fn laws_that_contain_another_one_are_no_rivals_of_it() {
+        let all = [Kind::Stribeck, Kind::Coulomb, Kind::DeadZone, Kind::CoulombAsymmetric];
+        assert_eq!(simplest(&all), [Kind::Coulomb, Kind::DeadZone]);
+        assert_eq!(simplest(&[Kind::Stribeck, Kind::CoulombAsymmetric]).len(), 2);
+    }
+
+    #[test]
+    fn where_only_nested_laws_are_left_the_programme_shows_what_the_richer_one_adds() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let library = [Kind::Stribeck, Kind::Coulomb];
+        let found = stage::run(&evidence, &base, &library, Effort::LATER, &mut |_| ());
+        let limits = Limits { volts: 6.0, seconds: 5.0 };
+        let plan = choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap();
+        assert!(plan.separation > 1.0, "{}", plan.why());
     }
 }
