@@ -9,7 +9,7 @@ use heapless::Vec;
 
 pub use crate::effects::together::MAX_EFFECTS;
 /// Most parameters that one effect has.
-pub const MAX_PARAMETERS: usize = 4;
+pub const MAX_PARAMETERS: usize = 5;
 
 /// A gap or a spring in the transmission is integrated in this many parts of a step.
 pub const TRANSMISSION_PARTS: usize = 4;
@@ -74,7 +74,19 @@ pub struct Simulator<S, E = Several<S>> {
 pub struct Motion<S> {
     /// Current, speed and angle.
     pub state: State<S>,
+    /// How far the measured shaft is ahead of this one, rad of the output shaft: a guided run sets it, and laws that
+    /// are tied to an angle (teeth, an unbalance, a disc off centre) act where the shaft was seen.
+    pub ahead: S,
     memories: [Memory<S>; MAX_EFFECTS],
+}
+
+impl<S: Scalar> Motion<S> {
+    /// The state with its angles where they were measured.
+    #[inline(always)]
+    fn seen(&self) -> State<S> {
+        let s = self.state;
+        State { angle: s.angle + self.ahead, load_angle: s.load_angle + self.ahead, ..s }
+    }
 }
 
 impl<S: Scalar> Simulator<S> {
@@ -99,7 +111,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     /// Starts from `state`, with every effect's own memory empty.
     #[inline(always)]
     pub fn start(&self, state: State<S>) -> Motion<S> {
-        Motion { state, memories: [Memory::empty(state.angle); MAX_EFFECTS] }
+        Motion { state, ahead: S::zero(), memories: [Memory::empty(state.angle); MAX_EFFECTS] }
     }
 
     /// Advances over cell `index` (from 1) of the grid, whose mean voltages are `voltages[1..]`; `voltages[0]` was
@@ -129,7 +141,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, motion: &Motion<S>) -> Drive<S> {
         let mut drive = Drive::plain(now.command);
-        self.effects.drive(now, &motion.memories, &mut drive);
+        self.effects.drive(&Now { state: motion.seen(), ..*now }, &motion.memories, &mut drive);
         drive
     }
 
@@ -148,7 +160,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     pub fn read(&self, motion: &Motion<S>) -> S {
         let s = &motion.state;
         let mut reading = if self.prepared.setting.encoder_on_motor { s.angle } else { s.load_angle };
-        self.effects.read(s, &motion.memories, &mut reading);
+        self.effects.read(&motion.seen(), &motion.memories, &mut reading);
         reading
     }
 

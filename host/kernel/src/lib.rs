@@ -49,6 +49,9 @@ pub struct Course<'a, S: Scalar> {
     pub cells: usize,
     /// Whether the encoder turns with the rotor: whose speed goes with the reading.
     pub encoder_on_motor: bool,
+    /// What was measured at the start and at the end of every cell, rad: laws tied to an angle then act where the
+    /// shaft was seen, whatever the model's has drifted to. Empty where the run is free.
+    pub guide: &'a [S::Element],
 }
 
 /// Whether this processor has AVX2 and fused multiply-add.
@@ -89,9 +92,14 @@ fn show<S: Shown, E: Effects<S>>(
     simulator: &Simulator<S, E>,
     motion: &Motion<S>,
     of_rotor: bool,
-) -> Reading<S::Plain> {
+) -> Reading<S> {
     let speed = if of_rotor { motion.state.speed } else { motion.state.load_speed };
-    [simulator.read(motion).plain(), speed.plain()]
+    [simulator.read(motion), speed]
+}
+
+#[inline(always)]
+fn plain<S: Shown>(reading: Reading<S>) -> Reading<S::Plain> {
+    reading.map(S::plain)
 }
 
 /// Runs `course` and hands the readings to `sink`.
@@ -102,15 +110,20 @@ pub fn run<S: Shown, E: Effects<S>>(
     sink: &mut dyn Sink<S::Plain>,
 ) {
     let mut motion = simulator.start(course.start);
-    let start = show(simulator, &motion, course.encoder_on_motor);
+    let start = plain(show(simulator, &motion, course.encoder_on_motor));
     sink.begin(start);
     let mut readings = [start; CHUNK];
+    let guided = course.guide.len() > course.cells;
     let mut first = 0;
     while first < course.cells {
         let count = CHUNK.min(course.cells - first);
         for k in 0..count {
             simulator.advance(&mut motion, course.voltages, first + k + 1);
-            readings[k] = show(simulator, &motion, course.encoder_on_motor);
+            let reading = show(simulator, &motion, course.encoder_on_motor);
+            if guided {
+                motion.ahead = S::splat(course.guide[first + k + 1]) - reading[0];
+            }
+            readings[k] = plain(reading);
         }
         sink.take(first, &readings[..count]);
         first += count;

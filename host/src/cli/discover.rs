@@ -76,7 +76,15 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
         (Verdict::Explained, effects) => {
             text += &format!("Explained by {}: what is left is near the noise.\n", prose::effects(effects));
         }
-        (_, []) => text += "Nothing of the library is worth adding, yet more than noise is left.\n",
+        (_, []) => {
+            text += "Nothing of the library is worth adding, yet more than noise is left.\n";
+            if !found.climb.withdrawn.is_empty() {
+                text += &format!(
+                    "{} would take a part of it away, and so may other physics: too much is left to name it.\n",
+                    prose::effects(&found.climb.withdrawn)
+                );
+            }
+        }
         (_, effects) => {
             text += &format!("{} helps, but more than noise is left.\n", prose::effects(effects));
         }

@@ -61,6 +61,19 @@ impl Candidate {
     pub fn merit(&self) -> f64 {
         0.5 * (self.train.merit() + self.unseen.merit())
     }
+    /// Near what a perfect model would leave, on the records fitted and on those kept out.
+    ///
+    /// The increments tell whether the physics is right. The error itself sums up every small fault of the parameters
+    /// over a record, so it may be a few times its floor, but not any times.
+    pub fn explains(&self) -> bool {
+        const NEAR: f64 = 1.3;
+        const DRIFT: f64 = 3.0;
+        [self.train, self.unseen].iter().all(|e| e.increments < NEAR && e.position < DRIFT)
+    }
+    /// How far above the floor the increments are: 0 at the floor.
+    pub fn excess(&self) -> f64 {
+        ((self.train.increments * self.unseen.increments).sqrt() - 1.0).max(0.0)
+    }
     /// Number of parameters that were searched.
     pub fn size(&self) -> usize {
         self.layout.axes.iter().filter(|a| !a.fixed).count()
@@ -72,12 +85,14 @@ impl Candidate {
 pub struct Evidence {
     /// All records to learn from, whole.
     pub whole: Problem,
-    /// Fitted.
+    /// Fitted, in guided runs.
     pub train: Problem,
-    /// Kept out.
+    /// Kept out, in guided runs.
     pub unseen: Problem,
     /// What a perfect model would leave, in noise units of one reading: the unit of a candidate's errors.
     pub floor: Errors,
+    /// Whether that was measured, by a repeated programme; else it is what counting alone leaves.
+    pub repeated: bool,
 }
 
 impl Evidence {

@@ -13,10 +13,16 @@ const WORTH: f64 = 0.97;
 const WORTH_MORE: f64 = 0.85;
 /// The error itself on unseen records must not rise by more than this, whatever its increments do.
 const NO_WORSE: f64 = 1.1;
+/// Where the unseen records do not show an effect: their increments' error must not rise by more than this, and that
+/// of the records fitted must fall to this share.
+const NOT_WORSE: f64 = 1.005;
+const CLEARLY: f64 = 0.8;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
 const DRIFT: f64 = 1.5;
+/// Share of the way down to a measured floor that may be left.
+const MOSTLY_THERE: f64 = 0.3;
 /// Nothing is left to find below this many noise units: the base model, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
 const NEAR_THE_FLOOR: f64 = 1.15;
@@ -30,9 +36,21 @@ pub struct Climb {
     pub first: Vec<Candidate>,
     /// The last stage's candidates that were not worth adding.
     pub refused: Vec<Candidate>,
+    /// Effects that were added and taken back in the end.
+    pub withdrawn: Vec<Kind>,
 }
 
 impl Climb {
+    /// Takes the effects back where most of the way down to a measured floor was not gone: physics outside the library
+    /// lends itself to many effects in part, and is none of them.
+    fn withdraw(&mut self) {
+        let (model, base) = (self.model(), &self.rungs[0]);
+        if !model.explains() && model.excess() > MOSTLY_THERE * base.excess() {
+            self.withdrawn = model.kinds().to_vec();
+            self.rungs.truncate(1);
+        }
+    }
+
     /// The accepted model.
     pub fn model(&self) -> &Candidate {
         &self.rungs[self.rungs.len() - 1]
@@ -44,8 +62,10 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     let train = more.train.increments / less.train.increments;
     let unseen = more.unseen.increments / less.unseen.increments;
     let mean = if less.kinds().is_empty() { WORTH } else { WORTH_MORE };
+    // Unseen records at the floor already cannot get better, only worse.
+    let silent = less.unseen.increments < NEAR_THE_FLOOR && unseen < NOT_WORSE && train < CLEARLY;
     train < WORTH
-        && unseen < WORTH
+        && (unseen < WORTH || silent)
         && (train * unseen).sqrt() < mean
         && more.unseen.position < less.unseen.position * NO_WORSE
         && more.merit() < less.merit() + WORTH.ln()
@@ -97,7 +117,8 @@ pub fn run(
     tick: &mut dyn FnMut(usize, Kind),
     rung: &mut dyn FnMut(&Evidence, &Candidate),
 ) -> Climb {
-    let mut climb = Climb { rungs: vec![base], first: Vec::new(), refused: Vec::new() };
+    let mut climb =
+        Climb { rungs: vec![base], first: Vec::new(), refused: Vec::new(), withdrawn: Vec::new() };
     rung(evidence, climb.model());
     // A rival of the accepted model goes on beside it, because a wrong first effect may absorb a right second.
     let mut rival: Option<Candidate> = None;
@@ -127,6 +148,9 @@ pub fn run(
         let next = evidence.settle_starts(next);
         rung(evidence, &next);
         climb.rungs.push(next);
+    }
+    if evidence.repeated && climb.rungs.len() <= most {
+        climb.withdraw();
     }
     climb
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::candidate::{Candidate, Errors, Evidence};
+use super::candidate::{Candidate, Evidence};
 use super::climb::{self, Climb};
 use super::floor::floor;
 use super::plan::{self, Limits, Plan};
@@ -13,6 +13,7 @@ use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
 use crate::error::Result;
+use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
@@ -174,6 +175,7 @@ fn explore(
             ladder.push(rung);
         },
     );
+    ladder.truncate(climb.rungs.len());
     let effects = climb.model().kinds().to_vec();
     let candidates = rank(&climb, judged.then_some(&evidence.unseen));
     let noise_floor = noise_floor(records, validation, &evidence.whole);
@@ -225,6 +227,7 @@ impl Evidence {
     /// Splits what there is into records to fit and records to judge by.
     pub fn new(whole: Problem, records: &[Record], validation: &[Record], motor: &MotorFile) -> Self {
         let floor = floor(records, &whole);
+        let repeated = !repeats::find_repeats(records).is_empty();
         let (train, unseen) = if validation.is_empty() {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
             let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
@@ -233,7 +236,15 @@ impl Evidence {
             let (other, _) = setup::problem(validation, motor);
             (whole.on(whole.grids.clone()), whole.on(other.grids))
         };
-        Self { whole, train, unseen, floor }
+        let guided = |p: Problem| {
+            if std::env::var_os("FREE").is_some() {
+                p
+            } else {
+                p.on(p.grids.iter().map(Grid::guided).collect())
+            }
+        };
+        let (train, unseen) = (guided(train), guided(unseen));
+        Self { whole, train, unseen, floor, repeated }
     }
 }
 
@@ -301,16 +312,8 @@ pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
     if set.len() > 1 { vec![set] } else { Vec::new() }
 }
 
-/// Near what a perfect model would leave, on the records fitted and on those kept out: explained.
-///
-/// The increments tell whether the physics is right. The error itself sums up every small fault of the parameters over
-/// a record, so it may be several times its floor, but not any times.
 fn verdict(climb: &Climb) -> Verdict {
-    const NEAR: f64 = 1.6;
-    const DRIFT: f64 = 12.0;
-    let near = |e: &Errors| e.increments < NEAR && e.position < DRIFT;
-    let model = climb.model();
-    if near(&model.train) && near(&model.unseen) { Verdict::Explained } else { Verdict::Unexplained }
+    if climb.model().explains() { Verdict::Explained } else { Verdict::Unexplained }
 }
 
 /// What a perfect model would leave: from a repeated programme where there is one, else from the counting.

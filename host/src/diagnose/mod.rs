@@ -8,3 +8,4 @@ mod hold;
 pub mod plan;
 mod ripple;
 pub mod stage;
+mod tangent;

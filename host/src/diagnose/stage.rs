@@ -1,28 +1,29 @@
 //! One stage of the diagnosis: every effect that the model lacks is tried on it.
 //!
 //! 1. *Probe*: each effect at a few finite sizes, old parameters free to give way to first order. Derivatives at
-//!    zero rank wrongly, because friction, gaps and dead zones have none there.
-//! 2. *Race*: the two best starts of each effect are searched for a few steps.
+//!    zero rank wrongly, because friction, gaps and dead zones have none there. The best are run as they stand.
+//! 2. *Heats*: a step of the search for nearly every effect, since what an old parameter had absorbed (a lag in the
+//!    electrical time constant) comes free only then; then a few more for those that lead.
 //! 3. *Final*: the best effects are searched to the end and judged on records kept out.
 
 use motorlens_shared::effects::Kind;
-use nalgebra::{DMatrix, DVector};
 
 use super::candidate::{Candidate, Evidence};
+use super::tangent::Tangent;
 use super::{hold, ripple};
-use crate::fit::cost::{Objective, residuals};
+use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
-use crate::fit::simulate::{Block, LANES, predict_block};
+use crate::fit::simulate::LANES;
 
 /// How much work a stage does.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Effects that leave the probing.
+    /// Effects in the first heat, one step each.
     pub starters: usize,
-    /// Starts of each effect that are searched.
-    pub starts: usize,
-    /// Steps of the race.
+    /// Effects in the second.
+    pub leaders: usize,
+    /// Steps of the second heat.
     pub race: usize,
     /// Effects that reach the final.
     pub finalists: usize,
@@ -32,10 +33,15 @@ pub struct Effort {
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { starters: 14, starts: 2, race: 3, finalists: 6, last: 12 };
+    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 12 };
     /// On a model with effects.
-    pub const LATER: Self = Self { starters: 9, starts: 2, race: 3, finalists: 4, last: 10 };
+    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 10 };
 }
+
+/// Starts of one effect that cost at most this much more than its best go into the heat beside it.
+const AS_CHEAP: f64 = 1.25;
+/// ... at most so many.
+const STARTS: usize = 2;
 
 /// Tries every effect of `library` that `model` lacks; best first.
 pub fn run(
@@ -52,23 +58,30 @@ pub fn run(
         !(has.contains(kind) || second_gap)
     };
     let tangent = Tangent::new(&evidence.train, model);
-    let mut probed: Vec<(Kind, Vec<Start>)> = Vec::new();
+    let train = &evidence.train;
+    let step =
+        |layout: &Layout, x: &[f64], steps| train.search(layout, Objective::Increments, x, steps, 1e-3);
+    let mut starters: Vec<(Layout, Vec<Start>)> = Vec::new();
     for kind in library.iter().filter(lacking) {
         tick(*kind);
-        probed.push((*kind, probe(&evidence.train, model, &tangent, *kind)));
+        starters.push(probe(train, model, &tangent, *kind));
     }
-    let left = |starts: &[Start]| starts.first().map_or(f64::MAX, |s| s.0);
-    probed.sort_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
-    let mut raced: Vec<(Layout, Found)> = Vec::new();
-    for (kind, starts) in probed.into_iter().take(effort.starters) {
-        let layout = evidence.train.layout(&[model.kinds(), &[kind]].concat());
-        let best = starts
-            .iter()
-            .take(effort.starts)
-            .map(|(_, x)| evidence.train.search(&layout, Objective::Increments, x, effort.race, 1e-3))
-            .min_by(|a, b| a.cost.total_cmp(&b.cost));
-        raced.extend(best.map(|found| (layout, found)));
+    starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
+    let mut heat: Vec<(Layout, Found)> = Vec::new();
+    for (layout, starts) in starters.into_iter().take(effort.starters) {
+        let near = starts.iter().take(STARTS).filter(|s| s.0 <= AS_CHEAP * starts[0].0);
+        let best = near.map(|(_, x)| step(&layout, x, 1)).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        heat.extend(best.map(|found| (layout, found)));
     }
+    heat.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    let mut raced: Vec<(Layout, Found)> = heat
+        .into_iter()
+        .take(effort.leaders)
+        .map(|(layout, found)| {
+            let found = step(&layout, &found.x, effort.race);
+            (layout, found)
+        })
+        .collect();
     raced.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let mut finals: Vec<Candidate> = Vec::new();
     for (layout, found) in raced.into_iter().take(effort.finalists) {
@@ -79,11 +92,11 @@ pub fn run(
     finals
 }
 
-/// Cost left after the old parameters gave way, and the search vector.
+/// Cost, and the search vector.
 type Start = (f64, Vec<f64>);
 
-/// Starts for `model` with `kind` added, most promising first.
-fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> Vec<Start> {
+/// Starts for `model` with `kind` added, most promising first; one at least.
+fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
     let spec = kind.spec();
     let values = model.values();
     let layout = problem.layout(&[model.kinds(), &[kind]].concat());
@@ -92,8 +105,8 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
     };
     let mut tries: Vec<Values> = spec.probes.iter().map(|p| values.with(kind, scaled(p))).collect();
     if kind == Kind::Cogging {
-        // The order cannot be searched downhill: it comes from a periodogram over the measured angle.
-        tries.extend(ripple::starts(problem, &values.base).into_iter().map(|p| values.with(kind, p)));
+        // The order cannot be searched downhill.
+        tries.extend(ripple::starts(problem, tangent, &values).into_iter().map(|p| values.with(kind, p)));
     }
     if kind == Kind::SensorLag
         && let Some(time) = hold::time(problem)
@@ -113,75 +126,11 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked
-}
-
-/// The model's residuals and Jacobian on every record: what its own parameters could still absorb.
-struct Tangent {
-    /// The axes that may give way.
-    axes: Vec<usize>,
-    /// Per record, per residual: the derivatives along the model's axes.
-    rows: Vec<Vec<Vec<f64>>>,
-    inverse: DMatrix<f64>,
-}
-
-impl Tangent {
-    fn new(problem: &Problem, model: &Candidate) -> Self {
-        let axes: Vec<usize> = (0..model.layout.len()).filter(|k| !model.layout.axes[*k].fixed).collect();
-        let (series, inverse_delta) =
-            problem.neighbours(&model.layout, Objective::Increments, &model.found.x, &axes);
-        let rows: Vec<Vec<Vec<f64>>> = series
-            .iter()
-            .map(|blocks| {
-                (0..blocks[0].len())
-                    .map(|k| {
-                        let centre = blocks[0][k].0[0];
-                        (1..=axes.len())
-                            .map(|f| (blocks[f / LANES][k].0[f % LANES] - centre) * inverse_delta[f])
-                            .collect()
-                    })
-                    .collect()
-            })
-            .collect();
-        let mut h = model.found.curvature.clone();
-        if h.nrows() != axes.len() {
-            h = DMatrix::identity(axes.len(), axes.len());
-        }
-        for k in 0..h.nrows() {
-            h[(k, k)] = h[(k, k)] * 1.001 + 1e-9;
-        }
-        let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::identity(axes.len(), axes.len()));
-        Self { axes, rows, inverse }
-    }
-
-    /// For each candidate: cost left after the model's parameters give way, and by how much they would.
-    fn project(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<(f64, Vec<f64>)> {
-        let n = self.inverse.nrows();
-        let mut cost = [0.0; LANES];
-        let mut gradient = vec![[0.0; LANES]; n];
-        let mut series: Vec<Block> = Vec::new();
-        problem.simulations.set(problem.simulations.get() + xs.len() as u64);
-        for (grid, rows) in problem.grids.iter().zip(&self.rows) {
-            predict_block(layout, xs, &problem.rig, grid, &mut series);
-            residuals(grid, Objective::Increments, &mut series);
-            for (r, row) in series.iter().zip(rows) {
-                for l in 0..LANES {
-                    cost[l] += r.0[l] * r.0[l];
-                }
-                for (g, d) in gradient.iter_mut().zip(row) {
-                    for l in 0..LANES {
-                        g[l] += d * r.0[l];
-                    }
-                }
-            }
-        }
-        (0..xs.len())
-            .map(|l| {
-                let g = DVector::from_fn(n, |k, _| gradient[k][l]);
-                let step = -(&self.inverse * &g);
-                let left = cost[l] + g.dot(&step);
-                (if left.is_finite() { left } else { f64::MAX }, step.iter().copied().collect())
-            })
-            .collect()
-    }
+    ranked.truncate(LANES);
+    // What was foreseen to first order may be far off: the most promising are run.
+    let xs: Vec<Vec<f64>> = ranked.into_iter().map(|(_, x)| x).collect();
+    let costs = problem.costs(&layout, Objective::Increments, &xs);
+    let mut starts: Vec<Start> = costs.into_iter().zip(xs).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (layout, starts)
 }

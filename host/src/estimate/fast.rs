@@ -53,5 +53,6 @@ pub(super) fn all_of(problem: &Problem) -> Evidence {
         train: problem.clone(),
         unseen: problem.clone(),
         floor: Errors::COUNTING,
+        repeated: false,
     }
 }

@@ -46,14 +46,18 @@ pub struct Marks {
     pub disturbed_exact: Part,
     /// Nothing missing, yet something accepted.
     pub false_alarms: Part,
-    /// Of the sets of effects that were claimed to explain a motor: exactly right.
+    /// Of the answers that claim to explain a motor by effects: every one of them is hidden there.
     pub claims_right: Part,
-    /// Two effects: both and no other accepted.
+    /// Two effects without a torque disturbance: both and no other accepted.
     pub pairs: Part,
-    /// Physics outside the library: explained all the same.
+    /// ... and under one.
+    pub disturbed_pairs: Part,
+    /// Physics outside the library: explained all the same, by effects that are not there.
     pub outside_explained: Part,
-    /// ... or another effect accepted, in part.
+    /// ... or such an effect accepted, in part.
     pub outside_partial: Part,
+    /// ... or nothing found missing.
+    pub outside_unseen: Part,
     /// Error on unseen records over the floor, after: median of the single effects that were found ...
     pub median_over_floor: f64,
     /// ... and its third quartile.
@@ -66,24 +70,25 @@ impl Marks {
     /// Marks `answers`.
     pub fn new(answers: &[Answer]) -> Self {
         let all = |group: Group| answers.iter().filter(move |a| a.group == group);
-        let calm = || all(Group::Single).filter(|a| a.disturbance == 0.0);
-        let disturbed = || all(Group::Single).filter(|a| a.disturbance > 0.0);
+        let calm = |group| all(group).filter(|a| a.disturbance == 0.0);
+        let disturbed = |group| all(group).filter(|a| a.disturbance > 0.0);
+        let explained = |a: &Answer| a.verdict == Verdict::Explained;
         let claims = answers.iter().filter(|a| a.verdict == Verdict::Explained && !a.found.is_empty());
         let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
         let seconds = sorted(answers.iter().map(|a| a.seconds));
         Self {
-            first: Part::of(calm(), |a| a.among_first(1)),
-            first_two: Part::of(calm(), |a| a.among_first(2)),
-            exact: Part::of(calm(), Answer::exact),
-            disturbed_first: Part::of(disturbed(), |a| a.among_first(1)),
-            disturbed_exact: Part::of(disturbed(), Answer::exact),
+            first: Part::of(calm(Group::Single), |a| a.among_first(1)),
+            first_two: Part::of(calm(Group::Single), |a| a.among_first(2)),
+            exact: Part::of(calm(Group::Single), Answer::exact),
+            disturbed_first: Part::of(disturbed(Group::Single), |a| a.among_first(1)),
+            disturbed_exact: Part::of(disturbed(Group::Single), Answer::exact),
             false_alarms: Part::of(all(Group::Nothing), |a| !a.found.is_empty()),
-            claims_right: Part::of(claims, Answer::exact),
-            pairs: Part::of(all(Group::Pair), Answer::exact),
-            outside_explained: Part::of(all(Group::Outside), |a| a.verdict == Verdict::Explained),
-            outside_partial: Part::of(all(Group::Outside), |a| {
-                a.verdict != Verdict::Explained && !a.found.is_empty()
-            }),
+            claims_right: Part::of(claims, |a| !a.names_a_stranger()),
+            pairs: Part::of(calm(Group::Pair), Answer::exact),
+            disturbed_pairs: Part::of(disturbed(Group::Pair), Answer::exact),
+            outside_explained: Part::of(all(Group::Outside), |a| explained(a) && a.names_a_stranger()),
+            outside_partial: Part::of(all(Group::Outside), |a| !explained(a) && a.names_a_stranger()),
+            outside_unseen: Part::of(all(Group::Outside), |a| explained(a) && a.found.is_empty()),
             median_over_floor: quantile(&after, 0.5),
             third_quartile_over_floor: quantile(&after, 0.75),
             median_seconds: quantile(&seconds, 0.5),

@@ -20,10 +20,12 @@ pub fn table(answers: &[Answer]) -> String {
     row("single effect under a disturbance of 1-5 %: right one first", share(m.disturbed_first), "");
     row("... exactly that one accepted", share(m.disturbed_exact), "");
     row("nothing missing, yet something accepted", share(m.false_alarms), "at most 1 %");
-    row("claims to explain that are right", share(m.claims_right), "99 %");
+    row("claims to explain: every effect named is there", share(m.claims_right), "99 %");
     row("two effects, exactly both accepted", share(m.pairs), "90 %");
-    row("outside the library, yet \"explained\"", share(m.outside_explained), "0");
-    row("outside the library, another effect accepted in part", share(m.outside_partial), "at most 10 %");
+    row("... under a disturbance of 1-5 %", share(m.disturbed_pairs), "");
+    row("outside the library, yet \"explained\" by what is not there", share(m.outside_explained), "0");
+    row("... what is not there accepted in part", share(m.outside_partial), "at most 10 %");
+    row("... nothing seen to be missing", share(m.outside_unseen), "");
     let quartiles = format!("{:.2}, {:.2}", m.median_over_floor, m.third_quartile_over_floor);
     row("unseen error over the floor: median, third quartile", quartiles, "1.0, 1.2");
     row("time of a case, median", format!("{:.2} s", m.median_seconds), "0.5 s");

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::question::{Group, Question};
+use crate::diagnose::candidate::Candidate;
 use crate::diagnose::discover::{Options, Verdict, discover};
 use crate::error::Result;
 
@@ -34,6 +35,8 @@ pub struct Answer {
     /// Their errors over the floor: increments on the records fitted and on the one kept out, then the error itself.
     /// The last row is the base model's.
     pub errors: Vec<[f64; 4]>,
+    /// The same of the accepted model.
+    pub reached: [f64; 4],
     /// Rivals of the first diagnosis.
     pub rivals: Vec<&'static str>,
     /// Verdict.
@@ -57,6 +60,15 @@ impl Answer {
             names
         };
         sorted(&self.found) == sorted(&self.truth)
+    }
+
+    /// An effect was accepted that is not hidden here, alone or as a part of one that is.
+    pub fn names_a_stranger(&self) -> bool {
+        let part = |name: &str| {
+            let whole = |truth| Kind::by_name(truth).is_some_and(|kind| holds(kind, name));
+            self.truth.iter().any(|truth| whole(truth))
+        };
+        self.found.iter().any(|name| !part(name))
     }
 
     /// A hidden effect stands among the first `places` of the first diagnosis.
@@ -120,9 +132,9 @@ pub fn answer(question: &Question) -> Result<Answer> {
     let first = &found.climb.first;
     let of = |effect: Kind| first.iter().find(|c| c.kinds().last() == Some(&effect));
     let ranked = found.candidates.iter().filter_map(|c| of(c.effect));
-    let errors = ranked
-        .chain(&found.climb.rungs[..1])
-        .map(|c| [c.train.increments, c.unseen.increments, c.train.position, c.unseen.position]);
+    let of_candidate =
+        |c: &Candidate| [c.train.increments, c.unseen.increments, c.train.position, c.unseen.position];
+    let errors = ranked.chain(&found.climb.rungs[..1]).map(of_candidate);
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
     Ok(Answer {
         group: question.group,
@@ -134,6 +146,7 @@ pub fn answer(question: &Question) -> Result<Answer> {
         found: names(&found.effects),
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
         errors: errors.collect(),
+        reached: of_candidate(found.climb.model()),
         rivals: names(found.rivals.first().map_or(&[], Vec::as_slice)),
         verdict: found.verdict,
         before: over_floor(0),

@@ -119,8 +119,13 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::ConstantLoad => drive(format!("load_torque -= {}", n(0))),
         Kind::Cogging => {
             // Angles of the motor shaft, at the middle of the step; `order` periods a turn.
-            let turn = format!("({:e} * (angle + {:e} * speed))", p[2] * rig.gear_ratio, 0.5 * place.part_s);
-            drive(format!("torque -= {} * sin{turn} + {} * cos{turn}", n(0), n(1)))
+            let turn = |times: f64| {
+                let per_angle = times * p[4] * rig.gear_ratio;
+                format!("({per_angle:e} * (angle + {:e} * speed))", 0.5 * place.part_s)
+            };
+            let wave = |sine, cosine, turn: String| format!("{sine} * sin{turn} + {cosine} * cos{turn}");
+            let (ripple, harmonic) = (wave(n(0), n(1), turn(1.0)), wave(n(2), n(3), turn(2.0)));
+            drive(format!("torque -= {ripple} + {harmonic}"))
         }
         Kind::Spring => drive(format!("load_torque -= {} * (load_angle - start) + {}", n(0), n(1))),
         Kind::Backlash => Statements { couple: backlash(p, place), ..Statements::default() },

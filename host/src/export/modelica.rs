@@ -109,8 +109,10 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::ConstantLoad => parts.load_torque += &format!(" - {}", n(0)),
         Kind::Cogging => {
-            let k = p[2] * rig.gear_ratio;
-            parts.torque += &format!(" - ({}*sin({k:e}*angle) + {}*cos({k:e}*angle))", n(0), n(1));
+            for (harmonic, sine, cosine) in [(1.0, n(0), n(1)), (2.0, n(2), n(3))] {
+                let k = harmonic * p[4] * rig.gear_ratio;
+                parts.torque += &format!(" - ({sine}*sin({k:e}*angle) + {cosine}*cos({k:e}*angle))");
+            }
         }
         Kind::Spring => parts.load_torque += &format!(" - ({}*load_angle + {})", n(0), n(1)),
         Kind::Backlash => {

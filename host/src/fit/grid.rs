@@ -46,6 +46,8 @@ pub struct Grid {
     pub step_s: f64,
     /// What a late voltage still brings at the start, then the mean voltage of every cell, V.
     pub(super) voltages: Vec<f64>,
+    /// What was measured at the start and at the end of every cell, rad; empty where runs are free.
+    pub(super) guide: Vec<f64>,
     /// Times of the samples kept, s.
     pub time_s: Vec<f64>,
     /// Their place on the grid; the first sample is the start itself (cell 0, part 0).
@@ -89,6 +91,7 @@ impl Grid {
             name: record.name.clone(),
             step_s: step,
             voltages: mean_voltages(record, step, cells),
+            guide: Vec::new(),
             time_s: Vec::new(),
             places: Vec::new(),
             measured: Vec::new(),
@@ -149,6 +152,42 @@ impl Grid {
     #[must_use]
     pub fn rest(&self, share: f64) -> Self {
         Self { skip: (self.len() as f64 * share) as usize, ..self.clone() }
+    }
+
+    /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
+    /// not lose the phase of teeth or of an unbalance. Records of speed stay free.
+    #[must_use]
+    pub fn guided(&self) -> Self {
+        if self.quantity != Quantity::Angle {
+            return self.clone();
+        }
+        Self { guide: self.at_cell_ends(), ..self.clone() }
+    }
+
+    /// The measured column at the start and at every cell's end, by cubics through the samples.
+    fn at_cell_ends(&self) -> Vec<f64> {
+        let at: Vec<f64> = self.places.iter().map(|p| p.cell as f64 + p.part).collect();
+        let y = &self.measured;
+        let last = y.len() - 1;
+        let mut k = 0;
+        (0..self.voltages.len())
+            .map(|end| {
+                let x = end as f64;
+                while k + 2 < last && at[k + 1] < x {
+                    k += 1;
+                }
+                let (from, to) = (k, (k + 1).min(last));
+                let span = (at[to] - at[from]).max(1e-9);
+                let s = ((x - at[from]) / span).clamp(0.0, 1.0);
+                let slope = |i: usize| {
+                    let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+                    (y[b] - y[a]) / (at[b] - at[a]).max(1e-9) * span
+                };
+                let r = 1.0 - s;
+                let ends = y[from] * r * r * (1.0 + 2.0 * s) + y[to] * s * s * (3.0 - 2.0 * s);
+                ends + slope(from) * s * r * r - slope(to) * s * s * r
+            })
+            .collect()
     }
 
     /// Number of samples compared.

@@ -4,7 +4,7 @@
 //! and each effect's parameters in their typical size.
 
 use motorlens_shared::base::Base;
-use motorlens_shared::effects::{Kind, Rig, Scale};
+use motorlens_shared::effects::{Kind, Rig};
 use serde::{Deserialize, Serialize};
 
 /// Number of base parameters.
@@ -136,16 +136,14 @@ impl Layout {
         ];
         for kind in kinds {
             for p in kind.spec().parameters {
-                // A share or an order keeps its own size; the rest is counted in typical sizes.
                 let unit_value = p.typical * p.scale.unit(rig);
-                let plain_delta = if p.scale == Scale::One && p.typical < 0.01 { 0.25 } else { 4e-3 };
                 axes.push(Axis {
                     name: format!("{kind}.{}", p.name),
                     unit: p.unit,
                     unit_value,
                     low: p.low / p.typical,
                     high: p.high / p.typical,
-                    delta: plain_delta,
+                    delta: 4e-3,
                     fixed: !p.searched,
                     prior: None,
                 });

@@ -37,6 +37,7 @@ fn course<'a, S: Scalar>(
     rig: &Rig,
     grid: &Grid,
     voltages: &'a [S::Element],
+    guide: &'a [S::Element],
 ) -> Course<'a, S> {
     let speed = S::lit(grid.start_speed);
     // A motor already turning has the current that its speed leaves to the first voltage.
@@ -48,6 +49,7 @@ fn course<'a, S: Scalar>(
         voltages,
         cells: last.min(voltages.len() - 1),
         encoder_on_motor: rig.encoder_on_motor,
+        guide,
     }
 }
 
@@ -120,7 +122,7 @@ fn predict<S: Shown<Plain = S, Element = f64>>(
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
     let simulator = Simulator::new(&base, effects, &rig);
-    let course = course(&base, &rig, grid, &grid.voltages);
+    let course = course(&base, &rig, grid, &grid.voltages, &grid.guide);
     kernel::run(&simulator, &course, &mut Sampler::new(grid, out));
 }
 
@@ -150,6 +152,6 @@ pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, o
 fn predict_wide(kinds: &[Kind], plain: &[kernel::Wide], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
-    let course = course(&base, &rig, grid, &grid.voltages);
+    let course = course(&base, &rig, grid, &grid.voltages, &grid.guide);
     kernel::run_wide(&base, &effects, &rig, &course, &mut Sampler::new(grid, out));
 }

@@ -5,8 +5,8 @@ use super::timing::median_interval;
 
 /// Records of one programme may begin this many samples apart.
 const LARGEST_SHIFT: i64 = 10;
-/// Voltages are the same where they differ by less than this share of their span.
-const SAME_VOLTAGE: f64 = 0.02;
+/// Voltages are the same where they differ by less than this share of their span: a measured voltage has noise.
+const SAME_VOLTAGE: f64 = 0.05;
 /// Share of the samples whose voltage must be the same; edges of a step may fall into neighbouring samples.
 const SAME_SHARE: f64 = 0.95;
 /// Two rates, or two lengths, are the same up to this share.

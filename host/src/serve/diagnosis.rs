@@ -43,7 +43,7 @@ impl Diagnosis {
         let best = simplest(&candidates).cloned();
         let worth = best.as_ref().is_some_and(|best| worth(best, model));
         let rungs = std::iter::once(model.clone()).chain(best).collect();
-        let climb = Climb { rungs, first: candidates, refused: Vec::new() };
+        let climb = Climb { rungs, first: candidates, refused: Vec::new(), withdrawn: Vec::new() };
         let ranked = discover::rank(&climb, has_unseen.then_some(&evidence.unseen));
         let rivals = discover::rivals(&climb);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));

@@ -6,8 +6,10 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 
 /// Effects that can hardly be told apart when both are present: at most one of each group is picked.
-const ALIKE: [&[Kind]; 4] = [
+const ALIKE: [&[Kind]; 5] = [
     &[Kind::Coulomb, Kind::CoulombAsymmetric, Kind::Stribeck],
+    // A friction that differs by direction is an even one and a constant load.
+    &[Kind::CoulombAsymmetric, Kind::ConstantLoad],
     &[Kind::DeadZone, Kind::VoltageDrop],
     &[Kind::Backlash, Kind::Compliance],
     &[Kind::Delay, Kind::SensorLag],

@@ -48,7 +48,7 @@ pub fn sets() -> Vec<Model> {
         vec![
             (Kind::CoulombAsymmetric, &[0.3, 0.1]),
             (Kind::QuadraticDrag, &[0.01]),
-            (Kind::Cogging, &[0.2, -0.1, 3.0]),
+            (Kind::Cogging, &[0.2, -0.1, 0.05, -0.02, 3.0]),
         ],
         vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
         vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],

@@ -1,6 +1,6 @@
 //! Torque ripple of the slots, a fixed number of times per motor revolution.
 
-use super::spec::{TORQUE, Port, Scale, Spec, shape, strength};
+use super::spec::{Port, Scale, Spec, TORQUE, shown, strength};
 use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
@@ -10,28 +10,28 @@ pub(super) const SPEC: Spec = Spec {
     name: "cogging",
     port: Port::Torque,
     title: "torque ripple locked to the motor's angle (slots, commutator)",
-    equation: "f = -(sine sin(order n x) + cosine cos(order n x))",
+    equation: "f = -(sine sin(a) + cosine cos(a) + sine2 sin(2 a) + cosine2 cos(2 a)),  a = order n x",
     source: "slot ripple of permanent-magnet motors; n is the gear ratio",
     signature: "residual torque against the motor's angle repeats a whole number of times a revolution; slow motion is jerky",
     parameters: &[
         strength("sine", "V", "ripple torque, sine part", Scale::Volt, [-12.0, 0.15, 12.0]),
         strength("cosine", "V", "ripple torque, cosine part", Scale::Volt, [-12.0, 0.15, 12.0]),
-        shape("order", "1", "periods per motor revolution", Scale::One, [1.0, 0.002, 64.0]),
+        strength("sine2", "V", "its second harmonic, sine part", Scale::Volt, [-12.0, 0.15, 12.0]),
+        strength("cosine2", "V", "its second harmonic, cosine part", Scale::Volt, [-12.0, 0.15, 12.0]),
+        shown("order", "1", "periods per motor revolution", Scale::One, [1.0, 1.0, 64.0]),
     ],
-    // The order comes from the data (a periodogram over the angle); these are fallbacks.
-    probes: &[
-        &[0.2, 0.0, 3.0], &[0.0, 0.2, 3.0], &[-0.2, 0.0, 3.0], &[0.0, -0.2, 3.0],
-        &[0.2, 0.0, 6.0], &[0.0, 0.2, 6.0], &[-0.2, 0.0, 6.0], &[0.0, -0.2, 6.0],
-    ],
+    // The order and the phase come from the data; these stand in where there is no angle to take them from.
+    probes: &[&[0.2, 0.0, 0.0, 0.0, 3.0], &[0.0, 0.2, 0.0, 0.0, 3.0], &[0.2, 0.0, 0.0, 0.0, 6.0], &[0.0, 0.2, 0.0, 0.0, 6.0]],
     laws: TORQUE,
     remembers: false,
     contains: &[],
 };
 
-/// Torque of `order` periods per motor revolution.
+/// Torque of `order` periods per motor revolution: teeth are no pure sine, so the second harmonic belongs to it.
 #[derive(Debug, Clone, Copy)]
 pub struct Cogging<S> {
     ripple: Wave<S>,
+    harmonic: Wave<S>,
     turns: S,
     half_step: S,
 }
@@ -40,7 +40,8 @@ impl<S: Scalar> Cogging<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
         Self {
             ripple: Wave::new(parameters[0], parameters[1]),
-            turns: parameters[2] * setting.motor_turns,
+            harmonic: Wave::new(parameters[2], parameters[3]),
+            turns: parameters[4] * setting.motor_turns,
             half_step: setting.step * S::lit(0.5),
         }
     }
@@ -51,7 +52,8 @@ impl<S: Scalar> Effect<S> for Cogging<S> {
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
         // At the middle of the step: the ripple may pass a good part of a period in one.
         let middle = now.state.speed.mul_add(self.half_step, now.state.angle);
-        drive.torque -= self.ripple.at(middle * self.turns);
+        let turn = middle * self.turns;
+        drive.torque -= self.ripple.at(turn) + self.harmonic.at(turn + turn);
     }
 }
 
@@ -62,12 +64,19 @@ mod tests {
     /// A quarter of a ripple period away from balance the slots hold the shaft against a small voltage.
     #[test]
     fn holds_the_shaft_where_the_ripple_balances_the_voltage() {
-        let (_, motion) = run(Kind::Cogging, &[1.0, 0.0, 4.0], &[0.5; 4000]);
+        let (_, motion) = run(Kind::Cogging, &[1.0, 0.0, 0.0, 0.0, 4.0], &[0.5; 4000]);
         close(motion.state.angle, libm::asin(0.5) / (4.0 * RIG.gear_ratio), 1e-6);
+    }
+
+    /// The harmonic alone has two balances where the teeth have one.
+    #[test]
+    fn the_second_harmonic_goes_twice_as_often() {
+        let (_, motion) = run(Kind::Cogging, &[0.0, 0.0, 1.0, 0.0, 4.0], &[0.5; 4000]);
+        close(motion.state.angle, libm::asin(0.5) / (8.0 * RIG.gear_ratio), 1e-6);
     }
 
     #[test]
     fn at_speed_the_ripple_averages_out() {
-        close(steady_speed(Kind::Cogging, &[0.3, 0.0, 4.0], 10.0), BASE.gain * 10.0, 0.05);
+        close(steady_speed(Kind::Cogging, &[0.3, 0.0, 0.1, 0.0, 4.0], 10.0), BASE.gain * 10.0, 0.05);
     }
 }

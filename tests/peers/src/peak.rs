@@ -54,7 +54,9 @@ pub fn linear_kernel(rate: u32) -> f64 {
     let mut candidates = Candidates::default();
     records.discretise(&motors, &mut candidates);
     let mut iae = [0.0; LANES];
-    let seconds = fastest(400, || records.iae_of(black_box(&candidates), &mut iae));
+    // As long for a short record as for a long one: a second or two, in which a neighbour comes and goes.
+    let times = 8_000 * 1000 / rate;
+    let seconds = fastest(times, || records.iae_of(black_box(&candidates), &mut iae));
     seconds / (LANES * records.samples()) as f64
 }
 
@@ -63,6 +65,8 @@ pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
 
 /// Blocks of lanes of the nonlinear kernel.
 const SIDE_BY_SIDE: usize = 2;
+/// Turns of lanes and scalar, one after the other: a few seconds, in which a neighbour on the same core comes and goes.
+const ROUNDS: u32 = 3000;
 
 /// Seconds per candidate and sample of the nonlinear model: in lanes, and as scalar `f64`.
 pub fn nonlinear_kernel() -> (f64, f64) {
@@ -71,12 +75,17 @@ pub fn nonlinear_kernel() -> (f64, f64) {
     let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let (voltages, measured) = (single(&record.voltage), single(&record.measured));
     let level = Level::best();
-    let lanes = fastest(40, || {
-        black_box(level.run(Nonlinear::<f32, SIDE_BY_SIDE> { voltages: &voltages, measured: &measured }));
-    });
-    let scalar = fastest(40, || {
-        let work = Nonlinear::<f64> { voltages: &record.voltage[..], measured: &record.measured };
-        black_box(work.sums::<f64>());
-    });
-    (lanes / ((SIDE_BY_SIDE * LANES) as f64 * samples), scalar / samples)
+    let mut least = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..ROUNDS {
+        let lanes = fastest(1, || {
+            let work = Nonlinear::<f32, SIDE_BY_SIDE> { voltages: &voltages, measured: &measured };
+            black_box(level.run(work));
+        });
+        let scalar = fastest(1, || {
+            let work = Nonlinear::<f64> { voltages: &record.voltage[..], measured: &record.measured };
+            black_box(work.sums::<f64>());
+        });
+        least = (least.0.min(lanes), least.1.min(scalar));
+    }
+    (least.0 / ((SIDE_BY_SIDE * LANES) as f64 * samples), least.1 / samples)
 }
