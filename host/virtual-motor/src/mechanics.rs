@@ -210,7 +210,11 @@ impl Mechanics {
     #[inline]
     fn midpoint(&self, m: &Motion, contact: Contact, outside: &Surroundings, dt: f64) -> Motion {
         let first = self.slopes(m, contact, outside);
-        let middle = m.plus(&first, 0.5 * dt);
+        let mut middle = m.plus(&first, 0.5 * dt);
+        // Diodes do not turn around within a step: the current that runs out in it ends at zero.
+        if matches!(outside.terminal, Terminal::Floating(_)) && middle.current * m.current < 0.0 {
+            middle.current = f64::MIN_POSITIVE.copysign(m.current);
+        }
         let second = self.slopes(&middle, contact, outside);
         m.plus(&second, dt)
     }

@@ -171,6 +171,27 @@ fn a_coasting_bridge_does_not_brake_and_a_braking_one_does() {
     close(floating.true_speed_rad_s(), speed * (-0.1 * viscous).exp(), 0.02);
 }
 
+/// The diodes only let the current run out: it falls all the way to zero and stays there.
+#[test]
+fn the_current_of_a_floating_winding_falls_to_zero_and_never_rises() {
+    let motors = (1..20).map(Motor::hidden).chain([Motor::paper(), Motor::small()]);
+    for motor in motors {
+        let mut plant = plant(&motor, &[]);
+        // Once from the current of a steady run, once from that of a start.
+        for seconds in [0.5, 0.001] {
+            plant.advance(seconds, Bridge::Volts(0.7 * motor.nominal_v));
+            let mut before = plant.current_a().abs();
+            for _ in 0..1200 {
+                plant.advance(25e-6, Bridge::Floating);
+                let now = plant.current_a().abs();
+                assert!(now <= before, "{now} A after {before} A in {motor:?}");
+                before = now;
+            }
+            assert_eq!(before, 0.0, "{motor:?}");
+        }
+    }
+}
+
 #[test]
 fn a_slow_coasting_pwm_has_the_steady_speed_of_its_averaged_torque() {
     // The period is long against the winding's time constant: mean current d (V - e) / R, and K_t i = b w.
