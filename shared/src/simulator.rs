@@ -74,19 +74,7 @@ pub struct Simulator<S, E = Several<S>> {
 pub struct Motion<S> {
     /// Current, speed and angle.
     pub state: State<S>,
-    /// How far the measured shaft is ahead of this one, rad of the output shaft: a guided run sets it, and laws that
-    /// are tied to an angle (teeth, an unbalance, a disc off centre) act where the shaft was seen.
-    pub ahead: S,
     memories: [Memory<S>; MAX_EFFECTS],
-}
-
-impl<S: Scalar> Motion<S> {
-    /// The state with its angles where they were measured.
-    #[inline(always)]
-    fn seen(&self) -> State<S> {
-        let s = self.state;
-        State { angle: s.angle + self.ahead, load_angle: s.load_angle + self.ahead, ..s }
-    }
 }
 
 impl<S: Scalar> Simulator<S> {
@@ -111,24 +99,42 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     /// Starts from `state`, with every effect's own memory empty.
     #[inline(always)]
     pub fn start(&self, state: State<S>) -> Motion<S> {
-        Motion { state, ahead: S::zero(), memories: [Memory::empty(state.angle); MAX_EFFECTS] }
+        Motion { state, memories: [Memory::empty(state.angle); MAX_EFFECTS] }
     }
 
     /// Advances over cell `index` (from 1) of the grid, whose mean voltages are `voltages[1..]`; `voltages[0]` was
     /// held before the start.
     #[inline(always)]
     pub fn advance(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize) {
+        self.advance_seen::<false>(motion, voltages, index, S::zero());
+    }
+
+    /// [`Self::advance`] in a guided run: the measured shaft is `ahead` (rad) of the model's, and laws that are tied to
+    /// an angle (teeth, an unbalance, a disc off centre) act where it was seen.
+    #[inline(always)]
+    pub fn advance_guided(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize, ahead: S) {
+        self.advance_seen::<true>(motion, voltages, index, ahead);
+    }
+
+    #[inline(always)]
+    fn advance_seen<const GUIDED: bool>(
+        &self,
+        motion: &mut Motion<S>,
+        voltages: &[S::Element],
+        index: usize,
+        ahead: S,
+    ) {
         let command = S::splat(voltages[index]);
         if self.effects.two_masses() {
             for _ in 0..TRANSMISSION_PARTS {
                 let now = Now { command, state: motion.state, voltages, index };
-                let drive = self.drive(&now, motion);
+                let drive = self.drive::<GUIDED>(&now, motion, ahead);
                 self.advance_two_masses(&mut motion.state, &drive);
                 self.effects.settle(&now, &motion.state, &mut motion.memories);
             }
         } else {
             let now = Now { command, state: motion.state, voltages, index };
-            let mut drive = self.drive(&now, motion);
+            let mut drive = self.drive::<GUIDED>(&now, motion, ahead);
             drive.torque += drive.load_torque;
             let state = &mut motion.state;
             step(&self.prepared.coefficients, self.effects.laws(), state, &drive);
@@ -139,9 +145,10 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     }
 
     #[inline(always)]
-    fn drive(&self, now: &Now<S>, motion: &Motion<S>) -> Drive<S> {
+    fn drive<const GUIDED: bool>(&self, now: &Now<S>, motion: &Motion<S>, ahead: S) -> Drive<S> {
+        let seen = if GUIDED { now.state.turned(ahead) } else { now.state };
         let mut drive = Drive::plain(now.command);
-        self.effects.drive(&Now { state: motion.seen(), ..*now }, &motion.memories, &mut drive);
+        self.effects.drive(&Now { state: seen, ..*now }, &motion.memories, &mut drive);
         drive
     }
 
@@ -158,9 +165,20 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     /// What the encoder shows, rad of the output shaft, without its quantisation.
     #[inline(always)]
     pub fn read(&self, motion: &Motion<S>) -> S {
+        self.read_seen(motion, motion.state)
+    }
+
+    /// [`Self::read`] in a guided run, see [`Self::advance_guided`].
+    #[inline(always)]
+    pub fn read_guided(&self, motion: &Motion<S>, ahead: S) -> S {
+        self.read_seen(motion, motion.state.turned(ahead))
+    }
+
+    #[inline(always)]
+    fn read_seen(&self, motion: &Motion<S>, seen: State<S>) -> S {
         let s = &motion.state;
         let mut reading = if self.prepared.setting.encoder_on_motor { s.angle } else { s.load_angle };
-        self.effects.read(&motion.seen(), &motion.memories, &mut reading);
+        self.effects.read(&seen, &motion.memories, &mut reading);
         reading
     }
 

@@ -27,6 +27,13 @@ impl<S: Scalar> State<S> {
     pub fn moving(current: S, speed: S, angle: S) -> Self {
         Self { current, speed, angle, load_speed: speed, load_angle: angle }
     }
+
+    /// The same motion from another place, `by` rad further.
+    #[inline(always)]
+    #[must_use]
+    pub fn turned(self, by: S) -> Self {
+        Self { angle: self.angle + by, load_angle: self.load_angle + by, ..self }
+    }
     /// At rest at angle zero.
     pub fn rest() -> Self {
         Self::moving(S::zero(), S::zero(), S::zero())

@@ -91,10 +91,11 @@ impl Shown for Block {
 fn show<S: Shown, E: Effects<S>>(
     simulator: &Simulator<S, E>,
     motion: &Motion<S>,
+    ahead: S,
     of_rotor: bool,
 ) -> Reading<S> {
     let speed = if of_rotor { motion.state.speed } else { motion.state.load_speed };
-    [simulator.read(motion), speed]
+    [simulator.read_guided(motion, ahead), speed]
 }
 
 #[inline(always)]
@@ -110,7 +111,8 @@ pub fn run<S: Shown, E: Effects<S>>(
     sink: &mut dyn Sink<S::Plain>,
 ) {
     let mut motion = simulator.start(course.start);
-    let start = plain(show(simulator, &motion, course.encoder_on_motor));
+    let mut ahead = S::zero();
+    let start = plain(show(simulator, &motion, ahead, course.encoder_on_motor));
     sink.begin(start);
     let mut readings = [start; CHUNK];
     let guided = course.guide.len() > course.cells;
@@ -118,10 +120,10 @@ pub fn run<S: Shown, E: Effects<S>>(
     while first < course.cells {
         let count = CHUNK.min(course.cells - first);
         for k in 0..count {
-            simulator.advance(&mut motion, course.voltages, first + k + 1);
-            let reading = show(simulator, &motion, course.encoder_on_motor);
+            simulator.advance_guided(&mut motion, course.voltages, first + k + 1, ahead);
+            let reading = show(simulator, &motion, ahead, course.encoder_on_motor);
             if guided {
-                motion.ahead = S::splat(course.guide[first + k + 1]) - reading[0];
+                ahead = S::splat(course.guide[first + k + 1]) - reading[0];
             }
             readings[k] = plain(reading);
         }

@@ -17,6 +17,8 @@ const NO_WORSE: f64 = 1.1;
 /// of the records fitted must fall to this share.
 const NOT_WORSE: f64 = 1.005;
 const CLEARLY: f64 = 0.8;
+/// Share of the error itself, on both, that a slow effect must leave at most.
+const PLAINLY: f64 = 0.35;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
@@ -26,6 +28,8 @@ const MOSTLY_THERE: f64 = 0.3;
 /// Nothing is left to find below this many noise units: the base model, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
 const NEAR_THE_FLOOR: f64 = 1.15;
+/// ... nor, in the error itself, below this many.
+const STEADY: f64 = 3.0;
 
 /// What the climb found.
 #[derive(Debug)]
@@ -57,17 +61,23 @@ impl Climb {
     }
 }
 
-/// Whether `more` is worth its parameters over `less`: better on both sets of records.
+/// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
+/// stay as they are, plainly in the error that they add up to.
 pub fn worth(more: &Candidate, less: &Candidate) -> bool {
-    let train = more.train.increments / less.train.increments;
-    let unseen = more.unseen.increments / less.unseen.increments;
+    let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
+    let (train, unseen) = of(|e| e.increments);
+    let (drift, unseen_drift) = of(|e| e.position);
+    let drifted = less.train.position.min(less.unseen.position) > STEADY;
+    if drifted && train.max(unseen) < NOT_WORSE && drift.max(unseen_drift) < PLAINLY {
+        return true;
+    }
     let mean = if less.kinds().is_empty() { WORTH } else { WORTH_MORE };
     // Unseen records at the floor already cannot get better, only worse.
     let silent = less.unseen.increments < NEAR_THE_FLOOR && unseen < NOT_WORSE && train < CLEARLY;
     train < WORTH
         && (unseen < WORTH || silent)
         && (train * unseen).sqrt() < mean
-        && more.unseen.position < less.unseen.position * NO_WORSE
+        && unseen_drift < NO_WORSE
         && more.merit() < less.merit() + WORTH.ln()
 }
 
@@ -127,7 +137,8 @@ pub fn run(
         let model = climb.model().clone();
         let (floor, effort) =
             if depth == 0 { (AT_THE_FLOOR, Effort::FIRST) } else { (NEAR_THE_FLOOR, Effort::LATER) };
-        if model.train.increments.max(model.unseen.increments) < floor {
+        let quiet = |e: &Errors| e.increments < floor && e.position < STEADY;
+        if quiet(&model.train) && quiet(&model.unseen) {
             break;
         }
         let mut found = stage::run(evidence, &model, library, effort, &mut |k| tick(depth, k));
@@ -138,11 +149,11 @@ pub fn run(
             found.extend(stage::run(evidence, &rival, library, effort, &mut |k| tick(depth, k)));
         }
         found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-        let Some(next) = next_rung(&found, &model).cloned() else { break };
-        if !worth(&next, &model) {
+        let worthy: Vec<Candidate> = found.iter().filter(|c| worth(c, &model)).cloned().collect();
+        let Some(next) = next_rung(&worthy, &model).cloned() else {
             climb.refused = found;
             break;
-        }
+        };
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
         let next = evidence.finish(prune(evidence, next));
         let next = evidence.settle_starts(next);
