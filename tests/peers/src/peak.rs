@@ -64,7 +64,7 @@ pub fn linear_kernel(rate: u32) -> f64 {
 pub const LINEAR_MULTIPLY_ADDS: f64 = 6.0;
 
 /// Blocks of lanes of the nonlinear kernel.
-const SIDE_BY_SIDE: usize = 2;
+const SIDE_BY_SIDE: usize = 3;
 /// Turns of lanes and scalar, one after the other: a few seconds, in which a neighbour on the same core comes and goes.
 const ROUNDS: u32 = 3000;
 
