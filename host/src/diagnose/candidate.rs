@@ -35,6 +35,9 @@ impl Errors {
     }
 }
 
+/// An error itself below this many times its floor is no drift: it sums up every small fault of the parameters.
+pub const STEADY: f64 = 3.0;
+
 /// A model with its fit.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -63,12 +66,10 @@ impl Candidate {
     }
     /// Near what a perfect model would leave, on the records fitted and on those kept out.
     ///
-    /// The increments tell whether the physics is right. The error itself sums up every small fault of the parameters
-    /// over a record, so it may be a few times its floor, but not any times.
+    /// The increments tell whether the physics is right; the error itself may be a few times its floor, not any times.
     pub fn explains(&self) -> bool {
         const NEAR: f64 = 1.3;
-        const DRIFT: f64 = 3.0;
-        [self.train, self.unseen].iter().all(|e| e.increments < NEAR && e.position < DRIFT)
+        [self.train, self.unseen].iter().all(|e| e.increments < NEAR && e.position < STEADY)
     }
     /// How far above the floor the increments are: 0 at the floor.
     pub fn excess(&self) -> f64 {

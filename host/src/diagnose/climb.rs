@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::candidate::{Candidate, Errors, Evidence};
+use super::candidate::{Candidate, Errors, Evidence, STEADY};
 use super::stage::{self, Effort};
 
 /// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
@@ -25,11 +25,9 @@ const EQUAL: f64 = 0.06;
 const DRIFT: f64 = 1.5;
 /// Share of the way down to a measured floor that may be left.
 const MOSTLY_THERE: f64 = 0.3;
-/// Nothing is left to find below this many noise units: the base model, and one that explains already.
+/// Nothing is left to find below this many noise units in a steady model: the base, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
 const NEAR_THE_FLOOR: f64 = 1.15;
-/// ... nor, in the error itself, below this many.
-const STEADY: f64 = 3.0;
 
 /// What the climb found.
 #[derive(Debug)]

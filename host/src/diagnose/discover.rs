@@ -5,7 +5,7 @@ use std::time::Instant;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::candidate::{Candidate, Evidence};
+use super::candidate::{Candidate, Errors, Evidence};
 use super::climb::{self, Climb};
 use super::floor::floor;
 use super::plan::{self, Limits, Plan};
@@ -226,24 +226,17 @@ pub fn prepare(
 impl Evidence {
     /// Splits what there is into records to fit and records to judge by.
     pub fn new(whole: Problem, records: &[Record], validation: &[Record], motor: &MotorFile) -> Self {
-        let floor = floor(records, &whole);
-        let repeated = !repeats::find_repeats(records).is_empty();
+        let measured = floor(records, &whole);
+        let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
         let (train, unseen) = if validation.is_empty() {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
             let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
-            (whole.on(beginnings), whole.on(rests))
+            (guided(beginnings), guided(rests))
         } else {
             let (other, _) = setup::problem(validation, motor);
-            (whole.on(whole.grids.clone()), whole.on(other.grids))
+            (guided(whole.grids.clone()), guided(other.grids))
         };
-        let guided = |p: Problem| {
-            if std::env::var_os("FREE").is_some() {
-                p
-            } else {
-                p.on(p.grids.iter().map(Grid::guided).collect())
-            }
-        };
-        let (train, unseen) = (guided(train), guided(unseen));
+        let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
         Self { whole, train, unseen, floor, repeated }
     }
 }

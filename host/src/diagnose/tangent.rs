@@ -16,6 +16,8 @@ pub struct Tangent {
     centre: Vec<Vec<f64>>,
     /// ... and the derivatives along the model's axes.
     rows: Vec<Vec<Vec<f64>>>,
+    /// The cost's slope along them.
+    slope: DVector<f64>,
     inverse: DMatrix<f64>,
 }
 
@@ -40,6 +42,12 @@ impl Tangent {
                     .collect()
             })
             .collect();
+        let mut slope = DVector::zeros(axes.len());
+        for (row, c) in rows.iter().flatten().zip(centre.iter().flatten()) {
+            for (total, d) in slope.iter_mut().zip(row) {
+                *total += d * c;
+            }
+        }
         let mut h = model.found.curvature.clone();
         if h.nrows() != axes.len() {
             h = DMatrix::identity(axes.len(), axes.len());
@@ -48,7 +56,7 @@ impl Tangent {
             h[(k, k)] = h[(k, k)] * 1.001 + 1e-9;
         }
         let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::identity(axes.len(), axes.len()));
-        Self { axes, centre, rows, inverse }
+        Self { axes, centre, rows, slope, inverse }
     }
 
     /// For each candidate: cost left after the model's parameters give way, and by how much they would.
@@ -92,7 +100,6 @@ impl Tangent {
         let mut own = vec![[[0.0; 2]; 2]; pairs];
         let mut gradient = vec![[0.0; 2]; pairs];
         let mut cross = vec![[0.0; LANES]; n];
-        let mut old = DVector::zeros(n);
         let mut series: Vec<Block> = Vec::new();
         problem.simulations.set(problem.simulations.get() + xs.len() as u64);
         for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
@@ -108,10 +115,9 @@ impl Tangent {
                         }
                     }
                 }
-                for (k, slope) in row.iter().enumerate() {
-                    old[k] += slope * c;
+                for (cross, slope) in cross.iter_mut().zip(row) {
                     for l in 0..LANES {
-                        cross[k][l] += slope * d[l];
+                        cross[l] += slope * d[l];
                     }
                 }
             }
@@ -122,7 +128,7 @@ impl Tangent {
                     std::array::from_fn(|a| DVector::from_fn(n, |k, _| cross[k][2 * p + a]));
                 let absorbed = side.each_ref().map(|s| &self.inverse * s);
                 let h = |a: usize, b: usize| own[p][a][b] - side[a].dot(&absorbed[b]);
-                let g = |a: usize| gradient[p][a] - absorbed[a].dot(&old);
+                let g = |a: usize| gradient[p][a] - absorbed[a].dot(&self.slope);
                 let determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0);
                 if determinant <= 1e-9 * own[p][0][0] * own[p][1][1] {
                     return (0.0, [0.0; 2]);

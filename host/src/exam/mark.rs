@@ -73,7 +73,7 @@ impl Marks {
         let calm = |group| all(group).filter(|a| a.disturbance == 0.0);
         let disturbed = |group| all(group).filter(|a| a.disturbance > 0.0);
         let explained = |a: &Answer| a.verdict == Verdict::Explained;
-        let claims = answers.iter().filter(|a| a.verdict == Verdict::Explained && !a.found.is_empty());
+        let claims = answers.iter().filter(|a| explained(a) && !a.found.is_empty());
         let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
         let seconds = sorted(answers.iter().map(|a| a.seconds));
         Self {

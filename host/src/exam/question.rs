@@ -82,8 +82,7 @@ impl Paper {
             ask(Group::Pair, seed, pair(seed, only), singles);
         }
         let all: Vec<Kind> = Kind::all().filter(asked).filter(|kind| !SUMS.contains(kind)).collect();
-        for k in 0..self.outside {
-            let kind = all[k as usize % all.len().max(1)];
+        for (k, kind) in (0..self.outside).zip(all.into_iter().cycle()) {
             ask(Group::Outside, self.from + 300_000 + k, vec![kind], singles);
         }
         questions

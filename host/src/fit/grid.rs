@@ -4,6 +4,7 @@
 //! voltage over it, which keeps every volt-second whatever the time stamps do; samples fall between cells and are
 //! interpolated there. So jitter and gaps cost nothing but this one pass.
 
+use super::simulate::hermite;
 use crate::log::{Hold, Record, timing};
 
 /// What the record's main column is.
@@ -157,11 +158,11 @@ impl Grid {
     /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
     /// not lose the phase of teeth or of an unbalance. Records of speed stay free.
     #[must_use]
-    pub fn guided(&self) -> Self {
-        if self.quantity != Quantity::Angle {
-            return self.clone();
+    pub fn guided(mut self) -> Self {
+        if self.quantity == Quantity::Angle {
+            self.guide = self.at_cell_ends();
         }
-        Self { guide: self.at_cell_ends(), ..self.clone() }
+        self
     }
 
     /// The measured column at the start and at every cell's end, by cubics through the samples.
@@ -181,11 +182,9 @@ impl Grid {
                 let s = ((x - at[from]) / span).clamp(0.0, 1.0);
                 let slope = |i: usize| {
                     let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
-                    (y[b] - y[a]) / (at[b] - at[a]).max(1e-9) * span
+                    (y[b] - y[a]) / (at[b] - at[a]).max(1e-9)
                 };
-                let r = 1.0 - s;
-                let ends = y[from] * r * r * (1.0 + 2.0 * s) + y[to] * s * s * (3.0 - 2.0 * s);
-                ends + slope(from) * s * r * r - slope(to) * s * s * r
+                hermite(s, span, &[y[from], slope(from)], &[y[to], slope(to)])
             })
             .collect()
     }

@@ -106,7 +106,12 @@ impl<S: Scalar> Sink<S> for Sampler<'_, S> {
 
 /// Between two readings with known slopes, at `part` of the cell.
 #[inline(always)]
-fn hermite<S: Scalar>(part: f64, step: S, [y0, slope0]: &Reading<S>, [y1, slope1]: &Reading<S>) -> S {
+pub(super) fn hermite<S: Scalar>(
+    part: f64,
+    step: S,
+    [y0, slope0]: &Reading<S>,
+    [y1, slope1]: &Reading<S>,
+) -> S {
     let (s, r) = (part, 1.0 - part);
     let ends = *y0 * S::lit(r * r * (1.0 + 2.0 * s)) + *y1 * S::lit(s * s * (3.0 - 2.0 * s));
     ends + step * (*slope0 * S::lit(s * r * r) - *slope1 * S::lit(s * s * r))

@@ -60,10 +60,10 @@ mod tests {
     #[test]
     fn two_thirds_are_lost_at_the_knee_of_an_even_rise_and_more_of_a_steep_one() {
         for (drop, knee, rise) in [(0.6, 0.3, 1.0), (0.3, 0.3, 2.0)] {
-        let viscous = BASE.viscous_share / BASE.gain;
-        let speed = knee / viscous;
-        let volts = (1.0 - BASE.viscous_share) / BASE.gain * speed + knee + drop * (1.0 + rise) / (2.0 + rise);
-        close(steady_speed(Kind::VoltageDrop, &[drop, knee, rise], volts), speed, 0.01);
+            let viscous = BASE.viscous_share / BASE.gain;
+            let speed = knee / viscous;
+            let volts = (1.0 - BASE.viscous_share) / BASE.gain * speed + knee + drop * (1.0 + rise) / (2.0 + rise);
+            close(steady_speed(Kind::VoltageDrop, &[drop, knee, rise], volts), speed, 0.01);
         }
     }
 
