@@ -89,8 +89,6 @@ pub struct Coefficients<S> {
     pub electric_impulse: S,
     /// Half the viscous friction, V per rad/s.
     pub viscous: S,
-    /// Back-EMF constant, V per rad/s.
-    pub back_emf: S,
 }
 
 type M2<S> = [[S; 2]; 2];
@@ -173,7 +171,6 @@ impl<S: Scalar> Coefficients<S> {
             per_impulse: one / (c * step),
             electric_impulse: c * base.tau_e,
             viscous: S::lit(0.5) * b / c,
-            back_emf: k,
         }
     }
 }
@@ -216,7 +213,6 @@ impl Coefficients<f64> {
             per_impulse: S::lit(self.per_impulse * speed / volt),
             electric_impulse: S::lit(self.electric_impulse * volt / speed),
             viscous: S::lit(self.viscous * speed / volt),
-            back_emf: S::lit(self.back_emf * speed / volt),
         }
     }
 }

@@ -77,6 +77,16 @@ pub struct Motion<S> {
     memories: [Memory<S>; MAX_EFFECTS],
 }
 
+impl<S: Scalar> Motion<S> {
+    /// The same with a reading that was taken `age` seconds before the start, where a sensor holds it.
+    #[must_use]
+    #[inline(always)]
+    pub fn aged(mut self, age: S) -> Self {
+        self.memories.iter_mut().for_each(|memory| memory.age = age);
+        self
+    }
+}
+
 impl<S: Scalar> Simulator<S> {
     /// Prepares `base` with `effects` (kind and parameters in the registry's order) on `rig`.
     ///

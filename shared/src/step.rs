@@ -67,8 +67,6 @@ pub struct Drive<S> {
     pub brush_rise: S,
     /// Resistance in series with the winding, as a share of the winding's.
     pub series: S,
-    /// Magnetic field as a share of the rated one: scales torque and back-EMF alike.
-    pub field: S,
 }
 
 impl<S: Scalar> Drive<S> {
@@ -89,7 +87,6 @@ impl<S: Scalar> Drive<S> {
             brush_knee: S::one(),
             brush_rise: S::one(),
             series: zero,
-            field: S::one(),
         }
     }
 }
@@ -99,8 +96,6 @@ impl<S: Scalar> Drive<S> {
 pub struct Laws {
     /// Something sets [`Drive::torque`] or [`Drive::load_torque`].
     pub torque: bool,
-    /// Something sets [`Drive::field`].
-    pub field: bool,
     /// Something sets [`Drive::drop`].
     pub drop: bool,
     /// Something sets [`Drive::brush`].
@@ -122,7 +117,6 @@ impl Laws {
     pub const fn and(self, other: Self) -> Self {
         Self {
             torque: self.torque || other.torque,
-            field: self.field || other.field,
             drop: self.drop || other.drop,
             brush: self.brush || other.brush,
             series: self.series || other.series,
@@ -142,13 +136,8 @@ impl Laws {
 pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive: &Drive<S>) {
     let (u, w) = (s.current, s.speed);
     let (mut v, mut f) = (drive.voltage, drive.torque);
-    if laws.field {
-        let weakened = drive.field - S::one();
-        f = weakened.mul_add(u, f);
-        v -= weakened * c.back_emf * w;
-    }
     let (mut from_v, mut w_from_v) = (c.uv * v, c.wv * v);
-    if laws.torque || laws.field {
+    if laws.torque {
         from_v = c.uf.mul_add(f, from_v);
         w_from_v = c.wf.mul_add(f, w_from_v);
     }
@@ -186,7 +175,7 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         f += g;
     }
     let mut curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv * v));
-    if laws.torque || laws.field || laws.dry {
+    if laws.torque || laws.dry {
         curve = c.xf.mul_add(f, curve);
     }
     s.angle += c.half_step.mul_add(ends, curve);

@@ -47,6 +47,8 @@ pub struct Course<'a, S: Scalar> {
     pub voltages: &'a [S::Element],
     /// Cells to run, fewer than there are voltages.
     pub cells: usize,
+    /// How old the reading at the start is where a sensor holds it, s.
+    pub reading_age_s: f64,
     /// Whether the encoder turns with the rotor: whose speed goes with the reading.
     pub encoder_on_motor: bool,
     /// What was measured at the start and at the end of every cell, rad: laws tied to an angle then act where the
@@ -110,7 +112,7 @@ pub fn run<S: Shown, E: Effects<S>>(
     course: &Course<S>,
     sink: &mut dyn Sink<S::Plain>,
 ) {
-    let mut motion = simulator.start(course.start);
+    let mut motion = simulator.start(course.start).aged(S::lit(course.reading_age_s));
     let mut ahead = S::zero();
     let start = plain(show(simulator, &motion, ahead, course.encoder_on_motor));
     sink.begin(start);

@@ -24,7 +24,7 @@ struct Row {
     equation: &'static str,
     source: &'static str,
     signature: &'static str,
-    contains: &'static [&'static str],
+    contains: Vec<&'static str>,
     parameters: Vec<Parameter>,
 }
 
@@ -71,7 +71,7 @@ fn row(kind: Kind) -> Row {
         equation: spec.equation,
         source: spec.source,
         signature: spec.signature,
-        contains: spec.contains,
+        contains: spec.contains.iter().map(|(simpler, _)| *simpler).collect(),
         parameters: spec.parameters.iter().map(parameter).collect(),
     }
 }

@@ -3,7 +3,9 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::candidate::{Candidate, Errors, Evidence, STEADY};
+use super::candidate::{Candidate, Errors, STEADY};
+use super::contained;
+use super::evidence::Evidence;
 use super::stage::{self, Effort};
 
 /// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
@@ -17,14 +19,19 @@ const NO_WORSE: f64 = 1.1;
 /// of the records fitted must fall to this share.
 const NOT_WORSE: f64 = 1.005;
 const CLEARLY: f64 = 0.8;
-/// Share of the error itself, on both, that a slow effect must leave at most.
+/// Share of the error itself, on both, that a slow effect must leave at most ...
 const PLAINLY: f64 = 0.35;
+/// ... or, where it leaves no more than noise, of an error that was this many noise units.
+const ALL_OF_IT: f64 = 0.6;
+const SLOW: f64 = 1.8;
+const NOISE: f64 = 1.2;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
 const DRIFT: f64 = 1.5;
-/// Share of the way down to a measured floor that may be left.
+/// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
 const MOSTLY_THERE: f64 = 0.3;
+const MOST_OF_THE_DRIFT: f64 = 0.55;
 /// Nothing is left to find below this many noise units in a steady model: the base, and one that explains already.
 const AT_THE_FLOOR: f64 = 1.02;
 const NEAR_THE_FLOOR: f64 = 1.15;
@@ -47,7 +54,9 @@ impl Climb {
     /// lends itself to many effects in part, and is none of them.
     fn withdraw(&mut self) {
         let (model, base) = (self.model(), &self.rungs[0]);
-        if !model.explains() && model.excess() > MOSTLY_THERE * base.excess() {
+        let far = model.excess() > MOSTLY_THERE * base.excess()
+            || base.drift() > STEADY && model.drift() > MOST_OF_THE_DRIFT * base.drift();
+        if !model.explains() && far {
             self.withdrawn = model.kinds().to_vec();
             self.rungs.truncate(1);
         }
@@ -65,8 +74,11 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
     let (train, unseen) = of(|e| e.increments);
     let (drift, unseen_drift) = of(|e| e.position);
-    let drifted = less.train.position.min(less.unseen.position) > STEADY;
-    if drifted && train.max(unseen) < NOT_WORSE && drift.max(unseen_drift) < PLAINLY {
+    let drifted = less.train.position.min(less.unseen.position);
+    let left = more.train.position.max(more.unseen.position);
+    let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY
+        || drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT;
+    if slow && train.max(unseen) < NOT_WORSE {
         return true;
     }
     let mean = if less.kinds().is_empty() { WORTH } else { WORTH_MORE };
@@ -139,12 +151,12 @@ pub fn run(
         if quiet(&model.train) && quiet(&model.unseen) {
             break;
         }
-        let mut found = stage::run(evidence, &model, library, effort, &mut |k| tick(depth, k));
+        let mut found = look(evidence, &model, library, effort, &mut |k| tick(depth, k));
         if depth == 0 {
             climb.first.clone_from(&found);
         }
         if let Some(rival) = rival.take() {
-            found.extend(stage::run(evidence, &rival, library, effort, &mut |k| tick(depth, k)));
+            found.extend(look(evidence, &rival, library, effort, &mut |k| tick(depth, k)));
         }
         found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
         let worthy: Vec<Candidate> = found.iter().filter(|c| worth(c, &model)).cloned().collect();
@@ -153,7 +165,8 @@ pub fn run(
             break;
         };
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
-        let next = evidence.finish(prune(evidence, next));
+        let next = contained::together(evidence, prune(evidence, next), library);
+        let next = evidence.finish(next);
         let next = evidence.settle_starts(next);
         rung(evidence, &next);
         climb.rungs.push(next);
@@ -164,10 +177,31 @@ pub fn run(
     climb
 }
 
+/// Everything that one more effect of `library` makes of `model`.
+fn look(
+    evidence: &Evidence,
+    model: &Candidate,
+    library: &[Kind],
+    effort: Effort,
+    tick: &mut dyn FnMut(Kind),
+) -> Vec<Candidate> {
+    let model = contained::apart(evidence, model);
+    let mut found = Vec::new();
+    let mut others = Vec::new();
+    for kind in library.iter().copied().filter(|kind| contained::may_join(model.kinds(), *kind)) {
+        match contained::richer(evidence, &model, kind) {
+            Some(richer) => found.push(richer),
+            None => others.push(kind),
+        }
+    }
+    found.extend(stage::run(evidence, &model, &others, effort, tick));
+    found
+}
+
 /// The simplest of the best; of equals, one that keeps what was accepted before.
 fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candidate> {
     let next = simplest(found)?;
-    let keeps = |c: &&Candidate| model.kinds().iter().all(|k| c.kinds().contains(k));
+    let keeps = |c: &&Candidate| model.kinds().iter().all(|k| contained::covers(c.kinds(), *k));
     if keeps(&next) {
         return Some(next);
     }
@@ -192,16 +226,14 @@ fn same(a: &Candidate, b: &Candidate) -> bool {
     sorted(a) == sorted(b)
 }
 
-/// Leaves out every effect that the others made superfluous.
+/// Leaves out every effect that the others made superfluous, and of every effect what is more than a simpler one.
 fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
     let mut model = model;
     while model.kinds().len() > 1 {
-        let fewer: Vec<Candidate> = model
-            .kinds()
-            .iter()
-            .map(|k| evidence.fit(&model.values().without(*k), 10))
-            .filter(|c| c.merit() <= model.merit() + EQUAL * 0.5 && as_good(c, &model))
-            .collect();
+        let mut fewer: Vec<Candidate> =
+            model.kinds().iter().map(|k| evidence.fit(&model.values().without(*k), 10)).collect();
+        fewer.extend(contained::simpler(evidence, &model));
+        fewer.retain(|c| c.merit() <= model.merit() + EQUAL * 0.5 && as_good(c, &model));
         match simplest(&fewer) {
             Some(c) => model = c.clone(),
             None => break,

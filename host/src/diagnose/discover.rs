@@ -5,15 +5,14 @@ use std::time::Instant;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::candidate::{Candidate, Errors, Evidence};
+use super::candidate::Candidate;
 use super::climb::{self, Climb};
-use super::floor::floor;
+use super::evidence::Evidence;
 use super::plan::{self, Limits, Plan};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
 use crate::error::Result;
-use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
@@ -144,8 +143,9 @@ pub fn diagnose(
     for record in validation {
         crate::log::check_usable(record)?;
     }
-    let evidence = Evidence::new(problem_of(model, records, motor)?, records, validation, motor);
-    let base = evidence.fit(&model.values(), 12);
+    let values = model.values();
+    let evidence = Evidence::new(problem_of(model, records, motor)?, &values, records, validation, motor);
+    let base = evidence.fit(&values, 12);
     let options = Options { most: 1, ..Options::default() };
     Ok(explore(begun, records, validation, evidence, base, &options, progress))
 }
@@ -201,9 +201,6 @@ fn explore(
     }
 }
 
-/// Share of a record that is fitted where nothing else is there to judge by.
-const FITTED_SHARE: f64 = 0.65;
-
 /// Lays out the records and fits the base model.
 ///
 /// # Errors
@@ -217,28 +214,10 @@ pub fn prepare(
         crate::log::check_usable(record)?;
     }
     let (whole, start) = setup::problem(records, motor);
-    let evidence = Evidence::new(whole, records, validation, motor);
+    let evidence = Evidence::new(whole, &start, records, validation, motor);
     let (layout, x) = evidence.train.fit_base(&start);
     let base = evidence.fit(&layout.unpack(&x), 4);
     Ok((evidence, base))
-}
-
-impl Evidence {
-    /// Splits what there is into records to fit and records to judge by.
-    pub fn new(whole: Problem, records: &[Record], validation: &[Record], motor: &MotorFile) -> Self {
-        let measured = floor(records, &whole);
-        let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
-        let (train, unseen) = if validation.is_empty() {
-            let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
-            let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
-            (guided(beginnings), guided(rests))
-        } else {
-            let (other, _) = setup::problem(validation, motor);
-            (guided(whole.grids.clone()), guided(other.grids))
-        };
-        let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
-        Self { whole, train, unseen, floor, repeated }
-    }
 }
 
 /// `values` on the records fitted, and on unseen ones where there are any.

@@ -4,18 +4,24 @@
 
 use super::candidate::Errors;
 use crate::fit::cost::{SPAN_S, robust};
-use crate::fit::grid::Quantity;
+use crate::fit::grid::{Grid, Quantity};
+use crate::fit::layout::Values;
 use crate::fit::search::Problem;
+use crate::fit::simulate::predict_one;
 use crate::log::Record;
 use crate::log::repeats::{differences, find_repeats};
 
 /// The floor under `records`, which `problem` has laid out; none where no programme was repeated.
-pub fn floor(records: &[Record], problem: &Problem) -> Option<Errors> {
+///
+/// The same command may be logged as different voltages, by a noisy measurement or a tired battery. So the runs of the
+/// model `values` are taken off both first: what it lacks, it lacks in both.
+pub fn floor(records: &[Record], problem: &Problem, values: &Values) -> Option<Errors> {
     let mut squares = Errors { increments: 0.0, position: 0.0 };
     let mut pairs = 0.0;
     for (first, second) in find_repeats(records) {
         let grid = &problem.grids[first];
-        let Some(difference) = differences(&records[first], &records[second]) else { continue };
+        let left = |k: usize| left_by(problem, values, &problem.grids[k], &records[k]);
+        let Some(difference) = differences(&left(first), &left(second)) else { continue };
         // Half of the difference's variance is each run's.
         let scale = 1.0 / (grid.sigma * std::f64::consts::SQRT_2);
         let noise: Vec<f64> = difference.iter().map(|d| d * scale).collect();
@@ -36,6 +42,20 @@ pub fn floor(records: &[Record], problem: &Problem) -> Option<Errors> {
     (pairs > 0.0).then(|| Errors { increments: rms(squares.increments), position: rms(squares.position) })
 }
 
+/// `record` less the run of `values`, where it was laid out sample by sample; else as it is.
+fn left_by(problem: &Problem, values: &Values, grid: &Grid, record: &Record) -> Record {
+    let mut left = record.clone();
+    let column = if record.angle_rad.is_some() { &mut left.angle_rad } else { &mut left.speed_rad_s };
+    if let Some(column) = column.as_mut().filter(|column| column.len() == grid.len()) {
+        let layout = problem.layout(&values.kinds());
+        let plain: Vec<f64> =
+            layout.pack(values).iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect();
+        let run = predict_one(&layout.kinds, &plain, &problem.rig, grid);
+        column.iter_mut().zip(run).for_each(|(y, p)| *y -= p);
+    }
+    left
+}
+
 fn mean_square(values: &[f64], mean: f64) -> f64 {
     values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64
 }
@@ -51,8 +71,8 @@ mod tests {
     fn a_disturbance_lifts_the_floor_and_counting_alone_does_not() {
         for (disturbed, low, high) in [(0.0, 1.0, 1.1), (1.0, 1.2, 1e3)] {
             let case = Case::new(12, &[], Conditions { disturbed, spoilt: 0.0 });
-            let (problem, _) = setup::problem(&case.records, &case.motor);
-            let floor = floor(&case.records, &problem).expect("the multisine runs twice");
+            let (problem, start) = setup::problem(&case.records, &case.motor);
+            let floor = floor(&case.records, &problem, &start).expect("the multisine runs twice");
             assert!((low..high).contains(&floor.increments), "{disturbed}: {floor:?}");
         }
     }

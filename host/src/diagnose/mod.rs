@@ -2,9 +2,10 @@
 
 pub mod candidate;
 pub mod climb;
+pub mod contained;
 pub mod discover;
+pub mod evidence;
 pub mod floor;
-mod hold;
 pub mod plan;
 mod ripple;
 pub mod stage;

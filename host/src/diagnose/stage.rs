@@ -4,13 +4,14 @@
 //!    zero rank wrongly, because friction, gaps and dead zones have none there. The best are run as they stand.
 //! 2. *Heats*: a step of the search for nearly every effect, since what an old parameter had absorbed (a lag in the
 //!    electrical time constant) comes free only then; then a few more for those that lead.
-//! 3. *Final*: the best effects are searched to the end and judged on records kept out.
+//! 3. *Final*: the best effects are searched further and judged on records kept out; those that lead, to the end.
 
 use motorlens_shared::effects::Kind;
 
-use super::candidate::{Candidate, Evidence};
+use super::candidate::Candidate;
+use super::evidence::Evidence;
+use super::ripple;
 use super::tangent::Tangent;
-use super::{hold, ripple};
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
@@ -29,13 +30,15 @@ pub struct Effort {
     pub finalists: usize,
     /// Steps of the final.
     pub last: usize,
+    /// Effects that are searched to the end.
+    pub winners: usize,
 }
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 12 };
+    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 8, winners: 2 };
     /// On a model with effects.
-    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 10 };
+    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 8, winners: 2 };
 }
 
 /// Starts of one effect that cost at most this much more than its best go into the heat beside it.
@@ -89,8 +92,20 @@ pub fn run(
         finals.push(evidence.polish(layout, found));
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
+    for winner in finals.iter_mut().take(effort.winners) {
+        let (layout, x) = (winner.layout.clone(), &winner.found.x);
+        let found = evidence.train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
+        let settled = evidence.polish(layout, found);
+        if settled.merit() < winner.merit() {
+            *winner = settled;
+        }
+    }
+    finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
     finals
 }
+
+/// Steps of a search to its end.
+const TO_THE_END: usize = 20;
 
 /// Cost, and the search vector.
 type Start = (f64, Vec<f64>);
@@ -109,7 +124,7 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         tries.extend(ripple::starts(problem, tangent, &values).into_iter().map(|p| values.with(kind, p)));
     }
     if kind == Kind::SensorLag
-        && let Some(time) = hold::time(problem)
+        && let Some(time) = problem.hold_s
     {
         tries.push(values.with(kind, vec![0.0, time]));
     }

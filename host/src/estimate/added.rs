@@ -7,8 +7,8 @@ use super::{check_effects, fast, unseen};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
-use crate::diagnose::candidate::Evidence;
 use crate::diagnose::climb::worth;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::stage::{self, Effort};
 use crate::error::{Error, Result};
 use crate::fit::layout::Values;
@@ -85,7 +85,7 @@ pub fn add(
     }
     let problem = problem_of(model, records, motor)?;
     let all = fast::all_of(&problem);
-    let evidence = Evidence::new(problem, records, validation, motor);
+    let evidence = Evidence::new(problem, &values, records, validation, motor);
 
     let old = evidence.fit(&values, 12);
     let new = stage::run(&evidence, &old, &[effect], Effort::FIRST, &mut |_| ()).into_iter().next();

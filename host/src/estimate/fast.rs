@@ -3,7 +3,8 @@
 use motorlens_shared::effects::Kind;
 
 use super::Searched;
-use crate::diagnose::candidate::{Candidate, Errors, Evidence};
+use crate::diagnose::candidate::{Candidate, Errors};
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::stage::{self, Effort};
 use crate::fit::cost::Objective;
 use crate::fit::layout::{BaseValues, Values};

@@ -6,6 +6,7 @@ use plant::{Effect, EncoderShaft as Shaft, Kind, Motor, Run, VirtualMotor};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
+use crate::log::repeats::noise_floor;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::{MotorFile, Nameplate};
 
@@ -31,7 +32,8 @@ pub struct Case {
     pub held_out: Vec<Record>,
     /// What the user knows.
     pub motor: MotorFile,
-    /// Noise that a perfect model leaves, rad: counting and disturbance, measured by a second run.
+    /// Noise that a perfect model leaves, rad: counting and disturbance, measured by a second run, and what the motor
+    /// would have made of the noise on the logged voltage.
     pub floor_rad: f64,
     /// Deviation of the torque disturbance, as a share of the stall torque.
     pub disturbance: f64,
@@ -78,8 +80,25 @@ impl Case {
             protocol.training.iter().enumerate().map(|(k, p)| make(p, k as u64)).collect();
         records.push(make(&protocol.training[REPEATED], 99));
         let held_out = vec![make(&protocol.held_out, 100)];
-        let again = make(&protocol.held_out, 101);
-        let floor_rad = floor(&held_out[0], &again).max(motor.count_rad() / 12.0_f64.sqrt());
+        // Runs at even stamps: between jittering ones a second run would have to be interpolated.
+        let even = Run { voltage_noise_v: 0.0, jitter: 0.0, ..run.clone() };
+        let calm = Run { disturbance: 0.0, ..even.clone() };
+        let noise = |again: u64| {
+            let mut plant = VirtualMotor::new(&motor, &effects, seed.wrapping_mul(31).wrapping_add(again));
+            record(&mut plant, &protocol.held_out, rate, &even)
+        };
+        let repeated = noise_floor(&noise(101), &noise(102)).unwrap_or(0.0);
+        let counting = motor.count_rad() / 12.0_f64.sqrt();
+        let would = |volts: &[f64]| VirtualMotor::new(&motor, &effects, seed).record(volts, &calm);
+        let of_noise = if run.voltage_noise_v > 0.0 {
+            let meant = would(&volts(&protocol.held_out, rate)).true_angle_rad;
+            let logged = would(&held_out[0].voltage_v).true_angle_rad;
+            // The difference of one run only: no half of it is the other's.
+            std::f64::consts::SQRT_2 * deviation(meant.iter().zip(&logged).map(|(a, b)| a - b).collect())
+        } else {
+            0.0
+        };
+        let floor_rad = repeated.max(counting).hypot(of_noise);
         Self {
             truth: kinds.iter().map(|k| k.row().name).collect(),
             sizes: effects.iter().map(|e| e.to_string()).collect::<Vec<_>>().join(" "),
@@ -93,11 +112,13 @@ impl Case {
     }
 }
 
+fn volts(programme: &Programme, rate: u32) -> Vec<f64> {
+    Player::new(programme, rate).map(|player| player.map(f64::from).collect()).unwrap_or_default()
+}
+
 /// Plays `programme` and keeps what a log would hold.
 fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run) -> Record {
-    let volts: Vec<f64> =
-        Player::new(programme, rate).map(|player| player.map(f64::from).collect()).unwrap_or_default();
-    let made = plant.record(&volts, run);
+    let made = plant.record(&volts(programme, rate), run);
     Record {
         name: programme.name.as_str().into(),
         time_s: made.time_s,
@@ -107,9 +128,8 @@ fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run)
     }
 }
 
-fn floor(a: &Record, b: &Record) -> f64 {
-    let (Some(a), Some(b)) = (&a.angle_rad, &b.angle_rad) else { return 0.0 };
-    let d: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+/// What each of two runs adds to their differences `d`.
+fn deviation(d: Vec<f64>) -> f64 {
     let mean = d.iter().sum::<f64>() / d.len() as f64;
     (d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / d.len() as f64 / 2.0).sqrt()
 }

@@ -36,6 +36,8 @@ impl Part {
 pub struct Marks {
     /// Single effects without a torque disturbance: the right one first.
     pub first: Part,
+    /// ... of those whose plain motor leaves more than noise.
+    pub shown_first: Part,
     /// ... among the first two.
     pub first_two: Part,
     /// ... exactly the right one accepted.
@@ -46,8 +48,10 @@ pub struct Marks {
     pub disturbed_exact: Part,
     /// Nothing missing, yet something accepted.
     pub false_alarms: Part,
-    /// Of the answers that claim to explain a motor by effects: every one of them is hidden there.
+    /// Of the answers that claim to explain a motor by effects and name no rivals: every one of them is hidden there.
     pub claims_right: Part,
+    /// Of those that name rivals which the data cannot exclude: the effects, or one of the rivals, are hidden there.
+    pub open_claims_right: Part,
     /// Two effects without a torque disturbance: both and no other accepted.
     pub pairs: Part,
     /// ... and under one.
@@ -62,7 +66,9 @@ pub struct Marks {
     pub median_over_floor: f64,
     /// ... and its third quartile.
     pub third_quartile_over_floor: f64,
-    /// Median time of a case, s.
+    /// Median time of one diagnosis: until the first effect was in the model, or there was none, s.
+    pub median_first_seconds: f64,
+    /// Median time of the whole loop, s.
     pub median_seconds: f64,
 }
 
@@ -73,17 +79,22 @@ impl Marks {
         let calm = |group| all(group).filter(|a| a.disturbance == 0.0);
         let disturbed = |group| all(group).filter(|a| a.disturbance > 0.0);
         let explained = |a: &Answer| a.verdict == Verdict::Explained;
-        let claims = answers.iter().filter(|a| explained(a) && !a.found.is_empty());
+        let claims = || answers.iter().filter(|a| explained(a) && !a.found.is_empty());
         let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
         let seconds = sorted(answers.iter().map(|a| a.seconds));
+        let first_seconds = sorted(answers.iter().map(|a| a.first_seconds));
         Self {
             first: Part::of(calm(Group::Single), |a| a.among_first(1)),
+            shown_first: Part::of(calm(Group::Single).filter(|a| a.shows()), |a| a.among_first(1)),
             first_two: Part::of(calm(Group::Single), |a| a.among_first(2)),
             exact: Part::of(calm(Group::Single), Answer::exact),
             disturbed_first: Part::of(disturbed(Group::Single), |a| a.among_first(1)),
             disturbed_exact: Part::of(disturbed(Group::Single), Answer::exact),
             false_alarms: Part::of(all(Group::Nothing), |a| !a.found.is_empty()),
-            claims_right: Part::of(claims, |a| !a.names_a_stranger()),
+            claims_right: Part::of(claims().filter(|a| a.rivals.is_empty()), |a| !a.names_a_stranger()),
+            open_claims_right: Part::of(claims().filter(|a| !a.rivals.is_empty()), |a| {
+                !a.names_a_stranger() || a.names_the_truth_a_rival()
+            }),
             pairs: Part::of(calm(Group::Pair), Answer::exact),
             disturbed_pairs: Part::of(disturbed(Group::Pair), Answer::exact),
             outside_explained: Part::of(all(Group::Outside), |a| explained(a) && a.names_a_stranger()),
@@ -91,6 +102,7 @@ impl Marks {
             outside_unseen: Part::of(all(Group::Outside), |a| explained(a) && a.found.is_empty()),
             median_over_floor: quantile(&after, 0.5),
             third_quartile_over_floor: quantile(&after, 0.75),
+            median_first_seconds: quantile(&first_seconds, 0.5),
             median_seconds: quantile(&seconds, 0.5),
         }
     }

@@ -1,5 +1,6 @@
 //! The questions of an examination.
 
+use motorlens_shared::effects::Kind as Law;
 use motorlens_virtual_motor::Kind;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -36,9 +37,11 @@ pub struct Question {
     pub conditions: Conditions,
 }
 
-/// Effects that others add up to, so that no library can be robbed of them: a friction that differs by direction is an
+/// Whether others add up to `kind`, so that no library can be robbed of it: a friction that differs by direction is an
 /// even one and a constant load.
-const SUMS: [Kind; 1] = [Kind::CoulombAsymmetric];
+fn is_sum(kind: Kind) -> bool {
+    Law::by_name(kind.row().name).is_some_and(|law| law.spec().is_sum())
+}
 
 /// How many questions of each group, and from which seed on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -81,7 +84,7 @@ impl Paper {
             let seed = self.from + 200_000 + k;
             ask(Group::Pair, seed, pair(seed, only), singles);
         }
-        let all: Vec<Kind> = Kind::all().filter(asked).filter(|kind| !SUMS.contains(kind)).collect();
+        let all: Vec<Kind> = Kind::all().filter(asked).filter(|kind| !is_sum(*kind)).collect();
         for (k, kind) in (0..self.outside).zip(all.into_iter().cycle()) {
             ask(Group::Outside, self.from + 300_000 + k, vec![kind], singles);
         }

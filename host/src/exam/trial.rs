@@ -10,7 +10,8 @@ use serde::Serialize;
 use super::case::Case;
 use super::question::{Group, Question};
 use crate::diagnose::candidate::Candidate;
-use crate::diagnose::discover::{Options, Verdict, discover};
+use crate::diagnose::contained::covers;
+use crate::diagnose::discover::{Options, Progress, Verdict, discover};
 use crate::error::Result;
 
 /// What the loop answered to a question, beside the truth.
@@ -45,35 +46,43 @@ pub struct Answer {
     pub before: f64,
     /// ... after the effects were added.
     pub after: f64,
-    /// Time taken, s.
+    /// Time until the first effect was in the model, or there was none, s.
+    pub first_seconds: f64,
+    /// Time taken by the whole loop, s.
     pub seconds: f64,
     /// Candidate passes.
     pub simulations: u64,
 }
 
 impl Answer {
-    /// The accepted effects are those that were hidden. A friction that differs by direction is an even one and a
-    /// constant load, whatever it is called.
+    /// The accepted effects are those that were hidden, whatever a sum and its parts are called; a law says all that
+    /// a simpler one says which it contains.
     pub fn exact(&self) -> bool {
-        let sorted = |names: &[&'static str]| {
-            let mut names = names.to_vec();
-            if names.contains(&"coulomb") && names.contains(&"constant_load") {
-                names.retain(|name| !["coulomb", "constant_load"].contains(name));
-                names.push("coulomb_asymmetric");
-            }
-            names.sort_unstable();
-            names
-        };
-        sorted(&self.found) == sorted(&self.truth)
+        let kinds =
+            |names: &[&'static str]| -> Vec<Kind> { names.iter().filter_map(|n| Kind::by_name(n)).collect() };
+        let (found, truth) = (kinds(&self.found), kinds(&self.truth));
+        let all = |these: &[Kind], those: &[Kind]| these.iter().all(|kind| covers(those, *kind));
+        all(&found, &truth) && all(&truth, &found)
     }
 
     /// An effect was accepted that is not hidden here, alone or as a part of one that is.
     pub fn names_a_stranger(&self) -> bool {
-        let part = |name: &str| {
-            let whole = |truth| Kind::by_name(truth).is_some_and(|kind| holds(kind, name));
-            self.truth.iter().any(|truth| whole(truth))
-        };
-        self.found.iter().any(|name| !part(name))
+        self.found.iter().any(|name| !self.is_hidden(name))
+    }
+
+    /// One of the rivals that the data could not exclude is hidden here.
+    pub fn names_the_truth_a_rival(&self) -> bool {
+        self.rivals.iter().any(|name| self.is_hidden(name))
+    }
+
+    /// Alone or as a part.
+    fn is_hidden(&self, name: &str) -> bool {
+        self.truth.iter().any(|truth| Kind::by_name(truth).is_some_and(|kind| kind.spec().holds(name)))
+    }
+
+    /// The plain motor leaves more than noise: something shows.
+    pub fn shows(&self) -> bool {
+        self.errors.last().is_some_and(|[a, b, c, d]| a.max(*b) > 1.15 || c.max(*d) > 2.0)
     }
 
     /// A hidden effect stands among the first `places` of the first diagnosis.
@@ -125,10 +134,16 @@ pub fn answer(question: &Question) -> Result<Answer> {
     let case = Case::new(question.seed, &question.hidden, question.conditions);
     let robbed = question.group == Group::Outside;
     let library =
-        Kind::ALL.iter().copied().filter(|kind| !(robbed && case.truth.iter().any(|t| holds(*kind, t))));
+        Kind::ALL.iter().copied().filter(|kind| !(robbed && case.truth.iter().any(|t| kind.spec().holds(t))));
     let options = Options { library: library.collect(), ..Options::default() };
     let begun = Instant::now();
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| {})?;
+    let mut diagnosed = None;
+    let mut told = |progress| match progress {
+        Progress::Rung(rung) if rung.effects.is_empty() => {}
+        Progress::Trying { depth: 0, .. } => {}
+        _ => _ = diagnosed.get_or_insert_with(|| begun.elapsed().as_secs_f64()),
+    };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut told)?;
     let seconds = begun.elapsed().as_secs_f64();
     let over_floor = |rung: usize| {
         let error = found.ladder[rung].validation.map_or(f64::NAN, |m| m.rmse);
@@ -156,12 +171,8 @@ pub fn answer(question: &Question) -> Result<Answer> {
         verdict: found.verdict,
         before: over_floor(0),
         after: over_floor(found.ladder.len() - 1),
+        first_seconds: diagnosed.unwrap_or(seconds),
         seconds,
         simulations: found.simulations,
     })
-}
-
-/// Whether `kind` is the effect `name` or contains it.
-fn holds(kind: Kind, name: &str) -> bool {
-    kind.name() == name || kind.spec().contains.contains(&name)
 }

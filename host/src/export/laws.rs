@@ -1,8 +1,8 @@
 //! Effects as statements that C and Python both read.
 //!
 //! Names: `volts` the command; `past` the commands up to now, the latest first; `time`; `v` the voltage so far;
-//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`;
-//! `field`. The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
+//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`.
+//! The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
 //! end of the step; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
 
 use motorlens_shared::base::Base;
@@ -91,8 +91,13 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             ..Statements::default()
         },
         Kind::Saturation => {
-            let share = format!("(current / {:e})", rig.nominal_v);
-            drive(format!("field /= 1.0 + {} * {share} * {share}", n(0)))
+            let strength = number(p[0] / (rig.nominal_v * rig.nominal_v));
+            let (emf, z) = (place.base.back_emf(), place.part_s / place.base.tau_e);
+            let lacks =
+                |of_torque| format!("saturated({strength}, current, v, {emf:e} * speed, {z:e}, {of_torque})");
+            let mut lines = drive(format!("torque -= {}", lacks(1)));
+            lines.drive.push(format!("v += {emf:e} * speed * {}", lacks(0)));
+            lines
         }
         Kind::VoltageDrop => {
             let mut lines = drive(format!("brush = {}", n(0)));
@@ -103,8 +108,9 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Coulomb => friction(n(0), n(0)),
         Kind::CoulombAsymmetric => friction(&number((p[0] + p[1]).max(0.0)), &number((p[0] - p[1]).max(0.0))),
         Kind::Stribeck => {
-            let square = format!("(speed / {}) * (speed / {})", n(2), n(2));
-            let f = format!("{} + {} / (1.0 + {square} + 0.5 * {square} * {square})", n(0), n(1));
+            let x = format!("clamp(speed / {}, 0.0, 1e9) + clamp(-speed / {}, 0.0, 1e9)", n(2), n(2));
+            let s = format!("({x}) * ({} + {} * ({x}))", n(3), number(1.0 - p[3]));
+            let f = format!("{} + {} / (1.0 + {s} + 0.5 * {s} * {s})", n(0), n(1));
             friction(&f, &f)
         }
         Kind::LoadFriction => {

@@ -92,7 +92,10 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             parts.state("heat", "1", "rise of the winding's resistance", slope);
             parts.resistance += " + heat";
         }
-        Kind::Saturation => parts.field += &format!("/(1 + {}*(u/{:e})^2)", n(0), rig.nominal_v),
+        Kind::Saturation => {
+            let q = format!("{}*(u/{:e})^2", n(0), rig.nominal_v);
+            parts.field += &format!("*(5 + {q})/(5 + 6*{q})");
+        }
         Kind::VoltageDrop => {
             let (k, square) = (number(p[1] * p[2]), number(p[1] * p[1]));
             parts.brush += &format!(" - {}*u*(abs(u) + {k})/(u^2 + {k}*abs(u) + {square})", n(0));
@@ -100,7 +103,9 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         Kind::Coulomb => parts.friction += &format!(" + {}", n(0)),
         Kind::CoulombAsymmetric => parts.friction += &format!(" + {} + {}*tanh(w/w0)", n(0), n(1)),
         Kind::Stribeck => {
-            parts.friction += &format!(" + {} + {}/(1 + (w/{s})^2 + 0.5*(w/{s})^4)", n(0), n(1), s = n(2));
+            let x = format!("abs(w/{})", n(2));
+            let s = format!("({x}*({} + {}*{x}))", n(3), number(1.0 - p[3]));
+            parts.friction += &format!(" + {} + {}/(1 + {s} + 0.5*{s}^2)", n(0), n(1));
         }
         Kind::LoadFriction => parts.friction += &format!(" + {}*u^2/(abs(u) + {})", n(0), n(1)),
         Kind::QuadraticDrag => parts.torque += &format!(" - {}*w*abs(w)", n(0)),

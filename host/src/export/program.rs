@@ -80,7 +80,6 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("ELECTRIC_IMPULSE", c.electric_impulse),
         ("VISCOUS", c.viscous),
         ("HALF_STEP", c.half_step),
-        ("BACK_EMF", c.back_emf),
         ("STEP", options.step_s),
     ];
     for (name, value) in numbers {

@@ -61,6 +61,8 @@ pub struct Grid {
     pub start_angle: f64,
     /// Speed at the start, rad/s; of an angle's record, what [`super::start`] made of it.
     pub(super) start_speed: f64,
+    /// How old the first reading is, s, where readings are held.
+    pub(super) reading_age_s: f64,
     /// Smallest step of the measured column (0: none was found).
     pub quantum: f64,
     /// Standard deviation of one reading: the unit in which errors count.
@@ -99,6 +101,7 @@ impl Grid {
             quantity,
             start_angle: record.angle_rad.as_ref().map_or(0.0, |a| a[0]),
             start_speed: 0.0,
+            reading_age_s: 0.0,
             quantum,
             sigma: reading_noise(column, quantum),
             interval_s: interval * thin as f64,

@@ -225,7 +225,7 @@ mod tests {
         let prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
         let values = Values {
             base: BaseValues { gain: 0.9, tau_m: 0.05, tau_e: 6e-4, viscous_share: 0.1 },
-            effects: vec![(Kind::Stribeck, vec![0.3, 0.2, 0.15]), (Kind::Delay, vec![0.004])],
+            effects: vec![(Kind::Stribeck, vec![0.3, 0.2, 0.15, 0.5]), (Kind::Delay, vec![0.004])],
         };
         let layout = Layout::new(&values.kinds(), &rig, &prior);
         let back = layout.unpack(&layout.pack(&values));

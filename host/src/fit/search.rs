@@ -25,6 +25,8 @@ pub struct Problem {
     pub prior: Prior,
     /// Parameters that are known.
     pub fixed: Fixed,
+    /// For how long a reading is held, s, where the records show that.
+    pub hold_s: Option<f64>,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
 }

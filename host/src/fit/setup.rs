@@ -7,6 +7,7 @@ use super::grid::{Grid, Quantity};
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
+use crate::log::hold;
 use crate::log::quantum::quantum as step_of;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
@@ -67,7 +68,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
-    let grids: Vec<Grid> = records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
+    let mut grids: Vec<Grid> = records.iter().map(|r| Grid::new(r, quantum(r, &rig, counts_known))).collect();
     let counted = grids.iter().find(|g| g.quantity == Quantity::MeanSpeed && !counts_known);
     if let Some(g) = counted {
         rig.count_rad = g.quantum * g.interval_s;
@@ -76,7 +77,8 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let base = first_base(&grids, &rig, &prior);
     rig.reference_speed = base.gain * rig.nominal_v;
     let fixed = motor.fixed.clone();
-    let mut problem = Problem { grids, rig, prior, fixed, simulations: std::cell::Cell::new(0) };
+    let hold_s = held(&mut grids);
+    let mut problem = Problem { grids, rig, prior, fixed, hold_s, simulations: std::cell::Cell::new(0) };
     let start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
     (problem, start)
@@ -98,6 +100,7 @@ impl Problem {
             rig: self.rig,
             prior: self.prior,
             fixed: self.fixed.clone(),
+            hold_s: self.hold_s,
             simulations: std::cell::Cell::new(0),
         }
     }
@@ -110,6 +113,23 @@ impl Problem {
         let fine = self.search(&layout, Objective::Increments, &rough.x, 12, 1e-5);
         (layout, fine.x)
     }
+}
+
+/// For how long the sensor holds its readings, where most records agree on it; each learns how old its first one is.
+fn held(grids: &mut [Grid]) -> Option<f64> {
+    const SAME: f64 = 2e-4;
+    let angles = || grids.iter().filter(|grid| grid.quantity == Quantity::Angle);
+    let found: Vec<_> = angles().filter_map(|grid| hold::hold(&grid.time_s, &grid.measured)).collect();
+    let weight: f64 = found.iter().map(|h| h.changes as f64).sum();
+    let time = found.iter().map(|h| h.time_s * h.changes as f64).sum::<f64>() / weight;
+    let agreed = found.iter().filter(|h| (h.time_s / time - 1.0).abs() < SAME).count();
+    if agreed == 0 || agreed < found.len() || 2 * agreed < angles().count() {
+        return None;
+    }
+    for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
+        grid.reading_age_s = hold::age(&grid.time_s, &grid.measured, time);
+    }
+    Some(time)
 }
 
 /// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.

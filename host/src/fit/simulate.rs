@@ -48,6 +48,7 @@ fn course<'a, S: Scalar>(
         start: State::moving(current, speed, S::lit(grid.start_angle)),
         voltages,
         cells: last.min(voltages.len() - 1),
+        reading_age_s: grid.reading_age_s,
         encoder_on_motor: rig.encoder_on_motor,
         guide,
     }

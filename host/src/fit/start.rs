@@ -63,7 +63,8 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
     steady && (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
 }
 
-/// Least squares over the first time constants; the angle's offset is free.
+/// Least squares over the first time constants. The first angle is known to within a count: how far the first speed
+/// carries the shaft tells more of it than how.
 fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
     let tau = layout.plain(1, x[1]);
     let until = grid.time_s[0] + (2.0 * tau).clamp(0.06, 0.6);
@@ -80,13 +81,10 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
     let (here, there) = (run(grid.start_speed), run(grid.start_speed + delta));
     let residual: Vec<f64> = part.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
     let slope: Vec<f64> = there.iter().zip(&here).map(|(a, b)| (a - b) / delta).collect();
-    let free_offset = grid.quantity == super::grid::Quantity::Angle;
-    let mean = |v: &[f64]| if free_offset { v.iter().sum::<f64>() / v.len() as f64 } else { 0.0 };
-    let (mr, ms) = (mean(&residual), mean(&slope));
     let (mut above, mut below) = (0.0, 0.0);
     for (r, s) in residual.iter().zip(&slope) {
-        above += (r - mr) * (s - ms);
-        below += (s - ms) * (s - ms);
+        above += r * s;
+        below += s * s;
     }
     let change = if below > 0.0 { above / below } else { 0.0 };
     let limit = 2.0 * problem.rig.reference_speed;

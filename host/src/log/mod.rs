@@ -7,6 +7,7 @@
 mod args;
 pub mod bam;
 mod fields;
+pub mod hold;
 mod json;
 pub mod mapping;
 mod metadata;

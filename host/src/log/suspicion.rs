@@ -3,8 +3,10 @@
 //! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
+use super::hold::hold;
 use super::motion::peak;
 use super::quantum::quantum;
+use super::timing::median_interval;
 use super::weak::Weak;
 use super::{Record, Warning, faults};
 
@@ -175,32 +177,28 @@ fn shifted(seen: &[Seen]) -> Option<Warning> {
     Some(Warning { place, what: format!("shifted_samples: {what}"), fix: fix.into() })
 }
 
-/// Most samples for which a reading may be held, and the share of its changes that must fall on one beat.
-const LONGEST_HOLD: usize = 25;
-const ON_THE_BEAT: f64 = 0.9;
-const FEWEST_CHANGES: usize = 60;
-
-/// The motion is read less often than it is logged: it changes on a beat of several samples only.
+/// The motion is read less often than it is logged.
 fn stale(record: &Record) -> Option<Odd> {
     let (column, values) = measured(record)?;
-    let changes: Vec<usize> = (1..values.len()).filter(|k| values[*k] != values[*k - 1]).collect();
-    if changes.len() < FEWEST_CHANGES {
-        return None;
-    }
-    let on_beat = |every: usize| {
-        let mut count = vec![0_usize; every];
-        changes.iter().for_each(|k| count[k % every] += 1);
-        count.into_iter().max().unwrap_or(0) as f64 / changes.len() as f64
-    };
-    let every = (2..=LONGEST_HOLD).rev().find(|every| on_beat(*every) > ON_THE_BEAT)?;
-    Some((
-        "stale_samples",
-        column,
-        format!("the reading changes only every {every} samples, and is old in between"),
-        "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of it"
-            .into(),
-    ))
+    let hold = hold(&record.time_s, values)?;
+    let samples = hold.time_s / median_interval(&record.time_s);
+    (samples > HELD).then(|| {
+        (
+            "stale_samples",
+            column,
+            format!(
+                "the reading is renewed only every {:.3} ms, {samples:.1} samples, and is old in between",
+                1e3 * hold.time_s
+            ),
+            "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of \
+             it"
+                .into(),
+        )
+    })
 }
+
+/// Readings are called stale where they are held for more samples than this.
+const HELD: f64 = 1.5;
 
 /// A change of angle this many times the largest of the motion around it is none.
 const JUMP: f64 = 8.0;

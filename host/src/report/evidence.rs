@@ -6,7 +6,7 @@ use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::effect_trace::{EffectTrace, harmonics};
 use crate::compare::effect_views::{Shafts, Sorted, View};
 use crate::compare::free_run::{FreeRun, free_runs};
-use crate::diagnose::candidate::Evidence;
+use crate::diagnose::evidence::Evidence;
 use crate::fit::layout::Values;
 
 /// Height of the plot, CSS pixels.

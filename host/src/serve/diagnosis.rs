@@ -4,9 +4,10 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::candidate::Candidate;
 use crate::diagnose::climb::{Climb, simplest, worth};
 use crate::diagnose::discover;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
 use crate::report::{DRAWN, Suspect, evidence};
 

@@ -16,8 +16,9 @@ use super::diagnosis::Diagnosis;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::rung;
 use super::steps;
-use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::candidate::Candidate;
 use crate::diagnose::climb::worth;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::stage::{self, Effort};
 use crate::fit::layout::Values;
 

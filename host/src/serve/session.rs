@@ -6,8 +6,9 @@ use motorlens_shared::effects::Kind;
 
 use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
-use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::candidate::Candidate;
 use crate::diagnose::discover::{self, Rung, prepare};
+use crate::diagnose::evidence::Evidence;
 use crate::error::Result;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};

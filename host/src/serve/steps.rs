@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::diagnose::candidate::{Candidate, Evidence};
+use crate::diagnose::candidate::Candidate;
+use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::Values;
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 
 use crate::compare::free_run::{FreeRun, free_runs};
-use crate::diagnose::candidate::Evidence;
+use crate::diagnose::evidence::Evidence;
 use crate::estimate::combinations;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;

@@ -1,15 +1,14 @@
 //! Effects that nobody chose.
 
+use motorlens_shared::effects::Kind as Law;
 use motorlens_virtual_motor::{Effect, Kind, Motor};
 use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 
 /// Effects that can hardly be told apart when both are present: at most one of each group is picked.
-const ALIKE: [&[Kind]; 5] = [
+const ALIKE: [&[Kind]; 4] = [
     &[Kind::Coulomb, Kind::CoulombAsymmetric, Kind::Stribeck],
-    // A friction that differs by direction is an even one and a constant load.
-    &[Kind::CoulombAsymmetric, Kind::ConstantLoad],
     &[Kind::DeadZone, Kind::VoltageDrop],
     &[Kind::Backlash, Kind::Compliance],
     &[Kind::Delay, Kind::SensorLag],
@@ -35,9 +34,15 @@ pub fn hidden(seed: u64, motor: &Motor) -> Vec<Effect> {
     effects
 }
 
-/// Whether the two are one or can hardly be told apart when both are present.
+/// Whether the two are one, or one contains the other, or they can hardly be told apart when both are present.
 pub fn alike(a: Kind, b: Kind) -> bool {
-    a == b || ALIKE.iter().any(|group| group.contains(&a) && group.contains(&b))
+    let within = |rich: Kind, simple: Kind| {
+        Law::by_name(rich.row().name).is_some_and(|law| law.spec().holds(simple.row().name))
+    };
+    a == b
+        || within(a, b)
+        || within(b, a)
+        || ALIKE.iter().any(|group| group.contains(&a) && group.contains(&b))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub(super) const SPEC: Spec = Spec {
     probes: &[&[0.2, -0.1], &[0.2, 0.1], &[0.7, -0.35], &[0.7, 0.35]],
     laws: DRY,
     remembers: false,
-    contains: &["coulomb", "constant_load"],
+    contains: &[("coulomb", "level"), ("constant_load", "difference")],
 };
 
 /// Dry friction, `forward` against positive and `backward` against negative speed.

@@ -9,6 +9,7 @@ use crate::base::Base;
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
 
+mod decay;
 mod formula;
 mod spec;
 #[cfg(test)]
@@ -109,7 +110,7 @@ pub struct Now<'a, S: Scalar> {
 pub struct Memory<S> {
     /// Free for the effect; zero at the start.
     pub store: S,
-    /// Time since something happened, s; zero at the start.
+    /// Time since something happened, s; zero at the start, or the age of a reading that is held.
     pub age: S,
     /// Angle at the start of the record, rad.
     pub origin: S,

@@ -117,11 +117,26 @@ pub struct Spec {
     pub laws: Laws,
     /// Has something to remember from step to step.
     pub remembers: bool,
-    /// Simpler effects that this one contains.
-    pub contains: &'static [&'static str],
+    /// Simpler effects of one parameter that this one contains, each with the parameter here that is its own.
+    pub contains: &'static [(&'static str, &'static str)],
 }
 
 impl Spec {
+    /// Whether it is the effect `name` or contains it.
+    #[must_use]
+    pub fn holds(&self, name: &str) -> bool {
+        self.name == name || self.contains.iter().any(|(simpler, _)| *simpler == name)
+    }
+    /// Whether the effects that it contains are all there is to it: it is their sum.
+    #[must_use]
+    pub const fn is_sum(&self) -> bool {
+        self.contains.len() == self.parameters.len()
+    }
+    /// Place of the parameter `name`.
+    #[must_use]
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|p| p.name == name)
+    }
     /// Stands between rotor and load.
     #[must_use]
     pub const fn transmits(&self) -> bool {
@@ -130,12 +145,12 @@ impl Spec {
     /// Which parameter is the load's share of the inertia; none unless this is a transmission.
     #[must_use]
     pub fn load_share(&self) -> Option<usize> {
-        self.parameters.iter().position(|p| p.name == "load_share")
+        self.place("load_share")
     }
     /// Which parameter is the load's share of the viscous friction, where a transmission has one.
     #[must_use]
     pub fn load_damping(&self) -> Option<usize> {
-        self.parameters.iter().position(|p| p.name == "load_damping")
+        self.place("load_damping")
     }
 }
 
@@ -174,7 +189,6 @@ pub(super) const fn shown(
 
 const NONE: Laws = Laws {
     torque: false,
-    field: false,
     drop: false,
     brush: false,
     series: false,
@@ -186,8 +200,6 @@ const NONE: Laws = Laws {
 pub(super) const EXPLICIT: Laws = NONE;
 /// Acts through a torque.
 pub(super) const TORQUE: Laws = Laws { torque: true, ..NONE };
-/// Acts through the magnetic field.
-pub(super) const FIELD: Laws = Laws { field: true, ..NONE };
 /// Acts through a drop of fixed size against the current.
 pub(super) const DROP: Laws = Laws { drop: true, ..NONE };
 /// Acts through a drop that grows with the current.

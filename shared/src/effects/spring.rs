@@ -19,7 +19,7 @@ pub(super) const SPEC: Spec = Spec {
     probes: &[&[0.03, 0.0], &[0.15, 0.0], &[0.6, 0.0], &[3.0, 0.0]],
     laws: TORQUE,
     remembers: false,
-    contains: &["constant_load"],
+    contains: &[("constant_load", "preload")],
 };
 
 /// A linear spring from the record's first angle.

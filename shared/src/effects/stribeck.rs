@@ -9,18 +9,19 @@ pub(super) const SPEC: Spec = Spec {
     name: "stribeck",
     port: Port::Torque,
     title: "dry friction with a higher break-away level (Stribeck)",
-    equation: "f = -(level + excess / (1 + s + s^2/2)) sign(w),  s = (w / speed)^2",
-    source: "Stribeck 1902; Tustin 1947; the quotient follows exp(-s) and needs no exponential",
+    equation: "f = -(level + excess / (1 + s + s^2/2)) sign(w),  s = tail x + (1 - tail) x^2,  x = |w| / speed",
+    source: "Stribeck 1902; Tustin 1947 (x), Armstrong-Helouvry 1991 (x^2); the quotient follows exp(-s)",
     signature: "residual torque steps at zero speed and falls within a few per cent of the top speed; stick-slip at slow triangles",
     parameters: &[
         strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 5.0]),
         strength("excess", "V", "break-away level above it", Scale::Volt, [0.0, 0.15, 5.0]),
         shape("speed", "rad/s", "where the excess has fallen to 40 %", Scale::Speed, [0.002, 0.02, 0.2]),
+        shape("tail", "1", "0: the excess falls like a bell, 1: like an exponential", Scale::One, [0.0, 0.4, 1.0]),
     ],
-    probes: &[&[0.2, 0.14, 0.01], &[0.2, 0.14, 0.035], &[0.7, 0.5, 0.01], &[0.7, 0.5, 0.035]],
+    probes: &[&[0.2, 0.14, 0.01, 0.4], &[0.2, 0.14, 0.035, 0.4], &[0.7, 0.5, 0.01, 0.4], &[0.7, 0.5, 0.035, 0.4]],
     laws: DRY,
     remembers: false,
-    contains: &["coulomb"],
+    contains: &[("coulomb", "level")],
 };
 
 /// Dry friction `level + excess` at rest, `level` at speed.
@@ -29,19 +30,20 @@ pub struct Stribeck<S> {
     level: S,
     excess: S,
     per_speed: S,
+    tail: S,
 }
 
 impl<S: Scalar> Stribeck<S> {
     pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
-        Self { level: parameters[0], excess: parameters[1], per_speed: S::one() / parameters[2] }
+        Self { level: parameters[0], excess: parameters[1], per_speed: S::one() / parameters[2], tail: parameters[3] }
     }
 }
 
 impl<S: Scalar> Effect<S> for Stribeck<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        let x = now.state.speed * self.per_speed;
-        let s = x * x;
+        let x = (now.state.speed * self.per_speed).abs();
+        let s = x * self.tail.mul_add(S::one() - x, x);
         let fall = S::lit(0.5).mul_add(s * s, s) + S::one();
         let friction = self.level + self.excess / fall;
         drive.friction_forward += friction;
@@ -55,12 +57,12 @@ mod tests {
 
     #[test]
     fn breaks_away_above_level_plus_excess_only() {
-        assert_eq!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 0.49), 0.0);
-        assert!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 0.53) > 0.0);
+        assert_eq!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1, 0.4], 0.49), 0.0);
+        assert!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1, 0.4], 0.53) > 0.0);
     }
 
     #[test]
     fn at_speed_only_the_level_is_left() {
-        close(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1], 6.0), BASE.gain * 5.7, 1e-4);
+        close(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1, 0.4], 6.0), BASE.gain * 5.7, 1e-4);
     }
 }

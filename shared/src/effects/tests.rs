@@ -66,8 +66,12 @@ fn every_row_is_complete_and_consistent() {
                 assert!((p.low..=p.high).contains(x), "{kind}: probe {x} of {} out of bounds", p.name);
             }
         }
-        for simpler in s.contains {
-            assert!(Kind::by_name(simpler).is_some(), "{kind}: contains an unknown {simpler}");
+        for (simpler, parameter) in s.contains {
+            let simpler = Kind::by_name(simpler).expect("it contains an effect of the registry").spec();
+            let own =
+                &s.parameters[s.place(parameter).expect("it has the parameter that is the simpler one's")];
+            assert_eq!(simpler.parameters.len(), 1, "{kind}: {} has more parameters", simpler.name);
+            assert_eq!(simpler.parameters[0].scale, own.scale, "{kind}: {parameter} has another scale");
         }
         assert_eq!(s.load_share().is_some(), s.port == Port::Transmission);
     }
@@ -88,7 +92,6 @@ fn every_effect_sets_only_what_its_row_declares() {
             || drive.meshing != plain.meshing;
         let set = Laws {
             torque: drive.torque != plain.torque || drive.load_torque != plain.load_torque,
-            field: drive.field != plain.field,
             drop: drive.drop != plain.drop,
             series: drive.series != plain.series,
             brush: drive.brush != plain.brush,
@@ -105,6 +108,22 @@ fn effects_act_in_the_order_of_the_registry_however_they_are_given() {
     let volts = drive(2000);
     let (delay, dead) = ((Kind::Delay, typical(Kind::Delay)), (Kind::DeadZone, typical(Kind::DeadZone)));
     assert_eq!(angles(&[delay.clone(), dead.clone()], &volts), angles(&[dead, delay], &volts));
+}
+
+#[test]
+fn a_sum_is_its_parts_together() {
+    let volts = drive(2000);
+    for kind in Kind::ALL.iter().filter(|kind| kind.spec().is_sum()) {
+        let parameters = typical(*kind);
+        let parts = kind.spec().contains.iter().map(|(name, parameter)| {
+            let place = kind.spec().place(parameter).expect("a parameter of the sum");
+            (Kind::by_name(name).expect("an effect"), std::vec![parameters[place]])
+        });
+        let parts: Vec<_> = parts.collect();
+        for (whole, added) in angles(&[(*kind, parameters)], &volts).iter().zip(angles(&parts, &volts)) {
+            assert!((whole - added).abs() < 1e-9, "{kind}: {whole} and {added} rad");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,114 @@
+//! The evidence: records to fit, records to judge by, and how models are fitted and judged on them.
+
+use super::candidate::{Candidate, Errors};
+use super::floor::floor;
+use crate::fit::cost::Objective;
+use crate::fit::grid::Grid;
+use crate::fit::layout::{Layout, Values};
+use crate::fit::search::{Found, Problem};
+use crate::fit::setup;
+use crate::log::Record;
+use crate::motor_file::MotorFile;
+
+/// Share of a record that is fitted where nothing else is there to judge by.
+const FITTED_SHARE: f64 = 0.65;
+
+/// Records fitted and records kept out, as the diagnosis uses them.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// All records to learn from, whole.
+    pub whole: Problem,
+    /// Fitted, in guided runs.
+    pub train: Problem,
+    /// Kept out, in guided runs.
+    pub unseen: Problem,
+    /// What a perfect model would leave, in noise units of one reading: the unit of a candidate's errors.
+    pub floor: Errors,
+    /// Whether that was measured, by a repeated programme; else it is what counting alone leaves.
+    pub repeated: bool,
+}
+
+impl Evidence {
+    /// Splits what there is into records to fit and records to judge by; `start` is near the motor.
+    pub fn new(
+        whole: Problem,
+        start: &Values,
+        records: &[Record],
+        validation: &[Record],
+        motor: &MotorFile,
+    ) -> Self {
+        let measured = floor(records, &whole, start);
+        let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
+        let (train, unseen) = if validation.is_empty() {
+            let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
+            let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
+            (guided(beginnings), guided(rests))
+        } else {
+            let (other, _) = setup::problem(validation, motor);
+            (guided(whole.grids.clone()), guided(other.grids))
+        };
+        let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
+        Self { whole, train, unseen, floor, repeated }
+    }
+
+    /// Candidate passes so far.
+    pub fn simulations(&self) -> u64 {
+        self.train.simulations.get() + self.unseen.simulations.get()
+    }
+
+    /// The highest voltage that the rig has shown to bear, V.
+    pub fn highest_voltage(&self) -> f64 {
+        let cells = self.whole.grids.iter().flat_map(|g| g.cells());
+        cells.fold(0.0_f64, |p, v| p.max(v.abs())).max(0.5 * self.whole.rig.nominal_v)
+    }
+
+    /// The errors of `x` on both.
+    pub fn judge(&self, layout: Layout, found: Found) -> Candidate {
+        let train = self.train.errors(&layout, &found.x).over(&self.floor);
+        let unseen = self.unseen.errors(&layout, &found.x).over(&self.floor);
+        Candidate { layout, found, train, unseen }
+    }
+
+    /// Searches `values` in increments, then lets the error itself correct the drift of the parameters.
+    pub fn fit(&self, values: &Values, iterations: usize) -> Candidate {
+        let layout = self.train.layout(&values.kinds());
+        let x = layout.pack(values);
+        let rough = self.train.search(&layout, Objective::Increments, &x, iterations, 1e-4);
+        self.polish(layout, rough)
+    }
+
+    /// The better of a fit in increments and its correction by the error itself.
+    ///
+    /// Where a disturbance makes the error drift, the correction would follow the drift: then it is refused.
+    pub fn polish(&self, layout: Layout, rough: Found) -> Candidate {
+        let fine = self.train.search(&layout, Objective::Position, &rough.x, 3, 1e-3);
+        let a = self.judge(layout.clone(), rough);
+        let b = self.judge(layout, fine);
+        if b.merit() < a.merit() { b } else { a }
+    }
+
+    /// An accepted model's parameters, corrected by the error itself until it stops falling.
+    ///
+    /// The increments leave a slow drift undetermined, which the error of a long run shows. Where a disturbance
+    /// makes the drift, the correction does not help on unseen records and is refused.
+    pub fn finish(&self, accepted: Candidate) -> Candidate {
+        let fine = self.train.search(&accepted.layout, Objective::Position, &accepted.found.x, 10, 1e-6);
+        let fine = self.judge(accepted.layout.clone(), fine);
+        let better = fine.unseen.position <= accepted.unseen.position
+            && fine.unseen.increments < accepted.unseen.increments * 1.05;
+        if better { fine } else { accepted }
+    }
+
+    /// Fits the first speeds of the records that begin in motion anew under `model`, and then the model.
+    pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
+        let rest = |p: &Problem| p.grids.iter().all(Grid::rests);
+        if [&self.whole, &self.train, &self.unseen].into_iter().all(rest) {
+            return model;
+        }
+        let values = model.values();
+        for problem in [&mut self.whole, &mut self.train, &mut self.unseen] {
+            problem.refine_starts(&values);
+        }
+        self.fit(&values, 6)
+    }
+}

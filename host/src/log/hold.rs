@@ -1,0 +1,169 @@
+//! How long a sensor holds its readings, and how old they are when a record begins.
+//!
+//! A reading that is renewed every `time` seconds changes only in the samples that follow a renewal, whatever the motor
+//! does. So the instants of its changes, turned around a circle once every `time`, crowd on one side of it: where, tells
+//! the age; how sharply the crowd depends on `time`, its precision, which is a small part of a sample over a record.
+
+use std::f64::consts::TAU;
+
+/// A sensor that holds its readings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// For how long, s.
+    pub time_s: f64,
+    /// How old the reading of the first sample is, s.
+    pub age_s: f64,
+    /// Changes that tell it.
+    pub changes: usize,
+}
+
+/// Changes that a record must show.
+const FEWEST_CHANGES: usize = 60;
+/// Longest hold, samples.
+const LONGEST: f64 = 64.0;
+/// A hold shorter than this many samples skips too few of them.
+const SHORTEST: f64 = 1.03;
+/// A change by this many of the smallest would have shown sooner, were the reading not held.
+const FAST: f64 = 2.5;
+/// Of the crowd that even renewals make, at least this share; and so many times what chance makes.
+const CROWD: f64 = 0.75;
+const ABOVE_CHANCE: f64 = 5.0;
+/// Of two changes in a row, this share may come early: stamps jitter.
+const EARLY: f64 = 0.01;
+
+/// The hold of the readings `values` at `time_s`; none where they are not held, or do not show it.
+pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
+    let changes: Vec<Change> = (1..values.len())
+        .filter(|k| values[*k] != values[*k - 1])
+        .map(|k| Change {
+            sample: k,
+            middle: 0.5 * (time_s[k - 1] + time_s[k]) - time_s[0],
+            by: (values[k] - values[k - 1]).abs(),
+        })
+        .collect();
+    if changes.len() < FEWEST_CHANGES {
+        return None;
+    }
+    let interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    let (about, unsure) = coarse(&changes)?;
+    let duration = changes[changes.len() - 1].middle - changes[0].middle;
+    // A turn more or less over the record is another beat; a quarter of one blurs the crowd little.
+    let per_turn = about * interval / duration;
+    let steps = (4.0 * unsure / per_turn).ceil().min(4000.0);
+    let spacing = if steps > 0.0 { unsure / steps } else { 0.0 };
+    let at = |relative: f64| about * interval * (1.0 + relative);
+    let trials = (-(steps as i64)..=steps as i64).map(|k| at(k as f64 * spacing));
+    let rough = trials.max_by(|a, b| crowd(&changes, *a).0.total_cmp(&crowd(&changes, *b).0))?;
+    let time_s = sharpen(&changes, rough, 0.25 * per_turn * rough);
+    let (size, phase) = crowd(&changes, time_s);
+    let half = std::f64::consts::PI * interval / time_s;
+    let chance = 1.0 / (changes.len() as f64).sqrt();
+    (size > CROWD * half.sin().abs() / half && size > ABOVE_CHANCE * chance).then_some(Hold {
+        time_s,
+        age_s: (1.0 - phase) * time_s,
+        changes: changes.len(),
+    })
+}
+
+/// The age of the first reading where the hold is known to be `time_s`.
+pub fn age(time_s: &[f64], values: &[f64], hold_s: f64) -> f64 {
+    let middles = (1..values.len()).filter(|k| values[*k] != values[*k - 1]).map(|k| Change {
+        sample: k,
+        middle: 0.5 * (time_s[k - 1] + time_s[k]) - time_s[0],
+        by: 0.0,
+    });
+    (1.0 - crowd(&middles.collect::<Vec<_>>(), hold_s).1) * hold_s
+}
+
+/// A sample that differs from the one before.
+struct Change {
+    sample: usize,
+    /// Half way between the two, s after the first sample.
+    middle: f64,
+    by: f64,
+}
+
+/// Mean distance of renewals in fast motion, in samples, and the share of it by which that may be wrong.
+fn coarse(changes: &[Change]) -> Option<(f64, f64)> {
+    let smallest = changes.iter().map(|c| c.by).fold(f64::MAX, f64::min);
+    let fast = |c: &Change| c.by > FAST * smallest;
+    let distance = |pair: &[Change]| pair[1].sample - pair[0].sample;
+    let pairs = || changes.windows(2).filter(|pair| pair.iter().all(fast)).map(distance);
+    let mut sorted: Vec<usize> = pairs().collect();
+    if sorted.len() < FEWEST_CHANGES {
+        return None;
+    }
+    sorted.sort_unstable();
+    // The shortest distances of fast motion are one hold each; a stop between two changes makes longer ones.
+    let low = sorted[(EARLY * sorted.len() as f64) as usize];
+    let whole: Vec<usize> = sorted.iter().copied().filter(|d| *d <= low + 1).collect();
+    let about = whole.iter().sum::<usize>() as f64 / whole.len() as f64;
+    // Every row of changes in fast motion is known to within a sample at its ends.
+    let rows = changes.windows(2).filter(|pair| fast(&pair[1]) && !fast(&pair[0])).count() + 1;
+    let all_early = changes.windows(2).filter(|pair| distance(pair) < low).count();
+    let honest = (all_early as f64) < EARLY.max(1.5 / changes.len() as f64) * changes.len() as f64;
+    let held = (SHORTEST..LONGEST).contains(&about) && 2 * whole.len() > sorted.len() && honest;
+    held.then_some((about, 3.0 * (rows as f64).sqrt() / (about * whole.len() as f64)))
+}
+
+/// How closely the changes crowd when turned around once every `time_s` (0 ..= 1), and where (in turns, 0 .. 1).
+fn crowd(changes: &[Change], time_s: f64) -> (f64, f64) {
+    let (mut x, mut y) = (0.0, 0.0);
+    for change in changes {
+        let (sine, cosine) = (TAU * (change.middle / time_s).fract()).sin_cos();
+        x += cosine;
+        y += sine;
+    }
+    (x.hypot(y) / changes.len() as f64, (y.atan2(x) / TAU).rem_euclid(1.0))
+}
+
+/// The top of the crowd within `reach` of `rough`, by thirds.
+fn sharpen(changes: &[Change], rough: f64, reach: f64) -> f64 {
+    let (mut low, mut high) = (rough - reach, rough + reach);
+    for _ in 0..40 {
+        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if crowd(changes, a).0 < crowd(changes, b).0 { low = a } else { high = b }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motion with stops and turns, counted, and read every `hold` seconds, `age` seconds before the first sample.
+    fn readings(interval: f64, seconds: f64, hold: f64, age: f64) -> (Vec<f64>, Vec<f64>) {
+        let time_s: Vec<f64> = (0..(seconds / interval) as usize).map(|k| k as f64 * interval).collect();
+        let angle = |t: f64| (3.0 * (1.3 * t).sin() + 2.0 * (4.1 * t + 1.0).sin()).max(-2.0);
+        let read = |t: &f64| if hold > 0.0 { ((t + age) / hold + 1e-9).floor() * hold - age } else { *t };
+        let values = time_s.iter().map(|t| (angle(read(t)) / 1e-3).floor() * 1e-3).collect();
+        (time_s, values)
+    }
+
+    #[test]
+    fn time_and_age_of_held_readings_are_found_whatever_the_beat() {
+        for (interval, hold_s, age_s) in
+            [(1e-3, 3.557e-3, 1.2e-3), (2e-3, 2.288e-3, 0.3e-3), (1e-2, 3e-2, 0.0), (5e-3, 0.02, 0.011)]
+        {
+            let (time_s, values) = readings(interval, 12.0, hold_s, age_s);
+            let found = hold(&time_s, &values).unwrap_or_else(|| panic!("{hold_s} s went unseen"));
+            assert!((found.time_s / hold_s - 1.0).abs() < 3e-5, "{} for {hold_s}", found.time_s);
+            let wrong = (found.age_s - age_s) / hold_s;
+            let wrong = (wrong - wrong.round()).abs() * hold_s;
+            // Renewals at the samples themselves are known to within one of them.
+            assert!(wrong < 0.51 * interval, "{} s old for {age_s}", found.age_s);
+        }
+    }
+
+    #[test]
+    fn readings_that_are_not_held_show_none() {
+        for interval in [1e-3, 2e-3, 1e-2] {
+            let (time_s, values) = readings(interval, 12.0, 0.0, 0.0);
+            assert_eq!(hold(&time_s, &values), None);
+        }
+        // A steady speed makes even changes, of one count each.
+        let time_s: Vec<f64> = (0..6000).map(|k| f64::from(k) * 1e-3).collect();
+        let steady: Vec<f64> = time_s.iter().map(|t| (t * 0.31 / 1e-3).floor() * 1e-3).collect();
+        assert_eq!(hold(&time_s, &steady), None);
+    }
+}
