@@ -37,7 +37,7 @@ pub fn sets() -> Vec<Model> {
         vec![(Kind::DeadZone, &[0.3, 0.05]), (Kind::Coulomb, &[0.2]), (Kind::Gravity, &[0.4, -0.2])],
         vec![
             (Kind::SupplySag, &[0.3, 0.003]),
-            (Kind::Stribeck, &[0.2, 0.3, 0.2]),
+            (Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4]),
             (Kind::Spring, &[0.05, -0.1]),
         ],
         vec![
