@@ -31,11 +31,13 @@ pub struct Stribeck<S> {
     excess: S,
     per_speed: S,
     tail: S,
+    bell: S,
 }
 
 impl<S: Scalar> Stribeck<S> {
     pub(super) fn new(parameters: &[S], _setting: &Setting<S>) -> Self {
-        Self { level: parameters[0], excess: parameters[1], per_speed: S::one() / parameters[2], tail: parameters[3] }
+        let (level, excess, tail) = (parameters[0], parameters[1], parameters[3]);
+        Self { level, excess, per_speed: S::one() / parameters[2], tail, bell: S::one() - tail }
     }
 }
 
@@ -43,7 +45,7 @@ impl<S: Scalar> Effect<S> for Stribeck<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
         let x = (now.state.speed * self.per_speed).abs();
-        let s = x * self.tail.mul_add(S::one() - x, x);
+        let s = x * self.bell.mul_add(x, self.tail);
         let fall = S::lit(0.5).mul_add(s * s, s) + S::one();
         let friction = self.level + self.excess / fall;
         drive.friction_forward += friction;
