@@ -93,8 +93,7 @@ impl Case {
         let of_noise = if run.voltage_noise_v > 0.0 {
             let meant = would(&volts(&protocol.held_out, rate)).true_angle_rad;
             let logged = would(&held_out[0].voltage_v).true_angle_rad;
-            // The difference of one run only: no half of it is the other's.
-            std::f64::consts::SQRT_2 * deviation(meant.iter().zip(&logged).map(|(a, b)| a - b).collect())
+            deviation(meant.iter().zip(&logged).map(|(a, b)| a - b).collect())
         } else {
             0.0
         };
@@ -128,10 +127,10 @@ fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run)
     }
 }
 
-/// What each of two runs adds to their differences `d`.
+/// Root mean square of `d` about its mean.
 fn deviation(d: Vec<f64>) -> f64 {
     let mean = d.iter().sum::<f64>() / d.len() as f64;
-    (d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / d.len() as f64 / 2.0).sqrt()
+    (d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / d.len() as f64).sqrt()
 }
 
 /// A nameplate: true within 15 %.

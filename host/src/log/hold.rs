@@ -33,14 +33,7 @@ const EARLY: f64 = 0.01;
 
 /// The hold of the readings `values` at `time_s`; none where they are not held, or do not show it.
 pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
-    let changes: Vec<Change> = (1..values.len())
-        .filter(|k| values[*k] != values[*k - 1])
-        .map(|k| Change {
-            sample: k,
-            middle: 0.5 * (time_s[k - 1] + time_s[k]) - time_s[0],
-            by: (values[k] - values[k - 1]).abs(),
-        })
-        .collect();
+    let changes = changes(time_s, values);
     if changes.len() < FEWEST_CHANGES {
         return None;
     }
@@ -67,12 +60,7 @@ pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
 
 /// The age of the first reading where the hold is known to be `time_s`.
 pub fn age(time_s: &[f64], values: &[f64], hold_s: f64) -> f64 {
-    let middles = (1..values.len()).filter(|k| values[*k] != values[*k - 1]).map(|k| Change {
-        sample: k,
-        middle: 0.5 * (time_s[k - 1] + time_s[k]) - time_s[0],
-        by: 0.0,
-    });
-    (1.0 - crowd(&middles.collect::<Vec<_>>(), hold_s).1) * hold_s
+    (1.0 - crowd(&changes(time_s, values), hold_s).1) * hold_s
 }
 
 /// A sample that differs from the one before.
@@ -81,6 +69,17 @@ struct Change {
     /// Half way between the two, s after the first sample.
     middle: f64,
     by: f64,
+}
+
+fn changes(time_s: &[f64], values: &[f64]) -> Vec<Change> {
+    (1..values.len())
+        .filter(|k| values[*k] != values[*k - 1])
+        .map(|k| Change {
+            sample: k,
+            middle: 0.5 * (time_s[k - 1] + time_s[k]) - time_s[0],
+            by: (values[k] - values[k - 1]).abs(),
+        })
+        .collect()
 }
 
 /// Mean distance of renewals in fast motion, in samples, and the share of it by which that may be wrong.
