@@ -7,34 +7,16 @@ use super::candidate::{Candidate, Errors, STEADY};
 use super::contained;
 use super::evidence::Evidence;
 use super::stage::{self, Effort};
+use super::worth::{EQUAL, NEAR_THE_FLOOR, as_good, rivals, simplest, worth};
 
-/// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
-const WORTH: f64 = 0.97;
-/// A further effect must do more on the mean of both: what a slightly wrong law leaves over looks like a small
-/// effect.
-const WORTH_MORE: f64 = 0.85;
-/// The error itself on unseen records must not rise by more than this, whatever its increments do.
-const NO_WORSE: f64 = 1.1;
-/// Where the unseen records do not show an effect: their increments' error must not rise by more than this, and that
-/// of the records fitted must fall to this share.
-const NOT_WORSE: f64 = 1.005;
-const CLEARLY: f64 = 0.8;
-/// Share of the error itself, on both, that a slow effect must leave at most ...
-const PLAINLY: f64 = 0.35;
-/// ... or, where it leaves no more than noise, of an error that was this many noise units.
-const ALL_OF_IT: f64 = 0.6;
-const SLOW: f64 = 1.8;
-const NOISE: f64 = 1.2;
-/// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
-const EQUAL: f64 = 0.06;
-/// ... unless its error itself is that many times larger: the increments do not see slow drift.
-const DRIFT: f64 = 1.5;
 /// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
 const MOSTLY_THERE: f64 = 0.3;
 const MOST_OF_THE_DRIFT: f64 = 0.55;
-/// Nothing is left to find below this many noise units in a steady model: the base, and one that explains already.
+/// Nothing is left to find below this many noise units in a steady base model.
 const AT_THE_FLOOR: f64 = 1.02;
-const NEAR_THE_FLOOR: f64 = 1.15;
+
+/// Steps of the search of an accepted model.
+const TO_THE_END: usize = 20;
 
 /// What the climb found.
 #[derive(Debug)]
@@ -66,66 +48,6 @@ impl Climb {
     pub fn model(&self) -> &Candidate {
         &self.rungs[self.rungs.len() - 1]
     }
-}
-
-/// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
-/// stay as they are, plainly in the error that they add up to.
-pub fn worth(more: &Candidate, less: &Candidate) -> bool {
-    let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
-    let (train, unseen) = of(|e| e.increments);
-    let (drift, unseen_drift) = of(|e| e.position);
-    let drifted = less.train.position.min(less.unseen.position);
-    let left = more.train.position.max(more.unseen.position);
-    let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY
-        || drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT;
-    if slow && train.max(unseen) < NOT_WORSE {
-        return true;
-    }
-    let mean = if less.kinds().is_empty() { WORTH } else { WORTH_MORE };
-    // Unseen records at the floor already cannot get better, only worse.
-    let silent = less.unseen.increments < NEAR_THE_FLOOR && unseen < NOT_WORSE && train < CLEARLY;
-    train < WORTH
-        && (unseen < WORTH || silent)
-        && (train * unseen).sqrt() < mean
-        && unseen_drift < NO_WORSE
-        && more.merit() < less.merit() + WORTH.ln()
-}
-
-/// The simplest of those that are as good as the best.
-pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
-    let best = candidates.iter().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
-    let good = || candidates.iter().filter(|c| as_good(c, best));
-    let size = good().map(Candidate::size).min()?;
-    let of_size = || good().filter(|c| c.size() == size);
-    let merit = of_size().map(Candidate::merit).fold(f64::MAX, f64::min);
-    of_size().filter(|c| c.merit() <= merit + TIE).min_by_key(|c| rarity(c))
-}
-
-/// Below this difference of merit two laws of the same size fit alike, and the commoner one is meant.
-const TIE: f64 = 0.04;
-
-/// How seldom one meets the last effect of `c`: asked only where the data do not decide.
-fn rarity(c: &Candidate) -> usize {
-    const COMMON: [Kind; 9] = [
-        Kind::Coulomb,
-        Kind::DeadZone,
-        Kind::Gravity,
-        Kind::Backlash,
-        Kind::Delay,
-        Kind::Cogging,
-        Kind::SensorLag,
-        Kind::VoltageDrop,
-        Kind::ConstantLoad,
-    ];
-    c.kinds().last().and_then(|k| COMMON.iter().position(|c| c == k)).unwrap_or(COMMON.len())
-}
-
-/// Whether the two cannot be told apart by their errors.
-fn as_good(c: &Candidate, best: &Candidate) -> bool {
-    let log =
-        |f: fn(&Errors) -> f64, c: &Candidate| 0.5 * (f(&c.train).max(0.7).ln() + f(&c.unseen).max(0.7).ln());
-    log(|e| e.increments, c) <= log(|e| e.increments, best) + EQUAL
-        && log(|e| e.position, c) <= log(|e| e.position, best) + DRIFT.ln()
 }
 
 /// Climbs from `base` with at most `most` effects of `library`.
@@ -165,9 +87,10 @@ pub fn run(
             break;
         };
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
-        let next = contained::together(evidence, prune(evidence, next), library);
-        let next = evidence.finish(next);
-        let next = evidence.settle_starts(next);
+        let mut next = settled(evidence, next, library);
+        if let Some(other) = swapped(evidence, &next, library, &mut |k| tick(depth, k)) {
+            next = settled(evidence, other, library);
+        }
         rung(evidence, &next);
         climb.rungs.push(next);
     }
@@ -175,6 +98,40 @@ pub fn run(
         climb.withdraw();
     }
     climb
+}
+
+/// What is better than the first of `model`'s two effects beside the second: the first was chosen alone, and may have stood
+/// for something of both.
+fn swapped(
+    evidence: &Evidence,
+    model: &Candidate,
+    library: &[Kind],
+    tick: &mut dyn FnMut(Kind),
+) -> Option<Candidate> {
+    let [first, _] = model.kinds() else { return None };
+    if model.explains() {
+        return None;
+    }
+    let second = evidence.fit(&model.values().without(*first), TO_THE_END);
+    let mut found = look(evidence, &second, library, Effort::LATER, tick);
+    let better =
+        |c: &Candidate| c.merit() < model.merit() - EQUAL && (c.size() <= model.size() || worth(c, model));
+    found.retain(|c| worth(c, &second) && better(c));
+    simplest(&found).cloned()
+}
+
+/// An accepted model as it is believed: nothing in it that is superfluous, fitted to its end.
+fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candidate {
+    let mut next = contained::together(evidence, prune(evidence, next), library);
+    if !next.explains() {
+        // The stage's search may have ended early: gaps and teeth make a rough way down.
+        let longer = evidence.fit(&next.values(), TO_THE_END);
+        if longer.merit() < next.merit() {
+            next = longer;
+        }
+    }
+    let next = evidence.finish(next);
+    evidence.settle_starts(next)
 }
 
 /// Everything that one more effect of `library` makes of `model`.
@@ -207,23 +164,6 @@ fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candid
     }
     let kept = found.iter().filter(keeps).find(|c| c.size() <= next.size() && as_good(c, next));
     Some(kept.unwrap_or(next))
-}
-
-/// Whether `c` is another model about as large and not much worse than `next`.
-fn rivals(c: &Candidate, next: &Candidate) -> bool {
-    c.size() <= next.size() + 1 && !same(c, next) && c.merit() < next.merit() + RIVAL
-}
-
-/// A model this much worse (a factor of two in error and more) has lost.
-const RIVAL: f64 = 0.9;
-
-fn same(a: &Candidate, b: &Candidate) -> bool {
-    let sorted = |c: &Candidate| {
-        let mut kinds = c.kinds().to_vec();
-        kinds.sort();
-        kinds
-    };
-    sorted(a) == sorted(b)
 }
 
 /// Leaves out every effect that the others made superfluous, and of every effect what is more than a simpler one.

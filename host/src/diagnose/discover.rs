@@ -9,6 +9,7 @@ use super::candidate::Candidate;
 use super::climb::{self, Climb};
 use super::evidence::Evidence;
 use super::plan::{self, Limits, Plan};
+use super::worth;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
@@ -234,7 +235,7 @@ pub(crate) fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
     let base = &climb.rungs[0];
     let mut first: Vec<&Candidate> = climb.first.iter().collect();
     // The simplest of equals comes first, as it does when one is added.
-    if let Some(best) = climb::simplest(&climb.first) {
+    if let Some(best) = worth::simplest(&climb.first) {
         first.sort_by_key(|c| !std::ptr::eq(*c, best));
     }
     first
@@ -273,7 +274,7 @@ impl Discovery {
 const RIVAL: f64 = 0.10;
 
 pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
-    let Some(best) = climb::simplest(&climb.first) else { return Vec::new() };
+    let Some(best) = worth::simplest(&climb.first) else { return Vec::new() };
     if climb.rungs.len() < 2 {
         return Vec::new();
     }

@@ -10,3 +10,4 @@ pub mod plan;
 mod ripple;
 pub mod stage;
 mod tangent;
+pub mod worth;

@@ -4,7 +4,7 @@
 //!    zero rank wrongly, because friction, gaps and dead zones have none there. The best are run as they stand.
 //! 2. *Heats*: a step of the search for nearly every effect, since what an old parameter had absorbed (a lag in the
 //!    electrical time constant) comes free only then; then a few more for those that lead.
-//! 3. *Final*: the best effects are searched further and judged on records kept out; those that lead, to the end.
+//! 3. *Final*: the best effects are searched further and judged on records kept out.
 
 use motorlens_shared::effects::Kind;
 
@@ -30,15 +30,13 @@ pub struct Effort {
     pub finalists: usize,
     /// Steps of the final.
     pub last: usize,
-    /// Effects that are searched to the end.
-    pub winners: usize,
 }
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 8, winners: 2 };
+    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 8 };
     /// On a model with effects.
-    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 8, winners: 2 };
+    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 8 };
 }
 
 /// Starts of one effect that cost at most this much more than its best go into the heat beside it.
@@ -92,20 +90,8 @@ pub fn run(
         finals.push(evidence.polish(layout, found));
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-    for winner in finals.iter_mut().take(effort.winners) {
-        let (layout, x) = (winner.layout.clone(), &winner.found.x);
-        let found = evidence.train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
-        let settled = evidence.polish(layout, found);
-        if settled.merit() < winner.merit() {
-            *winner = settled;
-        }
-    }
-    finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
     finals
 }
-
-/// Steps of a search to its end.
-const TO_THE_END: usize = 20;
 
 /// Cost, and the search vector.
 type Start = (f64, Vec<f64>);
@@ -131,13 +117,11 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
     let mut ranked: Vec<Start> = Vec::new();
     for chunk in xs.chunks(LANES) {
-        for (x, (left, give_way)) in chunk.iter().zip(tangent.project(problem, &layout, chunk)) {
-            let mut moved = x.clone();
-            for (&k, d) in tangent.axes.iter().zip(&give_way) {
-                let a = &layout.axes[k];
-                moved[k] = (x[k] + d.clamp(-0.5, 0.5)).clamp(a.low, a.high);
+        for (x, [whole, best]) in chunk.iter().zip(tangent.project(problem, &layout, chunk)) {
+            ranked.push((whole.left, tangent.moved(&layout, x, &whole)));
+            if best.share < 1.0 {
+                ranked.push((best.left, tangent.moved(&layout, x, &best)));
             }
-            ranked.push((left, moved));
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));

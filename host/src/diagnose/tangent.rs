@@ -8,6 +8,20 @@ use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
 use crate::fit::simulate::{Block, LANES, predict_block};
 
+/// A new effect is not tried at less than this share of a probe.
+const LEAST_SHARE: f64 = 0.03;
+
+/// What a change of the model would come to, to first order.
+#[derive(Debug, Clone)]
+pub struct Projected {
+    /// Share of the new effect.
+    pub share: f64,
+    /// Cost left after the model's parameters gave way.
+    pub left: f64,
+    /// By how much they would, on the search's axes.
+    pub give_way: Vec<f64>,
+}
+
 /// The model's residuals and Jacobian on every record: what its own parameters could still absorb.
 pub struct Tangent {
     /// The axes that may give way.
@@ -59,19 +73,23 @@ impl Tangent {
         Self { axes, centre, rows, slope, inverse }
     }
 
-    /// For each candidate: cost left after the model's parameters give way, and by how much they would.
-    pub fn project(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<(f64, Vec<f64>)> {
+    /// For each candidate, as it is and at the share of its new effect that fits best: what would be left after the
+    /// model's parameters give way, and by how much they would.
+    ///
+    /// The share is found along a straight line from the model: right where the run answers linearly to the new effect.
+    pub fn project(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<[Projected; 2]> {
         let n = self.inverse.nrows();
-        let mut cost = [0.0; LANES];
+        let (mut cost, mut cross) = ([0.0; LANES], [0.0; LANES]);
         let mut gradient = vec![[0.0; LANES]; n];
         let mut series: Vec<Block> = Vec::new();
         problem.simulations.set(problem.simulations.get() + xs.len() as u64);
-        for (grid, rows) in problem.grids.iter().zip(&self.rows) {
+        for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
             residuals(grid, Objective::Increments, &mut series);
-            for (r, row) in series.iter().zip(rows) {
+            for ((r, row), c) in series.iter().zip(rows).zip(centre) {
                 for l in 0..LANES {
                     cost[l] += r.0[l] * r.0[l];
+                    cross[l] += r.0[l] * c;
                 }
                 for (g, d) in gradient.iter_mut().zip(row) {
                     for l in 0..LANES {
@@ -80,14 +98,39 @@ impl Tangent {
                 }
             }
         }
-        (0..xs.len())
-            .map(|l| {
-                let g = DVector::from_fn(n, |k, _| gradient[k][l]);
-                let step = -(&self.inverse * &g);
-                let left = cost[l] + g.dot(&step);
-                (if left.is_finite() { left } else { f64::MAX }, step.iter().copied().collect())
-            })
-            .collect()
+        let own: f64 = self.centre.iter().flatten().map(|c| c * c).sum();
+        let at = |l: usize, share: f64| {
+            let new = DVector::from_fn(n, |k, _| gradient[k][l]);
+            let g = &new * share + &self.slope * (1.0 - share);
+            let step = -(&self.inverse * &g);
+            let (a, b) = (share, 1.0 - share);
+            let left = a * a * cost[l] + 2.0 * a * b * cross[l] + b * b * own + g.dot(&step);
+            let left = if left.is_finite() { left } else { f64::MAX };
+            Projected { share, left, give_way: step.iter().copied().collect() }
+        };
+        let best = |l: usize| {
+            // The cost along the line is a parabola: three points give its lowest.
+            let [none, half, whole] = [0.0, 0.5, 1.0].map(|share| at(l, share).left);
+            let bend = none - 2.0 * half + whole;
+            let lowest = 0.5 + 0.25 * (none - whole) / bend;
+            if bend > 0.0 && lowest.is_finite() { lowest.clamp(LEAST_SHARE, 1.0) } else { 1.0 }
+        };
+        (0..xs.len()).map(|l| [at(l, 1.0), at(l, best(l))]).collect()
+    }
+
+    /// `x` with the share of its new effect and the model's parameters where `projected` foresees them.
+    pub fn moved(&self, layout: &Layout, x: &[f64], projected: &Projected) -> Vec<f64> {
+        let mut moved = x.to_vec();
+        for (&k, d) in self.axes.iter().zip(&projected.give_way) {
+            let a = &layout.axes[k];
+            moved[k] = (x[k] + d.clamp(-0.5, 0.5)).clamp(a.low, a.high);
+        }
+        let new = layout.kinds.last().map_or(&[][..], |kind| kind.spec().parameters);
+        let first = layout.len() - new.len();
+        for (k, _) in new.iter().enumerate().filter(|(_, p)| p.strength) {
+            moved[first + k] *= projected.share;
+        }
+        moved
     }
 
     /// For each pair of neighbouring lanes, a change of size one along two new directions: what the cost would lose
@@ -140,5 +183,33 @@ impl Tangent {
                 (-(g(0) * step[0] + g(1) * step[1]), step)
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::discover::prepare;
+    use crate::exam::case::{Case, Conditions};
+    use motorlens_shared::effects::Kind;
+    use motorlens_virtual_motor::Kind as Hidden;
+
+    /// A drag four times as large as the one that is there is found to be four times too large.
+    #[test]
+    fn the_best_share_of_a_probe_is_near_what_a_search_finds() {
+        let calm = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(31, &[Hidden::QuadraticDrag], calm);
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let reference = evidence.train.rig.reference_speed;
+        let start = base.values().with(Kind::QuadraticDrag, vec![0.1 / reference.powi(2)]);
+        let found = evidence.fit(&start, 20).values().effects[0].1[0];
+        let layout = evidence.train.layout(&[Kind::QuadraticDrag]);
+        let probe = layout.pack(&base.values().with(Kind::QuadraticDrag, vec![4.0 * found]));
+        let tangent = Tangent::new(&evidence.train, &base);
+        let [whole, best] = &tangent.project(&evidence.train, &layout, std::slice::from_ref(&probe))[0];
+        assert!((0.15..0.4).contains(&best.share), "{best:?}");
+        assert!(whole.share == 1.0 && best.left < whole.left, "{whole:?} {best:?}");
+        let moved = layout.unpack(&tangent.moved(&layout, &probe, best)).effects[0].1[0];
+        assert!((moved / (4.0 * found * best.share) - 1.0).abs() < 1e-9);
     }
 }

@@ -120,22 +120,32 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         }
         Kind::QuadraticDrag => drive(format!("torque -= {} * speed * fabs(speed)", n(0))),
         Kind::Gravity => {
-            drive(format!("load_torque -= {} * sin(load_angle) + {} * cos(load_angle)", n(0), n(1)))
+            // At the middle of the step, like every torque that depends on an angle.
+            let middle = format!("(load_angle + {:e} * load_speed)", 0.5 * place.part_s);
+            drive(format!("load_torque -= {} * sin{middle} + {} * cos{middle}", n(0), n(1)))
         }
         Kind::ConstantLoad => drive(format!("load_torque -= {}", n(0))),
         Kind::Cogging => {
-            // Angles of the motor shaft, at the middle of the step; `order` periods a turn.
-            let turn = |times: f64| {
+            // The mean over the step in angles of the motor shaft; `order` periods a turn. Where `passed`, in halves
+            // of a period, comes to 1, a whole one goes by.
+            let wave = |times: f64, sine: &str, cosine: &str| {
                 let per_angle = times * p[4] * rig.gear_ratio;
-                format!("({per_angle:e} * (angle + {:e} * speed))", 0.5 * place.part_s)
+                let turn = format!("({per_angle:e} * (angle + {:e} * speed))", 0.5 * place.part_s);
+                let passed =
+                    format!("{:e} * fabs(speed)", 0.5 * place.part_s * per_angle / std::f64::consts::PI);
+                let q = format!("clamp({passed}, 0.0, 1.0)");
+                let q = format!("({q} * {q})");
+                let flat = format!("(1.0 + {q} * (-1.644934 + {q} * (0.811742 - 0.166808 * {q})))");
+                format!("{flat} * ({sine} * sin{turn} + {cosine} * cos{turn})")
             };
-            let wave = |sine, cosine, turn: String| format!("{sine} * sin{turn} + {cosine} * cos{turn}");
-            let (ripple, harmonic) = (wave(n(0), n(1), turn(1.0)), wave(n(2), n(3), turn(2.0)));
-            drive(format!("torque -= {ripple} + {harmonic}"))
+            drive(format!("torque -= {} + {}", wave(1.0, n(0), n(1)), wave(2.0, n(2), n(3))))
         }
-        Kind::Spring => drive(format!("load_torque -= {} * (load_angle - start) + {}", n(0), n(1))),
+        Kind::Spring => {
+            let middle = format!("(load_angle + {:e} * load_speed)", 0.5 * place.part_s);
+            drive(format!("load_torque -= {} * ({middle} - start) + {}", n(0), n(1)))
+        }
         Kind::Backlash => Statements { couple: backlash(p, place), ..Statements::default() },
-        Kind::Compliance => Statements { couple: compliance(p, place.part_s), ..Statements::default() },
+        Kind::Compliance => Statements { couple: compliance(p, place), ..Statements::default() },
         Kind::Eccentricity => {
             let turn =
                 if motor { format!("({:e} * angle2)", rig.gear_ratio) } else { "(load_angle2)".into() };
@@ -198,16 +208,17 @@ fn backlash(p: &[f64], place: &Place) -> Vec<String> {
     ]
 }
 
-fn compliance(p: &[f64], part_s: f64) -> Vec<String> {
-    let rate = p[0] * std::f64::consts::TAU;
+fn compliance(p: &[f64], place: &Place) -> Vec<String> {
+    let (rate, share, part_s) = (p[0] * std::f64::consts::TAU, p[1], place.part_s);
+    let keep = 1.0 - part_s * place.base.damping() * p[3] / share;
     vec![
         format!(
             "closing = {part_s:e} * ({:e} * (speed2 - load_speed2) + {:e} * (angle2 - load_angle2))",
             2.0 * p[2] * rate,
             rate * rate
         ),
-        "load_speed2 += closing".into(),
-        format!("speed2 -= {:e} * closing", p[1] / (1.0 - p[1])),
+        format!("load_speed2 = {keep:e} * load_speed2 + closing"),
+        format!("speed2 -= {:e} * closing", share / (1.0 - share)),
         format!("load_angle2 += {part_s:e} * load_speed2"),
     ]
 }

@@ -141,7 +141,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             let rate = p[0] * std::f64::consts::TAU;
             let pull =
                 format!("{:e}*(angle - load_angle) + {:e}*(w - load_w)", rate * rate, 2.0 * p[2] * rate);
-            parts.pull = Some((pull, [p[1], 0.0]));
+            parts.pull = Some((pull, [p[1], p[3]]));
         }
         Kind::Eccentricity => {
             let turn = if rig.encoder_on_motor {

@@ -23,6 +23,11 @@ const STRIDE_S: f64 = 0.002;
 /// Beyond this many noise units the loss grows linearly.
 pub const HUBER: f64 = 6.0;
 
+/// Every so many samples an increment begins, where samples come every `interval_s` seconds.
+pub(super) fn stride(interval_s: f64) -> usize {
+    ((STRIDE_S / interval_s).round() as usize).max(1)
+}
+
 /// Turns predictions into residuals in units of the record's noise, in place.
 pub fn residuals(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     #[cfg(target_arch = "x86_64")]
@@ -49,7 +54,7 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
             prediction.0[l] = (y - prediction.0[l]) * scale;
         }
     }
-    let stride = ((STRIDE_S / grid.interval_s).round() as usize).max(1);
+    let stride = stride(grid.interval_s);
     match (objective, grid.quantity) {
         (Objective::Increments, Quantity::Angle) => {
             let span = ((SPAN_S / grid.interval_s).round() as usize).max(1);

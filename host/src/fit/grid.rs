@@ -4,8 +4,10 @@
 //! voltage over it, which keeps every volt-second whatever the time stamps do; samples fall between cells and are
 //! interpolated there. So jitter and gaps cost nothing but this one pass.
 
+use super::cost::stride;
 use super::simulate::hermite;
-use crate::log::{Hold, Record, timing};
+use super::voltages::mean_voltages;
+use crate::log::{Record, timing};
 
 /// What the record's main column is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -159,11 +161,20 @@ impl Grid {
     }
 
     /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
-    /// not lose the phase of teeth or of an unbalance. Records of speed stay free.
+    /// not lose the phase of teeth or of an unbalance. Records of speed stay free. Only the samples that are judged are
+    /// left: the others guide.
     #[must_use]
     pub fn guided(mut self) -> Self {
         if self.quantity == Quantity::Angle {
             self.guide = self.at_cell_ends();
+            let stride = stride(self.interval_s);
+            let judged = |k: &usize| *k >= self.skip && (k - self.skip).is_multiple_of(stride);
+            let kept: Vec<usize> = (0..self.len()).filter(judged).collect();
+            self.time_s = kept.iter().map(|k| self.time_s[*k]).collect();
+            self.places = kept.iter().map(|k| self.places[*k]).collect();
+            self.measured = kept.iter().map(|k| self.measured[*k]).collect();
+            self.interval_s *= stride as f64;
+            self.skip = 0;
         }
         self
     }
@@ -236,36 +247,6 @@ fn main_column(record: &Record, quantum: f64, interval: f64) -> (Quantity, &[f64
     (if counted { Quantity::MeanSpeed } else { Quantity::Speed }, speed)
 }
 
-/// Nothing before the start, then the mean of the held (or straight) voltage over each cell.
-fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
-    let (t, v) = (&record.time_s, &record.voltage_v);
-    let origin = t[0];
-    let mut voltages = vec![0.0; cells + 1];
-    let mut add = |from: f64, to: f64, at_from: f64, at_to: f64| {
-        // Spreads one piece over the cells it covers.
-        let (mut a, b) = ((from - origin) / step, (to - origin) / step);
-        while a < b - 1e-9 {
-            let cell = ((a + 1e-9) as usize).min(cells - 1);
-            let edge = (cell as f64 + 1.0).min(b);
-            let edge = if edge > a { edge } else { b };
-            let middle = 0.5 * (a + edge);
-            let share = (middle * step + origin - from) / (to - from);
-            voltages[cell + 1] += (edge - a) * (at_from + share * (at_to - at_from));
-            a = edge;
-        }
-    };
-    for k in 0..t.len() - 1 {
-        let to = if record.hold == Hold::First { v[k + 1] } else { v[k] };
-        add(t[k], t[k + 1], v[k], to);
-    }
-    let (last, end) = (t[t.len() - 1], origin + cells as f64 * step);
-    let held = v[v.len() - 1];
-    if end > last {
-        add(last, end, held, held);
-    }
-    voltages
-}
-
 /// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
 ///
 /// The scatter is a robust one of second differences, which smooth motion does not have.
@@ -294,20 +275,6 @@ mod tests {
     }
 
     #[test]
-    fn every_volt_second_is_kept_under_jitter() {
-        let times: Vec<f64> =
-            (0..500).map(|k| f64::from(k) * 0.02 + 0.004 * f64::sin(f64::from(k * k))).collect();
-        let volts: Vec<f64> = (0..500).map(|k| f64::from(k % 7) - 3.0).collect();
-        let truth: f64 = (0..499).map(|k| volts[k] * (times[k + 1] - times[k])).sum();
-        let record = record(times, volts);
-        let grid = Grid::new(&record, 0.01);
-        let until = record.duration_s() / grid.step_s;
-        let whole: f64 = grid.cells()[..until as usize].iter().sum::<f64>() * grid.step_s;
-        let rest = grid.cells()[until as usize] * until.fract() * grid.step_s;
-        assert!((whole + rest - truth).abs() < 0.02, "{} {truth}", whole + rest);
-    }
-
-    #[test]
     fn even_samples_fall_on_cell_ends() {
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.005).collect();
         let grid = Grid::new(&record(times, vec![1.0; 100]), 0.01);
@@ -322,5 +289,24 @@ mod tests {
         let times: Vec<f64> = (0..10_000).map(|k| f64::from(k) * 1e-4).collect();
         let grid = Grid::new(&record(times, vec![1.0; 10_000]), 0.01);
         assert!(grid.len() <= 2001 && grid.step_s > 4e-4);
+    }
+
+    #[test]
+    fn guided_runs_keep_the_samples_that_count_and_their_errors() {
+        use crate::fit::cost::{Objective, residuals};
+        use crate::fit::simulate::{Block, LANES};
+        use motorlens_shared::lanes::Lanes;
+        let times: Vec<f64> = (0..1500).map(|k| f64::from(k) * 1e-3).collect();
+        let whole = Grid::new(&record(times, vec![1.0; 1500]), 0.01).rest(0.1);
+        let thin = whole.clone().guided();
+        assert_eq!(thin.len(), (whole.len() - whole.skip).div_ceil(2));
+        assert_eq!(thin.guide.len(), thin.voltages.len());
+        let left = |grid: &Grid| {
+            let at = |t: &f64| Lanes([(7.0 * t).sin(); LANES]);
+            let mut series: Vec<Block> = grid.time_s.iter().map(at).collect();
+            residuals(grid, Objective::Increments, &mut series);
+            series.iter().map(|r| r.0[0]).collect::<Vec<f64>>()
+        };
+        assert_eq!(left(&thin), left(&whole));
     }
 }

@@ -13,3 +13,4 @@ pub mod setup;
 pub mod simulate;
 pub mod start;
 pub mod uncertainty;
+mod voltages;

@@ -68,14 +68,17 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
     }
     let share = |shift: i64| {
         let offset = second.time_s[0] - first.time_s[0] + shift as f64 * interval;
-        let (mut same, mut compared) = (0usize, 0usize);
+        let (mut other, mut compared) = (0usize, 0usize);
         for (time, voltage) in first.time_s.iter().zip(&first.voltage_v) {
             if let Some(index) = nearest(&second.time_s, time + offset) {
                 compared += 1;
-                same += usize::from((second.voltage_v[index] - voltage).abs() <= tolerance);
+                other += usize::from((second.voltage_v[index] - voltage).abs() > tolerance);
+                if other as f64 > (1.0 - SAME_SHARE) * first.len() as f64 {
+                    return 0.0; // whatever the rest is like
+                }
             }
         }
-        if compared * 10 < first.len() * 9 { 0.0 } else { same as f64 / compared as f64 }
+        if compared * 10 < first.len() * 9 { 0.0 } else { 1.0 - other as f64 / compared as f64 }
     };
     let (best, shift) = (-LARGEST_SHIFT..=LARGEST_SHIFT)
         .map(|shift| (share(shift), shift))

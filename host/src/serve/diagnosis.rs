@@ -5,10 +5,11 @@ use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
 use crate::diagnose::candidate::Candidate;
-use crate::diagnose::climb::{Climb, simplest, worth};
+use crate::diagnose::climb::Climb;
 use crate::diagnose::discover;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
+use crate::diagnose::worth::{simplest, worth};
 use crate::report::{DRAWN, Suspect, evidence};
 
 /// Effects that were tried on a model.

@@ -17,9 +17,9 @@ use super::jobs::{self, Answer, End, Job, refused};
 use super::session::rung;
 use super::steps;
 use crate::diagnose::candidate::Candidate;
-use crate::diagnose::climb::worth;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::stage::{self, Effort};
+use crate::diagnose::worth::worth;
 use crate::fit::layout::Values;
 
 /// Copies to work on while the page goes on with the originals.

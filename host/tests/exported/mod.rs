@@ -63,7 +63,7 @@ pub fn sets() -> Vec<Model> {
             (Kind::Eccentricity, &[0.004, 0.002]),
         ],
         vec![
-            (Kind::Compliance, &[8.0, 0.4, 0.05]),
+            (Kind::Compliance, &[8.0, 0.4, 0.05, 0.3]),
             (Kind::Spring, &[0.05, 0.1]),
             (Kind::LostCounts, &[0.05, 3.0]),
         ],

@@ -50,10 +50,10 @@ impl<S: Scalar> Cogging<S> {
 impl<S: Scalar> Effect<S> for Cogging<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        // At the middle of the step: the ripple may pass a good part of a period in one.
-        let middle = now.state.speed.mul_add(self.half_step, now.state.angle);
-        let turn = middle * self.turns;
-        drive.torque -= self.ripple.at(turn) + self.harmonic.at(turn + turn);
+        // The mean over the step: a good part of a period may pass in one.
+        let half = now.state.speed * self.half_step * self.turns;
+        let turn = now.state.angle.mul_add(self.turns, half);
+        drive.torque -= self.ripple.mean(turn, half) + self.harmonic.mean(turn + turn, half + half);
     }
 }
 

@@ -1,0 +1,116 @@
+//! Which of two models to believe: whether an effect is worth its parameters, and the simplest of those that are as good.
+
+use motorlens_shared::effects::Kind;
+
+use super::candidate::{Candidate, Errors, STEADY};
+
+/// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
+const WORTH: f64 = 0.97;
+/// A further effect must do more on the mean of both: what a slightly wrong law leaves over looks like a small
+/// effect.
+const WORTH_MORE: f64 = 0.85;
+/// ... and a third one still more: where two were found, what is left is mostly what their laws are wrong by.
+const WORTH_A_THIRD: f64 = 0.7;
+/// The error itself on unseen records must not rise by more than this, whatever its increments do ...
+const NO_WORSE: f64 = 1.1;
+/// ... unless they fall to this share on both sets, and it falls on their mean: of two large effects one alone may drift
+/// anywhere.
+const MUCH: f64 = 0.75;
+/// Where the unseen records do not show an effect: their increments' error must not rise by more than this, and that
+/// of the records fitted must fall to this share.
+const NOT_WORSE: f64 = 1.005;
+const CLEARLY: f64 = 0.8;
+/// Share of the error itself, on both, that a slow effect must leave at most ...
+const PLAINLY: f64 = 0.35;
+/// ... or, where it leaves no more than noise, of an error that was this many noise units.
+const ALL_OF_IT: f64 = 0.6;
+const SLOW: f64 = 1.8;
+const NOISE: f64 = 1.2;
+/// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
+pub const EQUAL: f64 = 0.06;
+/// ... unless its error itself is that many times larger: the increments do not see slow drift.
+const DRIFT: f64 = 1.5;
+/// Nothing more is left to find below this many noise units in a model that explains already.
+pub const NEAR_THE_FLOOR: f64 = 1.15;
+
+/// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
+/// stay as they are, plainly in the error that they add up to.
+pub fn worth(more: &Candidate, less: &Candidate) -> bool {
+    let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
+    let (train, unseen) = of(|e| e.increments);
+    let (drift, unseen_drift) = of(|e| e.position);
+    let drifted = less.train.position.min(less.unseen.position);
+    let left = more.train.position.max(more.unseen.position);
+    let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY
+        || drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT;
+    if slow && train.max(unseen) < NOT_WORSE {
+        return true;
+    }
+    let mean = match less.kinds().len() {
+        0 => WORTH,
+        1 => WORTH_MORE,
+        _ => WORTH_A_THIRD,
+    };
+    // Unseen records at the floor already cannot get better, only worse.
+    let silent = less.unseen.increments < NEAR_THE_FLOOR && unseen < NOT_WORSE && train < CLEARLY;
+    train < WORTH
+        && (unseen < WORTH || silent)
+        && (train * unseen).sqrt() < mean
+        && (unseen_drift < NO_WORSE || train.max(unseen) < MUCH && drift * unseen_drift < 1.0)
+        && more.merit() < less.merit() + WORTH.ln()
+}
+
+/// The simplest of those that are as good as the best.
+pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
+    let best = candidates.iter().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
+    let good = || candidates.iter().filter(|c| as_good(c, best));
+    let size = good().map(Candidate::size).min()?;
+    let of_size = || good().filter(|c| c.size() == size);
+    let merit = of_size().map(Candidate::merit).fold(f64::MAX, f64::min);
+    of_size().filter(|c| c.merit() <= merit + TIE).min_by_key(|c| rarity(c))
+}
+
+/// Below this difference of merit two laws of the same size fit alike, and the commoner one is meant.
+const TIE: f64 = 0.04;
+
+/// How seldom one meets the last effect of `c`: asked only where the data do not decide.
+fn rarity(c: &Candidate) -> usize {
+    const COMMON: [Kind; 9] = [
+        Kind::Coulomb,
+        Kind::DeadZone,
+        Kind::Gravity,
+        Kind::Backlash,
+        Kind::Delay,
+        Kind::Cogging,
+        Kind::SensorLag,
+        Kind::VoltageDrop,
+        Kind::ConstantLoad,
+    ];
+    c.kinds().last().and_then(|k| COMMON.iter().position(|c| c == k)).unwrap_or(COMMON.len())
+}
+
+/// Whether the two cannot be told apart by their errors.
+pub fn as_good(c: &Candidate, best: &Candidate) -> bool {
+    let log =
+        |f: fn(&Errors) -> f64, c: &Candidate| 0.5 * (f(&c.train).max(0.7).ln() + f(&c.unseen).max(0.7).ln());
+    log(|e| e.increments, c) <= log(|e| e.increments, best) + EQUAL
+        && log(|e| e.position, c) <= log(|e| e.position, best) + DRIFT.ln()
+}
+
+/// Whether `c` is another model about as large and not much worse than `next`.
+pub fn rivals(c: &Candidate, next: &Candidate) -> bool {
+    c.size() <= next.size() + 1 && !same(c, next) && c.merit() < next.merit() + RIVAL
+}
+
+/// A model this much worse (a factor of two in error and more) has lost.
+const RIVAL: f64 = 0.9;
+
+/// Whether they have the same effects.
+fn same(a: &Candidate, b: &Candidate) -> bool {
+    let sorted = |c: &Candidate| {
+        let mut kinds = c.kinds().to_vec();
+        kinds.sort();
+        kinds
+    };
+    sorted(a) == sorted(b)
+}
