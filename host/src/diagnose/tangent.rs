@@ -26,6 +26,8 @@ pub struct Projected {
 pub struct Tangent {
     /// The axes that may give way.
     pub axes: Vec<usize>,
+    /// The model's own cost.
+    pub own: f64,
     /// Per record, per residual: its value.
     centre: Vec<Vec<f64>>,
     /// ... and the derivatives along the model's axes.
@@ -70,7 +72,8 @@ impl Tangent {
             h[(k, k)] = h[(k, k)] * 1.001 + 1e-9;
         }
         let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::identity(axes.len(), axes.len()));
-        Self { axes, centre, rows, slope, inverse }
+        let own = centre.iter().flatten().map(|c| c * c).sum();
+        Self { axes, own, centre, rows, slope, inverse }
     }
 
     /// For each candidate, as it is and at the share of its new effect that fits best: what would be left after the
@@ -98,13 +101,12 @@ impl Tangent {
                 }
             }
         }
-        let own: f64 = self.centre.iter().flatten().map(|c| c * c).sum();
         let at = |l: usize, share: f64| {
             let new = DVector::from_fn(n, |k, _| gradient[k][l]);
             let g = &new * share + &self.slope * (1.0 - share);
             let step = -(&self.inverse * &g);
             let (a, b) = (share, 1.0 - share);
-            let left = a * a * cost[l] + 2.0 * a * b * cross[l] + b * b * own + g.dot(&step);
+            let left = a * a * cost[l] + 2.0 * a * b * cross[l] + b * b * self.own + g.dot(&step);
             let left = if left.is_finite() { left } else { f64::MAX };
             Projected { share, left, give_way: step.iter().copied().collect() }
         };
