@@ -215,9 +215,11 @@ pub fn prepare(
         crate::log::check_usable(record)?;
     }
     let (whole, start) = setup::problem(records, motor);
-    let evidence = Evidence::new(whole, &start, records, validation, motor);
+    let mut evidence = Evidence::new(whole, &start, records, validation, motor);
     let (layout, x) = evidence.train.fit_base(&start);
     let base = evidence.fit(&layout.unpack(&x), 4);
+    // The first speeds were those of a rough model: what they are wrong by would look like an effect.
+    let base = evidence.settle_starts(base);
     Ok((evidence, base))
 }
 

@@ -4,10 +4,11 @@ use motorlens_shared::effects::Kind;
 
 use super::candidate::{Candidate, Errors, STEADY};
 
-/// A first effect must lower the increments' error to this share, on the records fitted and on those kept out.
+/// An effect must lower the increments' error to this share, on the records fitted and on those kept out ...
 const WORTH: f64 = 0.97;
-/// A further effect must do more on the mean of both: what a slightly wrong law leaves over looks like a small
-/// effect.
+/// ... and a first one to this on the mean of both: torque that disturbs the motor lends itself to one or another for less.
+const WORTH_A_FIRST: f64 = 0.93;
+/// A further effect must do more: what a slightly wrong law leaves over looks like a small effect.
 const WORTH_MORE: f64 = 0.85;
 /// ... and a third one still more: where two were found, what is left is mostly what their laws are wrong by.
 const WORTH_A_THIRD: f64 = 0.7;
@@ -47,7 +48,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         return true;
     }
     let mean = match less.kinds().len() {
-        0 => WORTH,
+        0 => WORTH_A_FIRST,
         1 => WORTH_MORE,
         _ => WORTH_A_THIRD,
     };
