@@ -2,7 +2,6 @@
 
 use motorlens_shared::effects::Kind;
 
-use crate::fit::cost::Objective;
 use crate::fit::fixed;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
@@ -92,15 +91,12 @@ impl Problem {
         layout
     }
 
-    /// Errors of search numbers `x` on these records.
-    pub fn errors(&self, layout: &Layout, x: &[f64]) -> Errors {
-        let rms = |objective| {
-            let (sum, count) = self.sum_of_squares(layout, objective, x);
-            (sum / count.max(1) as f64).sqrt()
+    /// Errors of up to eight candidates on these records.
+    pub fn errors(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Errors> {
+        let errors = |[increments, position]: [f64; 2]| Errors {
+            increments: (0.5 * increments).sqrt(),
+            position: position.sqrt(),
         };
-        Errors {
-            increments: rms(Objective::Increments) / std::f64::consts::SQRT_2,
-            position: rms(Objective::Position),
-        }
+        self.mean_squares(layout, xs).into_iter().map(errors).collect()
     }
 }

@@ -8,6 +8,7 @@ use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
 use crate::fit::setup;
 use crate::log::Record;
+use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
 
 /// Share of a record that is fitted where nothing else is there to judge by.
@@ -26,6 +27,8 @@ pub struct Evidence {
     pub floor: Errors,
     /// Whether that was measured, by a repeated programme; else it is what counting alone leaves.
     pub repeated: bool,
+    /// Records that run the programme of an earlier one.
+    pub second_runs: Vec<usize>,
 }
 
 impl Evidence {
@@ -37,7 +40,9 @@ impl Evidence {
         validation: &[Record],
         motor: &MotorFile,
     ) -> Self {
-        let measured = floor(records, &whole, start);
+        let repeats = find_repeats(records);
+        let measured = floor(records, &repeats, &whole, start);
+        let second_runs = repeats.iter().map(|(_, second)| *second).collect();
         let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
         let (train, unseen) = if validation.is_empty() {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
@@ -48,7 +53,13 @@ impl Evidence {
             (guided(whole.grids.clone()), guided(other.grids))
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
-        Self { whole, train, unseen, floor, repeated }
+        Self { whole, train, unseen, floor, repeated, second_runs }
+    }
+
+    /// The records fitted, one of each programme: a second run tells the floor, and little of the physics.
+    pub fn programmes(&self) -> Problem {
+        let once = |(k, grid): (usize, &Grid)| (!self.second_runs.contains(&k)).then(|| grid.clone());
+        self.train.on(self.train.grids.iter().enumerate().filter_map(once).collect())
     }
 
     /// Candidate passes so far.
@@ -62,11 +73,17 @@ impl Evidence {
         cells.fold(0.0_f64, |p, v| p.max(v.abs())).max(0.5 * self.whole.rig.nominal_v)
     }
 
-    /// The errors of `x` on both.
-    pub fn judge(&self, layout: Layout, found: Found) -> Candidate {
-        let train = self.train.errors(&layout, &found.x).over(&self.floor);
-        let unseen = self.unseen.errors(&layout, &found.x).over(&self.floor);
-        Candidate { layout, found, train, unseen }
+    /// The errors on both of fits of one layout, up to eight.
+    pub fn judge(&self, layout: &Layout, found: Vec<Found>) -> Vec<Candidate> {
+        let xs: Vec<Vec<f64>> = found.iter().map(|found| found.x.clone()).collect();
+        let [train, unseen] = [&self.train, &self.unseen].map(|problem| problem.errors(layout, &xs));
+        let candidate = |((found, train), unseen): ((Found, Errors), Errors)| Candidate {
+            layout: layout.clone(),
+            found,
+            train: train.over(&self.floor),
+            unseen: unseen.over(&self.floor),
+        };
+        found.into_iter().zip(train).zip(unseen).map(candidate).collect()
     }
 
     /// Searches `values` in increments, then lets the error itself correct the drift of the parameters.
@@ -82,9 +99,10 @@ impl Evidence {
     /// Where a disturbance makes the error drift, the correction would follow the drift: then it is refused.
     pub fn polish(&self, layout: Layout, rough: Found) -> Candidate {
         let fine = self.train.search(&layout, Objective::Position, &rough.x, 3, 1e-3);
-        let a = self.judge(layout.clone(), rough);
-        let b = self.judge(layout, fine);
-        if b.merit() < a.merit() { b } else { a }
+        let mut judged = self.judge(&layout, vec![rough, fine]);
+        // Of equals the first one.
+        judged.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
+        judged.swap_remove(0)
     }
 
     /// An accepted model's parameters, corrected by the error itself until it stops falling.
@@ -93,7 +111,7 @@ impl Evidence {
     /// makes the drift, the correction does not help on unseen records and is refused.
     pub fn finish(&self, accepted: Candidate) -> Candidate {
         let fine = self.train.search(&accepted.layout, Objective::Position, &accepted.found.x, 10, 1e-6);
-        let fine = self.judge(accepted.layout.clone(), fine);
+        let fine = self.judge(&accepted.layout, vec![fine]).swap_remove(0);
         let better = fine.unseen.position <= accepted.unseen.position
             && fine.unseen.increments < accepted.unseen.increments * 1.05;
         if better { fine } else { accepted }
@@ -110,5 +128,22 @@ impl Evidence {
             problem.refine_starts(&values);
         }
         self.fit(&values, 6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exam::case::{Case, Conditions};
+
+    #[test]
+    fn a_programme_that_was_run_twice_is_searched_once_and_judged_twice() {
+        let case = Case::new(4, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
+        let (whole, start) = setup::problem(&case.records, &case.motor);
+        let evidence = Evidence::new(whole, &start, &case.records, &case.held_out, &case.motor);
+        assert!(evidence.repeated);
+        let names = |problem: &Problem| problem.grids.iter().map(|g| g.name.clone()).collect::<Vec<_>>();
+        let (all, once) = (names(&evidence.train), names(&evidence.programmes()));
+        assert_eq!(once, all[..all.len() - 1], "the last record repeats the third one's programme");
     }
 }

@@ -9,16 +9,21 @@ use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 use crate::log::Record;
-use crate::log::repeats::{differences, find_repeats};
+use crate::log::repeats::differences;
 
-/// The floor under `records`, which `problem` has laid out; none where no programme was repeated.
+/// The floor under `records`, which `problem` has laid out, by the pairs that repeat a programme; none without.
 ///
 /// The same command may be logged as different voltages, by a noisy measurement or a tired battery. So the runs of the
 /// model `values` are taken off both first: what it lacks, it lacks in both.
-pub fn floor(records: &[Record], problem: &Problem, values: &Values) -> Option<Errors> {
+pub fn floor(
+    records: &[Record],
+    repeats: &[(usize, usize)],
+    problem: &Problem,
+    values: &Values,
+) -> Option<Errors> {
     let mut squares = Errors { increments: 0.0, position: 0.0 };
     let mut pairs = 0.0;
-    for (first, second) in find_repeats(records) {
+    for &(first, second) in repeats {
         let grid = &problem.grids[first];
         let left = |k: usize| left_by(problem, values, &problem.grids[k], &records[k]);
         let Some(difference) = differences(&left(first), &left(second)) else { continue };
@@ -65,6 +70,7 @@ mod tests {
     use super::*;
     use crate::exam::case::{Case, Conditions};
     use crate::fit::setup;
+    use crate::log::repeats::find_repeats;
 
     /// A disturbance lifts the floor of the increments to what the true model leaves; without one it is counting's.
     #[test]
@@ -72,7 +78,8 @@ mod tests {
         for (disturbed, low, high) in [(0.0, 1.0, 1.1), (1.0, 1.2, 1e3)] {
             let case = Case::new(12, &[], Conditions { disturbed, spoilt: 0.0 });
             let (problem, start) = setup::problem(&case.records, &case.motor);
-            let floor = floor(&case.records, &problem, &start).expect("the multisine runs twice");
+            let repeats = find_repeats(&case.records);
+            let floor = floor(&case.records, &repeats, &problem, &start).expect("the multisine runs twice");
             assert!((low..high).contains(&floor.increments), "{disturbed}: {floor:?}");
         }
     }

@@ -15,7 +15,7 @@ use super::ripple;
 use super::tangent::{Projected, Tangent};
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
-use crate::fit::search::{Found, Problem};
+use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
 
 /// How much work a stage does.
@@ -44,6 +44,10 @@ impl Effort {
 const AS_CHEAP: f64 = 1.25;
 /// ... at most so many.
 const STARTS: usize = 2;
+/// After the first heat an effect that costs so many times more than the best has lost ...
+const OUT_OF_REACH: f64 = 20.0;
+/// ... unless it is among the first so many.
+const SHOWN: usize = 3;
 
 /// Tries every effect of `library` that `model` lacks; best first.
 pub fn run(
@@ -59,41 +63,48 @@ pub fn run(
         let second_gap = two_masses && kind.spec().load_share().is_some();
         !(has.contains(kind) || second_gap)
     };
-    let tangent = Tangent::new(&evidence.train, model);
-    let train = &evidence.train;
-    let step =
-        |layout: &Layout, x: &[f64], steps| train.search(layout, Objective::Increments, x, steps, 1e-3);
+    let programmes = evidence.programmes();
+    let tangent = Tangent::new(&programmes, model);
     let mut starters: Vec<(Layout, Vec<Start>)> = Vec::new();
     for kind in library.iter().filter(lacking) {
         tick(*kind);
-        starters.push(probe(train, model, &tangent, *kind));
+        starters.push(probe(&programmes, model, &tangent, *kind));
     }
     starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
-    let mut heat: Vec<(Layout, Found)> = Vec::new();
+    let mut heat: Vec<(Layout, Start)> = Vec::new();
     for (layout, starts) in starters.into_iter().take(effort.starters) {
-        let near = starts.iter().take(STARTS).filter(|s| s.0 <= AS_CHEAP * starts[0].0);
-        let best = near.map(|(_, x)| step(&layout, x, 1)).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        // On the base model, where no start is better than it, one shows as well as another where the way goes down.
+        let known = if model.kinds().is_empty() { tangent.own } else { f64::MAX };
+        let second = (AS_CHEAP * starts[0].0).min(known);
+        let near = starts.iter().take(STARTS).enumerate().filter(|(k, s)| *k == 0 || s.0 <= second);
+        let best = near.map(|(_, (_, x))| programmes.race(&layout, x, 1)).min_by(|a, b| a.0.total_cmp(&b.0));
         heat.extend(best.map(|found| (layout, found)));
     }
-    heat.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    let mut raced: Vec<(Layout, Found)> = heat
+    let cheapest_first = |a: &(Layout, Start), b: &(Layout, Start)| a.1.0.total_cmp(&b.1.0);
+    heat.sort_by(cheapest_first);
+    let reach = OUT_OF_REACH * heat.first().map_or(0.0, |best| best.1.0);
+    let mut raced: Vec<(Layout, Start)> = heat
         .into_iter()
         .take(effort.leaders)
-        .map(|(layout, found)| {
-            let found = step(&layout, &found.x, effort.race);
+        .enumerate()
+        .filter(|(place, (_, (cost, _)))| *place < SHOWN || *cost < reach)
+        .map(|(_, (layout, (_, x)))| {
+            let found = programmes.race(&layout, &x, effort.race);
             (layout, found)
         })
         .collect();
-    raced.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    raced.sort_by(cheapest_first);
     let mut finals: Vec<Candidate> = Vec::new();
-    for (layout, found) in raced.into_iter().take(effort.finalists) {
-        let found = evidence.train.search(&layout, Objective::Increments, &found.x, effort.last, 3e-4);
+    let train = &evidence.train;
+    train.simulations.set(train.simulations.get() + programmes.simulations.get());
+    for (layout, (_, x)) in raced.into_iter().take(effort.finalists) {
+        let found = train.search(&layout, Objective::Increments, &x, effort.last, 3e-4);
         finals.push(evidence.polish(layout, found));
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
     for leader in finals.iter_mut().take(WINNERS).filter(|c| !c.explains()) {
         let (layout, x) = (leader.layout.clone(), &leader.found.x);
-        let found = evidence.train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
+        let found = train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
         let settled = evidence.polish(layout, found);
         if settled.merit() < leader.merit() {
             *leader = settled;

@@ -41,23 +41,21 @@ impl Tangent {
     /// At `model` on the records of `problem`.
     pub fn new(problem: &Problem, model: &Candidate) -> Self {
         let axes: Vec<usize> = (0..model.layout.len()).filter(|k| !model.layout.axes[*k].fixed).collect();
-        let (series, inverse_delta) =
-            problem.neighbours(&model.layout, Objective::Increments, &model.found.x, &axes);
-        let centre: Vec<Vec<f64>> =
-            series.iter().map(|blocks| blocks[0].iter().map(|r| r.0[0]).collect()).collect();
-        let rows: Vec<Vec<Vec<f64>>> = series
-            .iter()
-            .map(|blocks| {
-                (0..blocks[0].len())
-                    .map(|k| {
-                        let centre = blocks[0][k].0[0];
-                        (1..=axes.len())
-                            .map(|f| (blocks[f / LANES][k].0[f % LANES] - centre) * inverse_delta[f])
-                            .collect()
-                    })
-                    .collect()
-            })
-            .collect();
+        let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
+        problem.neighbours(
+            &model.layout,
+            Objective::Increments,
+            &model.found.x,
+            &axes,
+            &mut |_, blocks, inverse| {
+                let row = |k: usize| {
+                    let own = blocks[0][k].0[0];
+                    (1..=axes.len()).map(|f| (blocks[f / LANES][k].0[f % LANES] - own) * inverse[f]).collect()
+                };
+                centre.push(blocks[0].iter().map(|r| r.0[0]).collect());
+                rows.push((0..blocks[0].len()).map(row).collect());
+            },
+        );
         let mut slope = DVector::zeros(axes.len());
         for (row, c) in rows.iter().flatten().zip(centre.iter().flatten()) {
             for (total, d) in slope.iter_mut().zip(row) {

@@ -23,10 +23,11 @@ const NOT_WORSE: f64 = 1.005;
 const CLEARLY: f64 = 0.8;
 /// Share of the error itself, on both, that a slow effect must leave at most ...
 const PLAINLY: f64 = 0.35;
-/// ... or, where it leaves no more than noise, of an error that was this many noise units.
+/// ... or, where it leaves no more than noise ...
 const ALL_OF_IT: f64 = 0.6;
-const SLOW: f64 = 1.8;
 const NOISE: f64 = 1.2;
+/// ... of an error that was this many noise units.
+pub const SLOW: f64 = 1.8;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 pub const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.

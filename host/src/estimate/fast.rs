@@ -55,5 +55,6 @@ pub(super) fn all_of(problem: &Problem) -> Evidence {
         unseen: problem.clone(),
         floor: Errors::COUNTING,
         repeated: false,
+        second_runs: Vec::new(),
     }
 }

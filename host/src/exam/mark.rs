@@ -50,15 +50,21 @@ pub struct Marks {
     pub false_alarms: Part,
     /// Of the answers that claim to explain a motor by effects and name no rivals: every one of them is hidden there.
     pub claims_right: Part,
+    /// ... or the hidden laws would fit no better.
+    pub claims_tenable: Part,
     /// Of those that name rivals which the data cannot exclude: the effects, or one of the rivals, are hidden there.
     pub open_claims_right: Part,
     /// Two effects without a torque disturbance: both and no other accepted.
     pub pairs: Part,
-    /// ... and under one.
+    /// ... of those that the data tell from one effect, or from others.
+    pub told_pairs: Part,
+    /// ... and under a disturbance.
     pub disturbed_pairs: Part,
     /// Physics outside the library: explained all the same, by effects that are not there.
     pub outside_explained: Part,
-    /// ... or such an effect accepted, in part.
+    /// ... although the hidden law itself would have fitted plainly better.
+    pub outside_explained_told: Part,
+    /// Such an effect accepted, in part.
     pub outside_partial: Part,
     /// ... or nothing found missing.
     pub outside_unseen: Part,
@@ -92,12 +98,19 @@ impl Marks {
             disturbed_exact: Part::of(disturbed(Group::Single), Answer::exact),
             false_alarms: Part::of(all(Group::Nothing), |a| !a.found.is_empty()),
             claims_right: Part::of(claims().filter(|a| a.rivals.is_empty()), |a| !a.names_a_stranger()),
+            claims_tenable: Part::of(claims().filter(|a| a.rivals.is_empty()), |a| {
+                !(a.names_a_stranger() && a.told)
+            }),
             open_claims_right: Part::of(claims().filter(|a| !a.rivals.is_empty()), |a| {
                 !a.names_a_stranger() || a.names_the_truth_a_rival()
             }),
             pairs: Part::of(calm(Group::Pair), Answer::exact),
+            told_pairs: Part::of(calm(Group::Pair).filter(|a| a.told), Answer::exact),
             disturbed_pairs: Part::of(disturbed(Group::Pair), Answer::exact),
             outside_explained: Part::of(all(Group::Outside), |a| explained(a) && a.names_a_stranger()),
+            outside_explained_told: Part::of(all(Group::Outside), |a| {
+                explained(a) && a.names_a_stranger() && a.told
+            }),
             outside_partial: Part::of(all(Group::Outside), |a| !explained(a) && a.names_a_stranger()),
             outside_unseen: Part::of(all(Group::Outside), |a| explained(a) && a.found.is_empty()),
             median_over_floor: quantile(&after, 0.5),

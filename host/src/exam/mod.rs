@@ -7,6 +7,7 @@ mod picture;
 mod question;
 mod table;
 mod trial;
+mod truth;
 
 pub use mark::{Marks, Part};
 pub use picture::picture;

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::question::{Group, Question};
+use super::truth;
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::contained::covers;
 use crate::diagnose::discover::{Options, Progress, Verdict, discover};
@@ -42,6 +43,8 @@ pub struct Answer {
     pub rivals: Vec<&'static str>,
     /// Verdict.
     pub verdict: Verdict,
+    /// The answer is exact, or the hidden laws themselves fit plainly better: these data tell.
+    pub told: bool,
     /// Error on the record kept out over the noise floor, before and after.
     pub before: f64,
     /// ... after the effects were added.
@@ -156,7 +159,7 @@ pub fn answer(question: &Question) -> Result<Answer> {
         |c: &Candidate| [c.train.increments, c.unseen.increments, c.train.position, c.unseen.position];
     let errors = ranked.chain(&found.climb.rungs[..1]).map(of_candidate);
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
-    Ok(Answer {
+    let mut answer = Answer {
         group: question.group,
         seed: question.seed,
         truth: case.truth.clone(),
@@ -169,10 +172,16 @@ pub fn answer(question: &Question) -> Result<Answer> {
         reached: of_candidate(found.climb.model()),
         rivals: names(found.rivals.first().map_or(&[], Vec::as_slice)),
         verdict: found.verdict,
+        told: true,
         before: over_floor(0),
         after: over_floor(found.ladder.len() - 1),
         first_seconds: diagnosed.unwrap_or(seconds),
         seconds,
         simulations: found.simulations,
-    })
+    };
+    if !answer.exact() {
+        let hidden: Vec<Kind> = case.truth.iter().filter_map(|name| Kind::by_name(name)).collect();
+        answer.told = truth::is_told(&found, &hidden);
+    }
+    Ok(answer)
 }

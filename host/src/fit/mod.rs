@@ -2,12 +2,13 @@
 //!
 //! The way of the data: [`grid`] lays records on the model's time grid; [`layout`] names the numbers that are
 //! searched; [`simulate`] runs eight candidates through a record; [`cost`] turns predictions into residuals;
-//! [`search`] makes them small.
+//! `passes` does so for all records at once; [`search`] makes them small.
 
 pub mod cost;
 pub mod fixed;
 pub mod grid;
 pub mod layout;
+mod passes;
 pub mod search;
 pub mod setup;
 pub mod simulate;

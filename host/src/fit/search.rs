@@ -3,16 +3,16 @@
 //! A Jacobian costs one pass of the lanes (centre and seven neighbours), and a step tries eight dampings in one
 //! more pass. So an iteration is two passes, whatever the number of rejected steps.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use motorlens_shared::effects::Rig;
 use nalgebra::{DMatrix, DVector};
 
-use super::cost::{Objective, accumulate, residuals};
+use super::cost::{Objective, accumulate};
 use super::fixed::Fixed;
 use super::grid::Grid;
 use super::layout::{Layout, Prior};
-use super::simulate::{Block, LANES, predict_block};
+use super::simulate::{Block, LANES};
 
 /// Records, rig and beliefs: everything a fit needs but the model.
 #[derive(Debug)]
@@ -29,6 +29,8 @@ pub struct Problem {
     pub hold_s: Option<f64>,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
+    /// Room for runs, kept from pass to pass.
+    pub(super) room: RefCell<Vec<Vec<Block>>>,
 }
 
 /// A minimum, and the shape of the cost around it.
@@ -48,107 +50,20 @@ pub struct Found {
 pub(super) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
-    fn count_passes(&self, candidates: usize) {
-        self.simulations.set(self.simulations.get() + candidates as u64);
-    }
-
-    fn prior_cost(&self, layout: &Layout, x: &[f64]) -> f64 {
-        layout
-            .axes
-            .iter()
-            .zip(x)
-            .filter_map(|(a, x)| a.prior.map(|(centre, width)| ((x - centre) / width).powi(2)))
-            .sum::<f64>()
-            * PRIOR_WEIGHT
-    }
-
-    /// Sum of squared residuals of up to eight candidates.
-    pub fn costs(&self, layout: &Layout, objective: Objective, xs: &[Vec<f64>]) -> Vec<f64> {
-        let mut sums: Vec<f64> = xs.iter().map(|x| self.prior_cost(layout, x)).collect();
-        let mut series = Vec::new();
-        self.count_passes(xs.len());
-        for grid in &self.grids {
-            predict_block(layout, xs, &self.rig, grid, &mut series);
-            residuals(grid, objective, &mut series);
-            for r in &series {
-                for (sum, v) in sums.iter_mut().zip(r.0) {
-                    *sum += v * v;
-                }
-            }
-        }
-        sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
-    }
-
-    /// Sum of squared residuals of one candidate without the prior, and how many there are.
-    pub fn sum_of_squares(&self, layout: &Layout, objective: Objective, x: &[f64]) -> (f64, usize) {
-        let point = [x.to_vec()];
-        let (mut sum, mut count) = (0.0, 0);
-        let mut series = Vec::new();
-        self.count_passes(1);
-        for grid in &self.grids {
-            predict_block(layout, &point, &self.rig, grid, &mut series);
-            residuals(grid, objective, &mut series);
-            sum += series.iter().map(|r| r.0[0] * r.0[0]).sum::<f64>();
-            count += series.len();
-        }
-        (if sum.is_finite() { sum } else { f64::MAX }, count)
-    }
-
     /// Axes that are searched.
     fn free(layout: &Layout) -> Vec<usize> {
         (0..layout.len()).filter(|k| !layout.axes[*k].fixed).collect()
     }
 
-    /// Residual series of centre and neighbours, a vector of blocks per record.
-    pub fn neighbours(
-        &self,
-        layout: &Layout,
-        objective: Objective,
-        x: &[f64],
-        axes: &[usize],
-    ) -> (Vec<Vec<Vec<Block>>>, Vec<f64>) {
-        let mut points = vec![x.to_vec()];
-        let mut inverse = vec![0.0];
-        for &k in axes {
-            let d = layout.step(k, x[k]);
-            let mut moved = x.to_vec();
-            moved[k] += d;
-            points.push(moved);
-            inverse.push(1.0 / d);
-        }
-        self.count_passes(points.len());
-        let series = self
-            .grids
-            .iter()
-            .map(|grid| {
-                points
-                    .chunks(LANES)
-                    .map(|chunk| {
-                        let mut series = Vec::with_capacity(grid.len());
-                        predict_block(layout, chunk, &self.rig, grid, &mut series);
-                        residuals(grid, objective, &mut series);
-                        series
-                    })
-                    .collect()
-            })
-            .collect();
-        (series, inverse)
-    }
-
     /// Cost, gradient and curvature at `x` along `axes`.
-    fn linearise(
-        &self,
-        layout: &Layout,
-        objective: Objective,
-        x: &[f64],
-        axes: &[usize],
-    ) -> (f64, DVector<f64>, DMatrix<f64>, usize) {
+    fn linearise(&self, layout: &Layout, objective: Objective, x: &[f64], axes: &[usize]) -> Slope {
         let n = axes.len();
-        let (series, inverse) = self.neighbours(layout, objective, x, axes);
         let mut sums = vec![vec![0.0; n + 1]; n + 1];
-        for record in &series {
-            accumulate(record, &inverse, &mut sums);
-        }
+        let mut count = 0;
+        self.neighbours(layout, objective, x, axes, &mut |_, blocks, inverse| {
+            accumulate(blocks, inverse, &mut sums);
+            count += blocks[0].len();
+        });
         let mut gradient = DVector::from_fn(n, |r, _| sums[0][r + 1]);
         let mut curvature = DMatrix::from_fn(n, n, |r, c| sums[r + 1][c + 1]);
         for (r, &k) in axes.iter().enumerate() {
@@ -158,8 +73,7 @@ impl Problem {
                 curvature[(r, r)] += weight;
             }
         }
-        let count = series.iter().map(|record| record[0].len()).sum();
-        (sums[0][0] + self.prior_cost(layout, x), gradient, curvature, count)
+        Slope { cost: sums[0][0] + self.prior_cost(layout, x), gradient, curvature, count }
     }
 
     /// Searches from `start` for at most `iterations` steps, until a step gains less than `tolerance` of the cost.
@@ -171,36 +85,64 @@ impl Problem {
         iterations: usize,
         tolerance: f64,
     ) -> Found {
+        let (x, _, slope) = self.descend(layout, objective, start, iterations, tolerance);
+        let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &Self::free(layout)));
+        Found { x, cost: slope.cost, curvature: slope.curvature, count: slope.count }
+    }
+
+    /// Where so many steps of the search lead, and the cost there, without the shape of the cost around it.
+    pub fn race(&self, layout: &Layout, start: &[f64], steps: usize) -> (f64, Vec<f64>) {
+        let (x, cost, _) = self.descend(layout, Objective::Increments, start, steps, 1e-3);
+        (cost, x)
+    }
+
+    /// The way down: where it ends, the cost there, and its shape unless the last step led elsewhere.
+    fn descend(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        start: &[f64],
+        iterations: usize,
+        tolerance: f64,
+    ) -> (Vec<f64>, f64, Option<Slope>) {
         let free = Self::free(layout);
         let mut x: Vec<f64> = start.to_vec();
         for (x, a) in x.iter_mut().zip(&layout.axes) {
             *x = x.clamp(a.low, a.high);
         }
         let mut damping = 1e-3;
-        let (mut cost, mut gradient, mut curvature, mut count) = self.linearise(layout, objective, &x, &free);
+        let mut slope = self.linearise(layout, objective, &x, &free);
         for round in 0..iterations {
-            let trials: Vec<Vec<f64>> = (0..LANES)
-                .map(|l| damped_step(layout, &x, &free, &gradient, &curvature, damping * DAMPINGS[l]))
-                .collect();
+            let trials: Vec<Vec<f64>> =
+                (0..LANES).map(|l| damped_step(layout, &x, &free, &slope, damping * DAMPINGS[l])).collect();
             let costs = self.costs(layout, objective, &trials);
             let best = (0..LANES).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
-            if costs[best] >= cost {
+            if costs[best] >= slope.cost {
                 damping *= 3e3;
-                if damping > 1e9 || round + 1 == iterations {
+                if damping > 1e9 {
                     break;
                 }
                 continue;
             }
-            let gain = (cost - costs[best]) / cost;
+            let gain = (slope.cost - costs[best]) / slope.cost;
             x.clone_from(&trials[best]);
             damping = (damping * DAMPINGS[best]).clamp(1e-9, 1e6);
-            (cost, gradient, curvature, count) = self.linearise(layout, objective, &x, &free);
-            if gain < tolerance {
-                break;
+            if gain < tolerance || round + 1 == iterations {
+                return (x, costs[best], None);
             }
+            slope = self.linearise(layout, objective, &x, &free);
         }
-        Found { x, cost, curvature, count }
+        (x, slope.cost, Some(slope))
     }
+}
+
+/// The cost at a point, prior included, and its shape around it.
+struct Slope {
+    cost: f64,
+    gradient: DVector<f64>,
+    curvature: DMatrix<f64>,
+    /// Residuals that were summed.
+    count: usize,
 }
 
 /// Dampings tried side by side, against the last that worked.
@@ -211,8 +153,7 @@ fn damped_step(
     layout: &Layout,
     x: &[f64],
     free: &[usize],
-    gradient: &DVector<f64>,
-    curvature: &DMatrix<f64>,
+    Slope { gradient, curvature, .. }: &Slope,
     damping: f64,
 ) -> Vec<f64> {
     let moving: Vec<usize> = (0..free.len())
@@ -239,4 +180,36 @@ fn damped_step(
         }
     }
     moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exam::case::{Case, Conditions};
+    use crate::fit::setup;
+
+    /// A race is the search without the shape of the cost at its end, and both objectives of a run are those of two.
+    #[test]
+    fn a_race_ends_where_a_search_of_as_many_steps_does_and_means_are_those_of_the_costs() {
+        let case = Case::new(4, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
+        let (problem, start) = setup::problem(&case.records[..2], &case.motor);
+        let layout = problem.layout(&[]);
+        let x = layout.pack(&start);
+        for steps in [0, 1, 3] {
+            let found = problem.search(&layout, Objective::Increments, &x, steps, 1e-3);
+            let (cost, end) = problem.race(&layout, &x, steps);
+            assert_eq!(end, found.x);
+            assert!((cost / found.cost - 1.0).abs() < 1e-9, "{cost} {}", found.cost);
+        }
+        let prior = problem.prior_cost(&layout, &x);
+        let [both, again] = problem.mean_squares(&layout, &[x.clone(), x.clone()])[..] else {
+            panic!("two were asked")
+        };
+        assert_eq!(both, again);
+        for (which, objective) in [Objective::Increments, Objective::Position].into_iter().enumerate() {
+            let count = problem.search(&layout, objective, &x, 0, 1e-3).count as f64;
+            let cost = problem.costs(&layout, objective, std::slice::from_ref(&x))[0];
+            assert!((both[which] * count / (cost - prior) - 1.0).abs() < 1e-9, "{objective:?}");
+        }
+    }
 }

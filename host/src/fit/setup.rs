@@ -78,7 +78,15 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     rig.reference_speed = base.gain * rig.nominal_v;
     let fixed = motor.fixed.clone();
     let hold_s = held(&mut grids);
-    let mut problem = Problem { grids, rig, prior, fixed, hold_s, simulations: std::cell::Cell::new(0) };
+    let mut problem = Problem {
+        grids,
+        rig,
+        prior,
+        fixed,
+        hold_s,
+        simulations: std::cell::Cell::new(0),
+        room: std::cell::RefCell::default(),
+    };
     let start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
     (problem, start)
@@ -102,6 +110,7 @@ impl Problem {
             fixed: self.fixed.clone(),
             hold_s: self.hold_s,
             simulations: std::cell::Cell::new(0),
+            room: std::cell::RefCell::default(),
         }
     }
 

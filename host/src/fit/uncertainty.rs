@@ -66,8 +66,7 @@ impl Spread {
         let free: Vec<usize> = (0..layout.len()).filter(|k| !layout.axes[*k].fixed).collect();
         let n = free.len();
         let (mut h, mut m) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-        let (series, inverse) = problem.neighbours(&layout, Objective::Increments, &x, &free);
-        for (grid, record) in problem.grids.iter().zip(&series) {
+        problem.neighbours(&layout, Objective::Increments, &x, &free, &mut |grid, record, inverse| {
             let length = record[0].len();
             let span = grid.time_s[grid.len() - 1] - grid.time_s[0];
             let block = ((BLOCK_S / span.max(1e-9) * length as f64).round() as usize).max(1);
@@ -84,7 +83,7 @@ impl Spread {
                 }
                 m.ger(1.0, &gradient, &gradient, 1.0);
             }
-        }
+        });
         for (f, k) in free.iter().enumerate() {
             if let Some((_, width)) = layout.axes[*k].prior {
                 let weight = PRIOR_WEIGHT / (width * width);

@@ -80,10 +80,18 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
         }
         if compared * 10 < first.len() * 9 { 0.0 } else { 1.0 - other as f64 / compared as f64 }
     };
-    let (best, shift) = (-LARGEST_SHIFT..=LARGEST_SHIFT)
-        .map(|shift| (share(shift), shift))
-        .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.abs().cmp(&a.1.abs())))?;
-    (best >= SAME_SHARE).then_some(shift as f64 * interval)
+    let mut best = (0.0, 0);
+    // The smallest shift first: nothing is more alike than all of it.
+    for shift in (0..=LARGEST_SHIFT).flat_map(|shift| [shift, -shift]) {
+        let share = share(shift);
+        if share > best.0 {
+            best = (share, shift);
+        }
+        if share == 1.0 {
+            break;
+        }
+    }
+    (best.0 >= SAME_SHARE).then_some(best.1 as f64 * interval)
 }
 
 /// The sample nearest to `time`, or `None` outside the record.

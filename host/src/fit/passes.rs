@@ -1,0 +1,115 @@
+//! Passes of candidates through all records: their costs, their errors, and what the neighbours of a point leave.
+
+use super::cost::{Objective, residuals};
+use super::grid::Grid;
+use super::layout::Layout;
+use super::search::{PRIOR_WEIGHT, Problem};
+use super::simulate::{Block, LANES, predict_block};
+
+/// Takes a record, its residual series of a point and its neighbours in blocks of lanes, and the neighbours' inverse distances.
+pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
+
+impl Problem {
+    fn count_passes(&self, candidates: usize) {
+        self.simulations.set(self.simulations.get() + candidates as u64);
+    }
+
+    pub(super) fn prior_cost(&self, layout: &Layout, x: &[f64]) -> f64 {
+        layout
+            .axes
+            .iter()
+            .zip(x)
+            .filter_map(|(a, x)| a.prior.map(|(centre, width)| ((x - centre) / width).powi(2)))
+            .sum::<f64>()
+            * PRIOR_WEIGHT
+    }
+
+    /// Sum of squared residuals of up to eight candidates.
+    pub fn costs(&self, layout: &Layout, objective: Objective, xs: &[Vec<f64>]) -> Vec<f64> {
+        let mut sums: Vec<f64> = xs.iter().map(|x| self.prior_cost(layout, x)).collect();
+        self.count_passes(xs.len());
+        let mut room = self.room.take();
+        room.resize_with(room.len().max(1), Vec::new);
+        for grid in &self.grids {
+            let series = &mut room[0];
+            predict_block(layout, xs, &self.rig, grid, series);
+            residuals(grid, objective, series);
+            for r in series {
+                for (sum, v) in sums.iter_mut().zip(r.0) {
+                    *sum += v * v;
+                }
+            }
+        }
+        self.room.replace(room);
+        sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
+    }
+
+    /// Mean squared residuals of up to eight candidates without the prior: of the increments, and of the error itself.
+    pub fn mean_squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<[f64; 2]> {
+        let mut sums = vec![[0.0; 2]; xs.len()];
+        let mut counts = [0; 2];
+        self.count_passes(xs.len());
+        let mut room = self.room.take();
+        room.resize_with(room.len().max(2), Vec::new);
+        for grid in &self.grids {
+            predict_block(layout, xs, &self.rig, grid, &mut room[0]);
+            room.swap(0, 1);
+            let [first, second, ..] = &mut room[..] else { continue };
+            first.clone_from(second);
+            for (which, (objective, series)) in
+                [(Objective::Increments, first), (Objective::Position, second)].into_iter().enumerate()
+            {
+                residuals(grid, objective, series);
+                counts[which] += series.len();
+                for r in series {
+                    for (sum, v) in sums.iter_mut().zip(r.0) {
+                        sum[which] += v * v;
+                    }
+                }
+            }
+        }
+        self.room.replace(room);
+        let mean = |which: usize, sum: f64| {
+            if sum.is_finite() { sum / counts[which].max(1) as f64 } else { f64::MAX }
+        };
+        sums.iter().map(|sum| std::array::from_fn(|which| mean(which, sum[which]))).collect()
+    }
+
+    /// `x` and its neighbours along `axes`, with the inverse of each one's distance.
+    fn around(layout: &Layout, x: &[f64], axes: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let mut points = vec![x.to_vec()];
+        let mut inverse = vec![0.0];
+        for &k in axes {
+            let d = layout.step(k, x[k]);
+            let mut moved = x.to_vec();
+            moved[k] += d;
+            points.push(moved);
+            inverse.push(1.0 / d);
+        }
+        (points, inverse)
+    }
+
+    /// Hands every record's residuals of centre and neighbours, a series of blocks each, to `each`.
+    pub fn neighbours(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        x: &[f64],
+        axes: &[usize],
+        each: &mut OfRecord,
+    ) {
+        let (points, inverse) = Self::around(layout, x, axes);
+        self.count_passes(points.len());
+        let blocks = points.len().div_ceil(LANES);
+        let mut room = self.room.take();
+        room.resize_with(room.len().max(blocks), Vec::new);
+        for grid in &self.grids {
+            for (chunk, series) in points.chunks(LANES).zip(&mut room) {
+                predict_block(layout, chunk, &self.rig, grid, series);
+                residuals(grid, objective, series);
+            }
+            each(grid, &room[..blocks], &inverse);
+        }
+        self.room.replace(room);
+    }
+}
