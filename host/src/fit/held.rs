@@ -13,16 +13,32 @@ const ENOUGH_OTHERWISE: usize = 3;
 pub(super) fn held(grids: &mut [Grid]) -> Option<f64> {
     let angles = || grids.iter().filter(|grid| grid.quantity == Quantity::Angle);
     let long: Vec<Hold> = angles().filter_map(|grid| hold::hold(&grid.time_s, &grid.measured)).collect();
-    let age = |grid: &Grid, time: f64| hold::age(&grid.time_s, &grid.measured, time);
-    if let Some(time) = agreed(&long, angles().count().div_ceil(2)) {
-        return Some(dated(grids, time, age));
+    let about = agreed(&long, angles().count().div_ceil(2)).or_else(|| {
+        let (short, otherwise) = beats(angles());
+        agreed(&short, otherwise + 1)
+    })?;
+    let numbers = angles().filter(|grid| beat::tells(&grid.time_s, about)).map(|grid| numbers(grid, about));
+    let time = hold_of(&numbers.collect::<Vec<_>>(), about);
+    date(grids, time);
+    Some(time)
+}
+
+/// Tells every record how old its first reading is where they are held for `time` seconds.
+pub(super) fn date(grids: &mut [Grid], time: f64) {
+    for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
+        grid.reading_age_s = if beat::tells(&grid.time_s, time) {
+            let rough = || beat::age(&grid.time_s, &grid.measured, grid.quantum, time);
+            numbers(grid, time).age(time).unwrap_or_else(rough)
+        } else {
+            hold::age(&grid.time_s, &grid.measured, time)
+        };
     }
-    let (short, otherwise) = beats(angles());
-    let about = agreed(&short, otherwise + 1)?;
-    let age = |grid: &Grid| beat::age(&grid.time_s, &grid.measured, grid.quantum, about);
-    let numbers = |grid: &Grid| Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age(grid));
-    let time = hold_of(&angles().map(numbers).collect::<Vec<_>>(), about);
-    Some(dated(grids, time, |grid, time| numbers(grid).age(time).unwrap_or_else(|| age(grid))))
+}
+
+/// The renewals that the samples of `grid` show, the hold being nearly `about` seconds.
+fn numbers(grid: &Grid, about: f64) -> Numbers {
+    let age = beat::age(&grid.time_s, &grid.measured, grid.quantum, about);
+    Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age)
 }
 
 /// The holds that beats with the samples show, the first found being tried on the other records; and how many records
@@ -49,12 +65,4 @@ fn agreed(found: &[Hold], fewest: usize) -> Option<f64> {
     let time = found.iter().map(|hold| hold.time_s * hold.changes as f64).sum::<f64>() / weight;
     let same = found.iter().all(|hold| (hold.time_s / time - 1.0).abs() < SAME);
     (found.len() >= fewest.max(1) && same).then_some(time)
-}
-
-/// Tells every record how old its first reading is.
-fn dated(grids: &mut [Grid], time: f64, age: impl Fn(&Grid, f64) -> f64) -> f64 {
-    for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
-        grid.reading_age_s = age(grid, time);
-    }
-    time
 }

@@ -4,7 +4,7 @@ use motorlens_shared::effects::Rig;
 
 use super::cost::Objective;
 use super::grid::{Grid, Quantity};
-use super::held::held;
+use super::held::{date, held};
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
@@ -103,6 +103,15 @@ impl Problem {
             hold_s: self.hold_s,
             simulations: std::cell::Cell::new(0),
         }
+    }
+
+    /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
+    pub fn lay_out(&self, records: &[Record], motor: &MotorFile) -> Vec<Grid> {
+        let (mut other, _) = problem(records, motor);
+        if let Some(time) = self.hold_s {
+            date(&mut other.grids, time);
+        }
+        other.grids
     }
 
     /// Fits the base alone: increments first, then the error itself.

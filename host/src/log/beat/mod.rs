@@ -11,7 +11,7 @@ mod renewals;
 mod spectrum;
 
 use super::hold::Hold;
-use moves::{AROUND, Move, excess, mean_interval, moves, span, thinned};
+use moves::{AROUND, EVEN, Move, excess, mean_interval, moves, span, thinned};
 pub use numbers::{Numbers, hold_of};
 use renewals::{Renewals, beat_of, likely_age, settle};
 use spectrum::{Beat, beats, sharpen};
@@ -60,7 +60,7 @@ pub enum Shown {
 
 /// What the readings `values` at `time_s`, counted in steps of `count`, say of a hold; or of that of `known` seconds.
 pub fn beat(time_s: &[f64], values: &[f64], count: f64, known: Option<f64>) -> Shown {
-    let moves = moves(time_s, values, count, FAST);
+    let moves = moves(time_s, values, count, FAST, EVEN);
     let before = excess(&moves);
     let counting = COUNTING * moves.len() as f64;
     let still = moves.iter().filter(|m| m.by == 0.0).count() as f64;
@@ -90,9 +90,14 @@ pub fn beat(time_s: &[f64], values: &[f64], count: f64, known: Option<f64>) -> S
     }
 }
 
+/// Whether a hold of `hold_s` is short enough for its beat with the samples at `time_s` to tell.
+pub fn tells(time_s: &[f64], hold_s: f64) -> bool {
+    hold_s < LONGEST * mean_interval(time_s)
+}
+
 /// The age of the first reading where the hold is known to be `hold_s`, s.
 pub fn age(time_s: &[f64], values: &[f64], count: f64, hold_s: f64) -> f64 {
-    let moves = thinned(&moves(time_s, values, count, SLOW));
+    let moves = thinned(&moves(time_s, values, count, SLOW, EVEN));
     if moves.is_empty() { 0.0 } else { likely_age(&moves, 1.0 / hold_s, mean_interval(time_s)) }
 }
 

@@ -2,9 +2,9 @@
 
 /// The speed at a move is that over so many samples before and behind it.
 pub(super) const AROUND: usize = 3;
-/// ... and may differ by this share between so many before and so many behind.
+/// ... and, in even motion, differs by no more than this share between so many before and so many behind.
 const STRETCH: usize = 7;
-const UNEVEN: f64 = 0.35;
+pub(super) const EVEN: f64 = 0.35;
 /// Moves that are enough for a guess.
 const ENOUGH: usize = 768;
 
@@ -34,7 +34,8 @@ pub(super) fn mean_interval(time_s: &[f64]) -> f64 {
     (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64
 }
 
-pub(super) fn moves(time_s: &[f64], values: &[f64], count: f64, fast: f64) -> Vec<Move> {
+/// Moves in motion of `fast` counts per interval that is as `even`.
+pub(super) fn moves(time_s: &[f64], values: &[f64], count: f64, fast: f64, even: f64) -> Vec<Move> {
     let n = values.len();
     if count <= 0.0 || n < 4 * STRETCH {
         return Vec::new();
@@ -47,11 +48,11 @@ pub(super) fn moves(time_s: &[f64], values: &[f64], count: f64, fast: f64) -> Ve
         .filter_map(|k| {
             let (first, last) = (k - 1 - AROUND, k + AROUND);
             let mean = speed(first, last);
-            let even = |_: &f64| {
+            let is_even = |_: &f64| {
                 let [before, behind] = [speed(k - 1 - STRETCH, k - 1), speed(k, k + STRETCH)];
-                (behind - before).abs() <= UNEVEN * mean.abs()
+                (behind - before).abs() <= even * mean.abs()
             };
-            let speed = Some(mean).filter(|v| v.abs() * interval >= fast).filter(even)?;
+            let speed = Some(mean).filter(|v| v.abs() * interval >= fast).filter(is_even)?;
             Some(Move {
                 from: at(k - 1),
                 to: at(k),

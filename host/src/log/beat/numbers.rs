@@ -11,6 +11,8 @@ use super::renewals::Renewals;
 const CLEAR: f64 = 0.25;
 /// Fewest counts between two renewals that tell them apart.
 const APART: f64 = 4.0;
+/// Motion may be less even where the renewals are nearly known.
+const EVEN: f64 = 1.0;
 /// A number that contradicts a first guess of the renewals by more than this share of a hold was misread.
 const MISREAD: f64 = 0.05;
 /// The hold is known to within this share.
@@ -29,7 +31,7 @@ impl Numbers {
     /// The numbers that the readings `values` at `time_s` show, counted in steps of `count`: their hold and age are nearly
     /// known.
     pub fn new(time_s: &[f64], values: &[f64], count: f64, hold_s: f64, age_s: f64) -> Self {
-        let moves = moves(time_s, values, count, FAST.max(APART * mean_interval(time_s) / hold_s));
+        let moves = moves(time_s, values, count, FAST.max(APART * mean_interval(time_s) / hold_s), EVEN);
         let guess = Renewals { rate: 1.0 / hold_s, age: age_s };
         let shown = |pair: &[Move]| -> Option<[f64; 2]> {
             let (t, by) = (pair[0].to, more(&pair[0], guess)?);
