@@ -6,7 +6,6 @@ use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
-use crate::fit::setup;
 use crate::log::Record;
 use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
@@ -49,8 +48,7 @@ impl Evidence {
             let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
             (guided(beginnings), guided(rests))
         } else {
-            let (other, _) = setup::problem(validation, motor);
-            (guided(whole.grids.clone()), guided(other.grids))
+            (guided(whole.grids.clone()), guided(whole.lay_out(validation, motor)))
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
         Self { whole, train, unseen, floor, repeated, second_runs }

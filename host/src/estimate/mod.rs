@@ -27,7 +27,6 @@ use crate::error::{Error, Result};
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
-use crate::fit::setup;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::formula;
 use crate::log::{Record, check_usable};
@@ -172,8 +171,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
 
 /// Errors on records that were kept out of the fit of `problem`.
 fn unseen(problem: &Problem, validation: &[Record], motor: &MotorFile, values: &Values) -> Option<Measures> {
-    let (other, _) = setup::problem(validation, motor);
-    pooled(&free_runs(&problem.on(other.grids), values))
+    pooled(&free_runs(&problem.on(problem.lay_out(validation, motor)), values))
 }
 
 /// The effect of that name.

@@ -4,10 +4,10 @@ use motorlens_shared::effects::Rig;
 
 use super::cost::Objective;
 use super::grid::{Grid, Quantity};
+use super::held::{date, held};
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
-use crate::log::hold;
 use crate::log::quantum::quantum as step_of;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
@@ -114,6 +114,15 @@ impl Problem {
         }
     }
 
+    /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
+    pub fn lay_out(&self, records: &[Record], motor: &MotorFile) -> Vec<Grid> {
+        let (mut other, _) = problem(records, motor);
+        if let Some(time) = self.hold_s {
+            date(&mut other.grids, time);
+        }
+        other.grids
+    }
+
     /// Fits the base alone: increments first, then the error itself.
     pub fn fit_base(&self, start: &Values) -> (Layout, Vec<f64>) {
         let layout = self.layout(&[]);
@@ -122,23 +131,6 @@ impl Problem {
         let fine = self.search(&layout, Objective::Increments, &rough.x, 12, 1e-5);
         (layout, fine.x)
     }
-}
-
-/// For how long the sensor holds its readings, where most records agree on it; each learns how old its first one is.
-fn held(grids: &mut [Grid]) -> Option<f64> {
-    const SAME: f64 = 2e-4;
-    let angles = || grids.iter().filter(|grid| grid.quantity == Quantity::Angle);
-    let found: Vec<_> = angles().filter_map(|grid| hold::hold(&grid.time_s, &grid.measured)).collect();
-    let weight: f64 = found.iter().map(|h| h.changes as f64).sum();
-    let time = found.iter().map(|h| h.time_s * h.changes as f64).sum::<f64>() / weight;
-    let agreed = found.iter().filter(|h| (h.time_s / time - 1.0).abs() < SAME).count();
-    if agreed == 0 || agreed < found.len() || 2 * agreed < angles().count() {
-        return None;
-    }
-    for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
-        grid.reading_age_s = hold::age(&grid.time_s, &grid.measured, time);
-    }
-    Some(time)
 }
 
 /// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.

@@ -6,6 +6,7 @@
 
 mod args;
 pub mod bam;
+pub mod beat;
 mod fields;
 pub mod hold;
 mod json;

@@ -30,6 +30,10 @@ pub struct SensorLag<S> {
     ramp: S,
     step: S,
     hold: S,
+    /// What whole holds leave of a step.
+    rest: S,
+    /// The reading is renewed within a step where its age exceeds the hold by more than this.
+    renewed_above: S,
     on_motor: bool,
 }
 
@@ -43,7 +47,21 @@ impl<S: Scalar> SensorLag<S> {
         let keep = num / den;
         let keep = S::pick_gt(h, S::lit(4.0) * time, S::zero(), keep);
         let ramp = time * (S::one() - keep) / h;
-        Self { keep, ramp, step: h, hold: parameters[1], on_motor: setting.encoder_on_motor }
+        let hold = parameters[1];
+        Self {
+            keep,
+            ramp,
+            step: h,
+            hold,
+            rest: h.map_with(hold, |step, hold| {
+                // Holds that divide the step leave nothing, whatever the last digit.
+                let whole = if hold > 0.0 { libm::floor(step / hold + 1e-9) } else { 0.0 };
+                if step > hold { (step - whole * hold).max(0.0) } else { step }
+            }),
+            // Of several renewals in a step the last counts, and there is one in every step.
+            renewed_above: S::pick_gt(h, hold, -hold, S::zero()),
+            on_motor: setting.encoder_on_motor,
+        }
     }
 }
 
@@ -58,10 +76,11 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
         let zero = S::zero();
         let filtered = self.keep.mul_add(memory.store, self.ramp * moved);
         // A new reading within the step is as old as what is left of it.
-        let age = memory.age + self.step;
-        let over = age - self.hold;
-        let held = S::pick_gt(zero, over, memory.store + moved, moved * over / self.step);
-        memory.age = S::pick_gt(zero, over, age, over);
+        let older = memory.age + self.rest;
+        let over = older - self.hold;
+        memory.age = S::pick_gt(zero, over, older, over);
+        let trail = moved * memory.age / self.step;
+        let held = S::pick_gt(self.renewed_above, over, memory.store + moved, trail);
         memory.store = S::pick_gt(self.hold, zero, held, filtered);
     }
     #[inline(always)]
@@ -81,14 +100,24 @@ mod tests {
     }
 
     #[test]
-    fn a_held_reading_is_renewed_at_multiples_of_its_time() {
+    fn a_held_reading_is_renewed_at_multiples_of_its_time_many_or_few_to_a_step() {
         let truth = run(Kind::SensorLag, &[0.0, 0.0], &[6.0; 2000]).0;
-        let held = run(Kind::SensorLag, &[0.0, 0.0124], &[6.0; 2000]).0;
-        for (k, reading) in held.iter().enumerate().skip(20) {
-            // Between two steps the shaft moves evenly enough.
-            let renewed = libm::floor((k + 1) as f64 / 12.4 + 1e-9) * 12.4 - 1.0;
-            let (before, part) = (renewed as usize, renewed.fract());
-            close(*reading, truth[before] + part * (truth[before + 1] - truth[before]), 2e-5);
+        for hold in [12.4, 2.708_3, 1.371_7, 0.831_9, 0.371_7, 0.131_37] {
+            let held = run(Kind::SensorLag, &[0.0, 1e-3 * hold], &[6.0; 2000]).0;
+            for (k, reading) in held.iter().enumerate().skip(20) {
+                // Between two steps the shaft moves evenly enough.
+                let renewed = libm::floor((k + 1) as f64 / hold + 1e-9) * hold - 1.0;
+                let (before, part) = (renewed as usize, renewed.fract());
+                close(*reading, truth[before] + part * (truth[before + 1] - truth[before]), 2e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn a_hold_that_divides_the_step_is_renewed_at_its_end() {
+        let truth = run(Kind::SensorLag, &[0.0, 0.0], &[6.0; 200]).0;
+        for hold in [5e-4, 2e-4, 1e-4, 1e-3 / 3.0] {
+            assert_eq!(run(Kind::SensorLag, &[0.0, hold], &[6.0; 200]).0, truth);
         }
     }
 }
