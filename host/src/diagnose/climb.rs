@@ -12,6 +12,8 @@ use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, as_good, rivals, simplest, worth
 /// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
 const MOSTLY_THERE: f64 = 0.15;
 const MOST_OF_THE_DRIFT: f64 = 0.55;
+/// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
+const NONE_OF_THE_DRIFT: f64 = 0.01;
 /// Two effects are tried at once where the base model leaves so much more than the floor ...
 const FAR: f64 = 1.0;
 /// ... beside so many of the first.
@@ -53,8 +55,9 @@ impl Climb {
 
 /// Whether most of the way from `base` down to the floor is still before `model`.
 fn is_far(model: &Candidate, base: &Candidate) -> bool {
-    let left = model.excess() > MOSTLY_THERE * base.excess()
-        || base.drift() > STEADY && model.drift() > MOST_OF_THE_DRIFT * base.drift();
+    let drifts = |share: f64| base.drift() > STEADY && model.drift() > share * base.drift();
+    let steady = base.drift() > STEADY && !drifts(NONE_OF_THE_DRIFT);
+    let left = model.excess() > MOSTLY_THERE * base.excess() && !steady || drifts(MOST_OF_THE_DRIFT);
     left && !model.explains()
 }
 
