@@ -133,6 +133,7 @@ impl Evidence {
 mod tests {
     use super::*;
     use crate::exam::case::{Case, Conditions};
+    use crate::fit::setup;
 
     #[test]
     fn a_programme_that_was_run_twice_is_searched_once_and_judged_twice() {

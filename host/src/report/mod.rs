@@ -95,7 +95,7 @@ pub fn html(story: &Story) -> Result<String> {
         "verdict": words::verdict(story),
         "figures": figures,
         "cards": cards,
-        "nothing_missing": words::nothing_missing(story),
+        "nothing_missing": words::nothing_missing(story.model.effects.is_empty(), &story.withdrawn),
         "faults": story.faults,
         "parameters": words::estimate_rows(&story.parameters),
         "combinations": words::estimate_rows(&story.combinations),

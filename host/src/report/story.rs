@@ -65,6 +65,8 @@ pub struct Story {
     pub rivals: Vec<Vec<Kind>>,
     /// The experiment that would tell them apart, in words.
     pub next: Option<String>,
+    /// Effects that were added and taken back: they left too much of the way to the floor.
+    pub withdrawn: Vec<Kind>,
     /// How the search for effects ended; none while nothing was searched for.
     pub verdict: Option<Verdict>,
     /// What is odd about the data.
@@ -108,6 +110,7 @@ impl Story {
             suspects: suspects(discovery, !validation.is_empty()),
             rivals: discovery.rivals.clone(),
             next: next.map(|plan| plan.why()),
+            withdrawn: discovery.climb.withdrawn.clone(),
             verdict: Some(discovery.verdict),
             faults,
             parameters: estimates(whole, &values),

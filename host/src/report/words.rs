@@ -1,5 +1,6 @@
 //! The words and tables of a report.
 
+use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::falls::{judged, steps};
@@ -61,12 +62,18 @@ pub fn verdict(story: &Story) -> &'static str {
     }
 }
 
-/// Said where no effect is worth adding.
-pub fn nothing_missing(story: &Story) -> &'static str {
-    if story.model.effects.is_empty() {
-        "Nothing worth adding was found: no effect lowers the error both on the records fitted and on those kept out."
-    } else {
-        "With these effects in the model nothing more is worth adding."
+/// Said where no effect is worth adding: to a model without any (`plain`), or with what was taken back.
+pub fn nothing_missing(plain: bool, withdrawn: &[Kind]) -> String {
+    match (plain, withdrawn) {
+        (false, _) => "With these effects in the model nothing more is worth adding.".into(),
+        (true, []) => {
+            "Nothing worth adding was found: no effect lowers the error both on the records fitted and on those kept out."
+                .into()
+        }
+        (true, taken_back) => format!(
+            "{} would take a part of the error away, and so may other physics: too much is left to name it.",
+            taken_back.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+        ),
     }
 }
 
@@ -145,4 +152,17 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
         }
     });
     rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_taken_back_is_named_and_nothing_else_is_blamed() {
+        let said = nothing_missing(true, &[Kind::DeadZone, Kind::Delay]);
+        assert!(said.starts_with("dead_zone + delay would take"), "{said}");
+        assert!(nothing_missing(true, &[]).starts_with("Nothing worth adding"));
+        assert!(nothing_missing(false, &[]).contains("nothing more"));
+    }
 }

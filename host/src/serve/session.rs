@@ -189,6 +189,7 @@ impl Scene {
             suspects: self.suspects(),
             rivals: diagnosis.rivals,
             next: diagnosis.next.map(|next| next.why),
+            withdrawn: Vec::new(),
             verdict: None,
             faults: self.faults.iter().cloned().chain(self.later_faults()).collect(),
             parameters,
