@@ -9,7 +9,18 @@ use super::simulate::{Block, LANES, predict_block};
 /// Takes a record, its residual series of a point and its neighbours in blocks of lanes, and the neighbours' inverse distances.
 pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
 
+/// Blocks of lanes that are kept from pass to pass: 32 MB.
+const MOST_KEPT: usize = 1 << 19;
+
 impl Problem {
+    /// Keeps `room` for the next pass, unless it is so large that the memory is wanted elsewhere.
+    fn keep(&self, room: Vec<Vec<Block>>) {
+        let blocks: usize = room.iter().map(Vec::capacity).sum();
+        if blocks <= MOST_KEPT {
+            self.room.replace(room);
+        }
+    }
+
     fn count_passes(&self, candidates: usize) {
         self.simulations.set(self.simulations.get() + candidates as u64);
     }
@@ -40,7 +51,7 @@ impl Problem {
                 }
             }
         }
-        self.room.replace(room);
+        self.keep(room);
         sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
     }
 
@@ -52,23 +63,28 @@ impl Problem {
         let mut room = self.room.take();
         room.resize_with(room.len().max(2), Vec::new);
         for grid in &self.grids {
-            predict_block(layout, xs, &self.rig, grid, &mut room[0]);
-            room.swap(0, 1);
-            let [first, second, ..] = &mut room[..] else { continue };
-            first.clone_from(second);
-            for (which, (objective, series)) in
-                [(Objective::Increments, first), (Objective::Position, second)].into_iter().enumerate()
-            {
-                residuals(grid, objective, series);
-                counts[which] += series.len();
-                for r in series {
+            let [run, copy, ..] = &mut room[..] else { continue };
+            // A long record runs twice: a copy of it would take memory that others want.
+            let long = grid.len() > MOST_KEPT;
+            for (which, objective) in [Objective::Increments, Objective::Position].into_iter().enumerate() {
+                if which == 0 || long {
+                    predict_block(layout, xs, &self.rig, grid, run);
+                } else {
+                    std::mem::swap(run, copy);
+                }
+                if which == 0 && !long {
+                    copy.clone_from(run);
+                }
+                residuals(grid, objective, run);
+                counts[which] += run.len();
+                for r in &*run {
                     for (sum, v) in sums.iter_mut().zip(r.0) {
                         sum[which] += v * v;
                     }
                 }
             }
         }
-        self.room.replace(room);
+        self.keep(room);
         let mean = |which: usize, sum: f64| {
             if sum.is_finite() { sum / counts[which].max(1) as f64 } else { f64::MAX }
         };
@@ -110,6 +126,6 @@ impl Problem {
             }
             each(grid, &room[..blocks], &inverse);
         }
-        self.room.replace(room);
+        self.keep(room);
     }
 }
