@@ -82,7 +82,7 @@ fn python_runs_like_the_model() {
 
 #[test]
 fn mujoco_gets_armature_damping_friction_and_gear_in_one_scale() {
-    let model = model(&[(Kind::Coulomb, &[0.2]), (Kind::Backlash, &[0.01, 0.3, 0.3, 0.2])]);
+    let model = model(&[(Kind::Coulomb, &[0.2]), (Kind::Backlash, &[0.01, 0.3, 0.3, 150.0, 0.3])]);
     let exported = export(&model, Format::Mujoco, &Options { torque_per_volt: 0.5, ..OPTIONS });
     let value = |name: &str| -> f64 {
         let (_, rest) = exported.text.split_once(&format!(" {name}=\"")).expect(name);

@@ -11,9 +11,6 @@ pub use crate::effects::together::MAX_EFFECTS;
 /// Most parameters that one effect has.
 pub const MAX_PARAMETERS: usize = 5;
 
-/// A gap or a spring in the transmission is integrated in this many parts of a step.
-pub const TRANSMISSION_PARTS: usize = 4;
-
 /// An effect with its parameters in the order of its row.
 pub type Chosen<'a, S> = (Kind, &'a [S]);
 
@@ -48,13 +45,9 @@ impl<S: Scalar> Prepared<S> {
             transmission.and_then(|(kind, p)| Some(p[place(kind.spec())?]))
         };
         let share = of(Spec::load_share);
-        let (rotor, parts) = match share {
-            Some(share) => {
-                let damping = of(Spec::load_damping).unwrap_or(S::zero());
-                (base.without_load(share, damping), TRANSMISSION_PARTS)
-            }
-            None => (*base, 1),
-        };
+        let rotor = share
+            .map_or(*base, |share| base.without_load(share, of(Spec::load_damping).unwrap_or(S::zero())));
+        let parts = transmission.map_or(1, |(kind, _)| kind.spec().laws.parts);
         let setting = Setting::new(base, rig, parts);
         let part = S::lit(rig.step_s / parts as f64);
         let load_per_torque = part * setting.acceleration / share.unwrap_or(S::one());
@@ -136,7 +129,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     ) {
         let command = S::splat(voltages[index]);
         if self.effects.two_masses() {
-            for _ in 0..TRANSMISSION_PARTS {
+            for _ in 0..self.effects.laws().parts {
                 let now = Now { command, state: motion.state, voltages, index };
                 let drive = self.drive::<GUIDED>(&now, motion, ahead);
                 self.advance_two_masses(&mut motion.state, &drive);

@@ -106,6 +106,8 @@ pub struct Laws {
     pub dry: bool,
     /// Something sets [`Drive::meshing`].
     pub meshing: bool,
+    /// Parts in which a step is passed where rotor and load are two masses.
+    pub parts: usize,
     /// Friction turns where within a step the speed passes through zero; else at the step's end, which leaves an
     /// error of first order at each reversal but needs no quotient.
     pub turning: bool,
@@ -122,6 +124,7 @@ impl Laws {
             series: self.series || other.series,
             dry: self.dry || other.dry,
             meshing: self.meshing || other.meshing,
+            parts: if self.parts > other.parts { self.parts } else { other.parts },
             turning: self.turning || other.turning,
         }
     }

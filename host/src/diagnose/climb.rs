@@ -81,7 +81,7 @@ pub fn run(
         let (floor, effort) =
             if depth == 0 { (AT_THE_FLOOR, Effort::FIRST) } else { (NEAR_THE_FLOOR, Effort::LATER) };
         // Beside a first effect a slow second one shows in the drift alone; two laws leave a drift of their own.
-        let drift = if depth == 1 { SLOW } else { STEADY };
+        let drift = if depth < 2 { SLOW } else { STEADY };
         let quiet = |e: &Errors| e.increments < floor && e.position < drift;
         if quiet(&model.train) && quiet(&model.unseen) {
             break;

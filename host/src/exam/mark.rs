@@ -50,19 +50,19 @@ pub struct Marks {
     pub false_alarms: Part,
     /// Of the answers that claim to explain a motor by effects and name no rivals: every one of them is hidden there.
     pub claims_right: Part,
-    /// ... or the hidden laws would fit no better.
+    /// ... or the data do not tell what is hidden.
     pub claims_tenable: Part,
     /// Of those that name rivals which the data cannot exclude: the effects, or one of the rivals, are hidden there.
     pub open_claims_right: Part,
     /// Two effects without a torque disturbance: both and no other accepted.
     pub pairs: Part,
-    /// ... of those that the data tell from one effect, or from others.
+    /// ... of those that the data tell.
     pub told_pairs: Part,
     /// ... and under a disturbance.
     pub disturbed_pairs: Part,
     /// Physics outside the library: explained all the same, by effects that are not there.
     pub outside_explained: Part,
-    /// ... although the hidden law itself would have fitted plainly better.
+    /// ... although the data tell.
     pub outside_explained_told: Part,
     /// Such an effect accepted, in part.
     pub outside_partial: Part,

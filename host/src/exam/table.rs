@@ -22,17 +22,17 @@ pub fn table(answers: &[Answer]) -> String {
     row("... exactly that one accepted", share(m.disturbed_exact), "");
     row("nothing missing, yet something accepted", share(m.false_alarms), "at most 1 %");
     row("claims to explain, without a rival: every effect named is there", share(m.claims_right), "99 %");
-    row("... or the hidden laws would fit no better", share(m.claims_tenable), "");
+    row("... or the data do not tell what is hidden", share(m.claims_tenable), "");
     row(
         "... with rivals that the data cannot exclude: so, or one of these is",
         share(m.open_claims_right),
         "",
     );
     row("two effects, exactly both accepted", share(m.pairs), "90 %");
-    row("... where the data tell these two from one, or from others", share(m.told_pairs), "");
+    row("... of those that the data tell", share(m.told_pairs), "");
     row("... under a disturbance of 1-5 %", share(m.disturbed_pairs), "");
     row("outside the library, yet \"explained\" by what is not there", share(m.outside_explained), "0");
-    row("... although the hidden law would fit plainly better", share(m.outside_explained_told), "");
+    row("... although the data tell", share(m.outside_explained_told), "");
     row("... what is not there accepted in part", share(m.outside_partial), "at most 10 %");
     row("... nothing seen to be missing", share(m.outside_unseen), "");
     let quartiles = format!("{:.2}, {:.2}", m.median_over_floor, m.third_quartile_over_floor);

@@ -43,7 +43,7 @@ pub struct Answer {
     pub rivals: Vec<&'static str>,
     /// Verdict.
     pub verdict: Verdict,
-    /// The answer is exact, or the hidden laws themselves fit plainly better: these data tell.
+    /// False where the hidden laws themselves explain these data and fit no better than the answer.
     pub told: bool,
     /// Error on the record kept out over the noise floor, before and after.
     pub before: f64,

@@ -189,22 +189,24 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
     }
 }
 
-/// Rotor and load overlap by what exceeds the gap; where they close in on each other they rebound.
+/// Rotor and load overlap by what exceeds the gap: there the teeth push, and are braked for as long as they touched.
 fn backlash(p: &[f64], place: &Place) -> Vec<String> {
     let (half, share, part_s) = (0.5 * p[0], p[1], place.part_s);
     let keep = 1.0 - part_s * place.base.damping() * p[2] / share;
+    let rate = p[3] * std::f64::consts::TAU;
+    let loss = 2.0 * p[4] * rate;
+    let held = 1.0 / (1.0 + loss * part_s);
     vec![
         format!("common = {keep:e} * load_speed2"),
         format!("load_angle2 += {:e} * (load_speed2 + common)", 0.5 * part_s),
         "load_speed2 = common".into(),
         "overlap = angle2 - load_angle2".into(),
         format!("overlap -= clamp(overlap, -{half:e}, {half:e})"),
-        "closing = speed2 - load_speed2".into(),
-        format!("closing = pick(overlap * closing, {:e} * closing, 0.0)", 1.0 + p[3]),
+        format!("closing = clamp({part_s:e} * (speed2 - load_speed2), -fabs(overlap), fabs(overlap))"),
+        format!("closing = {:e} * overlap + {:e} * closing", rate * rate * part_s * held, loss * held),
+        "closing = pick(overlap * closing, closing, 0.0)".into(),
         format!("speed2 -= {share:e} * closing"),
         format!("load_speed2 += {:e} * closing", 1.0 - share),
-        format!("angle2 -= {share:e} * overlap"),
-        format!("load_angle2 += {:e} * overlap", 1.0 - share),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! A Modelica model: the equations of the base model with the effects as terms of theirs.
 //!
-//! Where the model's own step solves for dry friction, the equations have a steep slope at zero speed, and where it
-//! lets rotor and load collide, they have a stiff spring: a solver of variable step needs no events then.
+//! Where the model's own step solves for dry friction, the equations have a steep slope at zero speed: a solver of
+//! variable step needs no events then.
 
 use motorlens_shared::effects::{DIODES_V, Definition, Entry, Kind, Quantity, UserDefined};
 
@@ -13,8 +13,6 @@ use crate::model_file::Model;
 const SMOOTH: f64 = 1e-3;
 /// Below this share of the nominal voltage a drop fades out with the current.
 const SMALL_CURRENT: f64 = 1e-3;
-/// A gap closes on a spring on which the load would swing this fast, Hz.
-const CONTACT_HZ: f64 = 150.0;
 
 /// The model while it is put together.
 #[derive(Default)]
@@ -121,21 +119,20 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::Spring => parts.load_torque += &format!(" - ({}*load_angle + {})", n(0), n(1)),
         Kind::Backlash => {
-            let rate = CONTACT_HZ * std::f64::consts::TAU;
-            let half = 0.5 * p[0];
+            let (rate, half) = (p[3] * std::f64::consts::TAU, 0.5 * p[0]);
             parts.declared.push("Real overlap(unit=\"rad\") \"of rotor and load, beyond the gap\"".into());
             parts.equations.push(format!(
                 "overlap = angle - load_angle - max(-{half:e}, min({half:e}, angle - load_angle))"
             ));
-            // A contact of damping ratio z rebounds with e^(-pi z / sqrt(1 - z^2)) of the speed; the two masses
-            // together swing faster than the load alone.
-            let ln = p[3].max(1e-3).ln();
-            let damping = 2.0 * rate * (1.0 - p[1]).sqrt() * -ln / ln.hypot(std::f64::consts::PI);
-            // Damping acts in contact only, where rotor and load overlap.
-            let touching = format!("abs(overlap)/(abs(overlap) + {:e})", 1e-3 * half);
-            let pull = format!("{:e}*overlap + {:e}*(w - load_w)*{touching}", rate * rate, damping);
+            // On either side the teeth push and never pull, and are braked where they touch.
+            let side = |push: &str| {
+                let into = format!("{push}(0, overlap)");
+                let touching = format!("abs({into})/(abs({into}) + {:e})", 1e-3 * half);
+                let (stiffness, damping) = (rate * rate, 2.0 * p[4] * rate);
+                format!("{push}(0, {stiffness:e}*{into} + {damping:e}*(w - load_w)*{touching})")
+            };
+            let pull = format!("{:e}*({} + {})", 1.0 - p[1], side("max"), side("min"));
             parts.pull = Some((pull, [p[1], p[2]]));
-            parts.left_out.push(format!("The gap closes on a spring of {CONTACT_HZ} Hz, not at once."));
         }
         Kind::Compliance => {
             let rate = p[0] * std::f64::consts::TAU;

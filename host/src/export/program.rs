@@ -2,7 +2,7 @@
 
 use motorlens_shared::base::Coefficients;
 use motorlens_shared::effects::Kind;
-use motorlens_shared::simulator::{MAX_EFFECTS, TRANSMISSION_PARTS};
+use motorlens_shared::simulator::MAX_EFFECTS;
 
 use super::laws::{Place, Statements, number, statements};
 use super::{Exported, Options, effects};
@@ -26,7 +26,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     let base = model.base.base();
     let effects = effects(model);
     let load_share = effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_share()?]));
-    let parts = if load_share.is_some() { TRANSMISSION_PARTS } else { 1 };
+    let parts = effects.iter().map(|(kind, _)| kind.spec().laws.parts).max().unwrap_or(1);
     let part_s = options.step_s / parts as f64;
     let load_damping =
         effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_damping()?])).unwrap_or(0.0);

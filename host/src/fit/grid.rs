@@ -4,8 +4,6 @@
 //! voltage over it, which keeps every volt-second whatever the time stamps do; samples fall between cells and are
 //! interpolated there. So jitter and gaps cost nothing but this one pass.
 
-use super::cost::stride;
-use super::simulate::hermite;
 use super::voltages::mean_voltages;
 use crate::log::{Record, timing};
 
@@ -76,7 +74,7 @@ pub struct Grid {
 }
 
 /// Longest cell, s. The exact map allows more, but friction and effects are held over a cell.
-const LONGEST_CELL: f64 = 1.001e-3;
+pub(super) const LONGEST_CELL: f64 = 1.001e-3;
 /// Cells that a record should not exceed, and the longest cell that this may lead to, s.
 const MOST_CELLS: f64 = 120_000.0;
 const LONGEST_SWEEP_CELL: f64 = 0.01;
@@ -116,7 +114,8 @@ impl Grid {
             grid.measured.push(column[k]);
         }
         if grid.quantity != Quantity::Angle {
-            grid.begin_at(median3(grid.measured[0], grid.measured[1], grid.measured[2]));
+            let speed = median3(grid.measured[0], grid.measured[1], grid.measured[2]);
+            grid.begin_at(speed, grid.voltages[1]);
         }
         grid
     }
@@ -131,10 +130,10 @@ impl Grid {
         self.start_speed == 0.0
     }
 
-    /// Begins at `speed`, rad/s: a motor at rest had no voltage before, one in motion the first that was logged.
-    pub(super) fn begin_at(&mut self, speed: f64) {
+    /// Begins at `speed`, rad/s, under `voltage`, V, that a late bridge still brings; a motor at rest had none.
+    pub(super) fn begin_at(&mut self, speed: f64, voltage: f64) {
         self.start_speed = speed;
-        self.voltages[0] = if speed == 0.0 { 0.0 } else { self.voltages[1] };
+        self.voltages[0] = if speed == 0.0 { 0.0 } else { voltage };
     }
 
     /// The beginning of the record, for fitting: `share` of its samples.
@@ -158,49 +157,6 @@ impl Grid {
     #[must_use]
     pub fn rest(&self, share: f64) -> Self {
         Self { skip: (self.len() as f64 * share) as usize, ..self.clone() }
-    }
-
-    /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
-    /// not lose the phase of teeth or of an unbalance. Records of speed stay free. Only the samples that are judged are
-    /// left: the others guide.
-    #[must_use]
-    pub fn guided(mut self) -> Self {
-        if self.quantity == Quantity::Angle {
-            self.guide = self.at_cell_ends();
-            let stride = stride(self.interval_s);
-            let judged = |k: &usize| *k >= self.skip && (k - self.skip).is_multiple_of(stride);
-            let kept: Vec<usize> = (0..self.len()).filter(judged).collect();
-            self.time_s = kept.iter().map(|k| self.time_s[*k]).collect();
-            self.places = kept.iter().map(|k| self.places[*k]).collect();
-            self.measured = kept.iter().map(|k| self.measured[*k]).collect();
-            self.interval_s *= stride as f64;
-            self.skip = 0;
-        }
-        self
-    }
-
-    /// The measured column at the start and at every cell's end, by cubics through the samples.
-    fn at_cell_ends(&self) -> Vec<f64> {
-        let at: Vec<f64> = self.places.iter().map(|p| p.cell as f64 + p.part).collect();
-        let y = &self.measured;
-        let last = y.len() - 1;
-        let mut k = 0;
-        (0..self.voltages.len())
-            .map(|end| {
-                let x = end as f64;
-                while k + 2 < last && at[k + 1] < x {
-                    k += 1;
-                }
-                let (from, to) = (k, (k + 1).min(last));
-                let span = (at[to] - at[from]).max(1e-9);
-                let s = ((x - at[from]) / span).clamp(0.0, 1.0);
-                let slope = |i: usize| {
-                    let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
-                    (y[b] - y[a]) / (at[b] - at[a]).max(1e-9)
-                };
-                hermite(s, span, &[y[from], slope(from)], &[y[to], slope(to)])
-            })
-            .collect()
     }
 
     /// Number of samples compared.
@@ -289,24 +245,5 @@ mod tests {
         let times: Vec<f64> = (0..10_000).map(|k| f64::from(k) * 1e-4).collect();
         let grid = Grid::new(&record(times, vec![1.0; 10_000]), 0.01);
         assert!(grid.len() <= 2001 && grid.step_s > 4e-4);
-    }
-
-    #[test]
-    fn guided_runs_keep_the_samples_that_count_and_their_errors() {
-        use crate::fit::cost::{Objective, residuals};
-        use crate::fit::simulate::{Block, LANES};
-        use motorlens_shared::lanes::Lanes;
-        let times: Vec<f64> = (0..1500).map(|k| f64::from(k) * 1e-3).collect();
-        let whole = Grid::new(&record(times, vec![1.0; 1500]), 0.01).rest(0.1);
-        let thin = whole.clone().guided();
-        assert_eq!(thin.len(), (whole.len() - whole.skip).div_ceil(2));
-        assert_eq!(thin.guide.len(), thin.voltages.len());
-        let left = |grid: &Grid| {
-            let at = |t: &f64| Lanes([(7.0 * t).sin(); LANES]);
-            let mut series: Vec<Block> = grid.time_s.iter().map(at).collect();
-            residuals(grid, Objective::Increments, &mut series);
-            series.iter().map(|r| r.0[0]).collect::<Vec<f64>>()
-        };
-        assert_eq!(left(&thin), left(&whole));
     }
 }

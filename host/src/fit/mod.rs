@@ -7,6 +7,7 @@
 pub mod cost;
 pub mod fixed;
 pub mod grid;
+mod guide;
 mod held;
 pub mod layout;
 mod passes;

@@ -152,7 +152,7 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
         let (mut yy, mut yp, mut pp) = (0.0, [0.0; LANES], [0.0; LANES]);
         for grid in grids {
             let mut still = grid.clone();
-            still.begin_at(0.0);
+            still.begin_at(0.0, 0.0);
             predict_block(&layout, &xs, &unit, &still, &mut series);
             let span = ((0.05 / grid.interval_s).round() as usize).max(1);
             for k in 0..series.len().saturating_sub(span) {

@@ -4,6 +4,8 @@
 //! milliseconds: by how much it moved, against how far a motor at rest would have come. The speed itself is
 //! fitted over the first time constants, in which it dies out.
 
+use motorlens_shared::effects::Rig;
+
 use super::grid::Grid;
 use super::layout::{Layout, Values};
 use super::search::Problem;
@@ -26,7 +28,7 @@ impl Problem {
         let moving: Vec<bool> = self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
         for (grid, moving) in self.grids.iter_mut().zip(moving) {
             if grid.quantity == super::grid::Quantity::Angle {
-                grid.begin_at(if moving { f64::MIN_POSITIVE } else { 0.0 });
+                grid.begin_at(if moving { f64::MIN_POSITIVE } else { 0.0 }, 0.0);
             }
         }
         self.refine_starts(model);
@@ -43,16 +45,55 @@ impl Problem {
                 .map(|g| if g.rests() { 0.0 } else { first_speed(self, &layout, &x, g) })
                 .collect();
             for (grid, speed) in self.grids.iter_mut().zip(speeds) {
-                grid.begin_at(speed);
+                grid.begin_at(speed, held(&self.rig, speed));
             }
         }
+    }
+}
+
+/// A first speed is believed where the first moments of a record are this many noise units off without it ...
+const OFF: f64 = 3.0;
+/// ... and no more than this with it: a reading, and the first one, are known to a count.
+const AS_COUNTED: f64 = 2.0;
+
+impl Problem {
+    /// Looks again at the records that seem to begin at rest, under a `model` that explains what it sees: a slow motion hides
+    /// within the first counts, and shows in how far it carries the shaft. Whether there is one.
+    pub fn find_slow_starts(&mut self, model: &Values) -> bool {
+        let layout = self.layout(&model.kinds());
+        let x = layout.pack(model);
+        let slow = |grid: &Grid| {
+            let mut opening = opening(&layout, &x, grid);
+            let still = distance(self, &layout, &x, &opening);
+            if still < OFF {
+                return None;
+            }
+            for _ in 0..2 {
+                let speed = first_speed(self, &layout, &x, &opening);
+                opening.begin_at(speed, held(&self.rig, speed));
+            }
+            let moving = distance(self, &layout, &x, &opening);
+            (moving < AS_COUNTED).then_some(opening.start_speed)
+        };
+        // Of a record's rest the beginning is not at hand.
+        let rests = |grid: &&Grid| {
+            grid.rests() && grid.quantity == super::grid::Quantity::Angle && grid.places[0].part == 0.0
+        };
+        let speeds: Vec<Option<f64>> =
+            self.grids.iter().map(|grid| Some(grid).filter(rests).and_then(slow)).collect();
+        for (grid, speed) in self.grids.iter_mut().zip(&speeds) {
+            if let Some(speed) = speed {
+                grid.begin_at(*speed, held(&self.rig, *speed));
+            }
+        }
+        speeds.iter().any(Option::is_some)
     }
 }
 
 fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
     let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
     let mut still = grid.first(k + 1);
-    still.begin_at(0.0);
+    still.begin_at(0.0, 0.0);
     let mut series = Vec::new();
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
@@ -63,18 +104,34 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
     steady && (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
 }
 
+/// The voltage under which a motor turns at `speed`: most that turn already have done so for a while.
+fn held(rig: &Rig, speed: f64) -> f64 {
+    speed * rig.nominal_v / rig.reference_speed
+}
+
+/// The first time constants of a record.
+fn opening(layout: &Layout, x: &[f64], grid: &Grid) -> Grid {
+    let until = grid.time_s[0] + (2.0 * layout.plain(1, x[1])).clamp(0.06, 0.6);
+    grid.first(grid.time_s.iter().take_while(|t| **t <= until).count().max(4).min(grid.len()))
+}
+
+/// How far `x` runs from `grid`: root mean square, noise units.
+fn distance(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
+    let mut series: Vec<Block> = Vec::new();
+    predict_block(layout, &[x.to_vec()], &problem.rig, grid, &mut series);
+    let squares: f64 = series.iter().zip(&grid.measured).map(|(run, y)| (y - run.0[0]).powi(2)).sum();
+    (squares / grid.len() as f64).sqrt() / grid.sigma
+}
+
 /// Least squares over the first time constants. The first angle is known to within a count: how far the first speed
 /// carries the shaft tells more of it than how.
 fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
-    let tau = layout.plain(1, x[1]);
-    let until = grid.time_s[0] + (2.0 * tau).clamp(0.06, 0.6);
-    let n = grid.time_s.iter().take_while(|t| **t <= until).count().max(4).min(grid.len());
-    let part = grid.first(n);
+    let part = opening(layout, x, grid);
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
         let mut grid = part.clone();
-        grid.begin_at(speed);
+        grid.begin_at(speed, held(&problem.rig, speed));
         predict_block(layout, &[x.to_vec()], &problem.rig, &grid, &mut series);
         series.iter().map(|b| b.0[LANES - 1]).collect()
     };
@@ -93,8 +150,10 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
 
 #[cfg(test)]
 mod tests {
+    use super::Layout;
     use crate::exam::case::{Case, Conditions};
     use crate::fit::setup;
+    use crate::fit::simulate::predict_one;
     use motorlens_virtual_motor::Kind;
 
     /// A load pulls a resting motor at once, which is not a motion at the start.
@@ -108,5 +167,48 @@ mod tests {
                 assert_eq!(grid.start_speed, 0.0, "seed {seed}, {}", grid.name);
             }
         }
+    }
+
+    /// Two counts in the first look, and the counts that they carry the shaft further: found once the model is right.
+    #[test]
+    fn a_slow_start_shows_under_a_model_that_explains_the_rest() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(8, &[], ideal);
+        let (mut problem, start) = setup::problem(&case.records, &case.motor);
+        let (layout, x) = problem.fit_base(&start);
+        let values = layout.unpack(&x);
+        assert!(!problem.find_slow_starts(&values), "all begin at rest");
+        let speed = 0.03 * problem.rig.reference_speed;
+        for grid in &mut problem.grids {
+            grid.begin_at(speed, super::held(&problem.rig, speed));
+            grid.measured = predict_one(&[], &layout_plain(&layout, &x), &problem.rig, grid);
+            grid.begin_at(0.0, 0.0);
+        }
+        assert!(problem.find_slow_starts(&values));
+        for grid in &problem.grids {
+            assert!((grid.start_speed / speed - 1.0).abs() < 0.05, "{}: {}", grid.name, grid.start_speed);
+        }
+    }
+
+    /// A bridge that is late still brings the voltage under which the motor turned.
+    #[test]
+    fn a_late_voltage_keeps_a_motor_turning_as_it_did() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(8, &[], ideal);
+        let (problem, start) = setup::problem(&case.records, &case.motor);
+        let late = start.with(motorlens_shared::effects::Kind::Delay, vec![0.05]);
+        let layout = problem.layout(&late.kinds());
+        let mut grid = problem.grids[0].clone();
+        let speed = 0.5 * problem.rig.reference_speed;
+        grid.begin_at(speed, super::held(&problem.rig, speed));
+        let run =
+            predict_one(&late.kinds(), &layout_plain(&layout, &layout.pack(&late)), &problem.rig, &grid);
+        let last = grid.time_s.iter().take_while(|t| **t - grid.time_s[0] < 0.045).count() - 1;
+        let way = speed * (grid.time_s[last] - grid.time_s[0]);
+        assert!(((run[last] - run[0]) / way - 1.0).abs() < 0.01, "{} {way}", run[last] - run[0]);
+    }
+
+    fn layout_plain(layout: &Layout, x: &[f64]) -> Vec<f64> {
+        x.iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect()
     }
 }

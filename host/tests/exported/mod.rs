@@ -57,7 +57,7 @@ pub fn sets() -> Vec<Model> {
         // Renewed several times in a step.
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.000_371_31])],
         vec![
-            (Kind::Backlash, &[0.05, 0.4, 0.3, 0.2]),
+            (Kind::Backlash, &[0.05, 0.4, 0.3, 120.0, 0.4]),
             (Kind::Gravity, &[0.2, 0.1]),
             (Kind::WindingHeating, &[0.2, 20.0]),
             (Kind::Coulomb, &[0.2]),

@@ -194,10 +194,15 @@ const NONE: Laws = Laws {
     series: false,
     dry: false,
     meshing: false,
+    parts: 1,
     turning: false,
 };
-/// Acts through voltage, transmission or sensor alone.
+/// Acts through voltage or sensor alone.
 pub(super) const EXPLICIT: Laws = NONE;
+/// Acts between rotor and load, in so many parts of a step.
+pub(super) const fn between_masses(parts: usize) -> Laws {
+    Laws { parts, ..NONE }
+}
 /// Acts through a torque.
 pub(super) const TORQUE: Laws = Laws { torque: true, ..NONE };
 /// Acts through a drop of fixed size against the current.

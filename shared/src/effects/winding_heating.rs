@@ -60,7 +60,7 @@ mod tests {
     /// A gap makes the simulator take parts of a cell; heat knows nothing of that.
     #[test]
     fn a_gap_in_the_gear_does_not_make_the_winding_heat_faster() {
-        let (heat, gap) = ([0.1, 30.0], [1e-6, 0.3, 0.0, 0.0]);
+        let (heat, gap) = ([0.1, 30.0], [1e-6, 0.3, 0.0, 400.0, 0.5]);
         let rise = |effects: &[(Kind, &[f64])]| {
             let s = Simulator::new(&BASE, effects.iter().copied(), &RIG);
             let mut motion = s.start(State::rest());

@@ -1,0 +1,124 @@
+//! What the search makes of a grid: only the samples that are judged, with the shaft as it was seen in between; and coarser
+//! cells, where candidates are only compared.
+
+use super::cost::stride;
+use super::grid::{Grid, LONGEST_CELL, Place, Quantity};
+use super::simulate::hermite;
+
+impl Grid {
+    /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
+    /// not lose the phase of teeth or of an unbalance. Records of speed stay free. Only the samples that are judged are
+    /// left: the others guide.
+    #[must_use]
+    pub fn guided(mut self) -> Self {
+        if self.quantity == Quantity::Angle {
+            self.guide = self.at_cell_ends();
+            let stride = stride(self.interval_s);
+            let judged = |k: &usize| *k >= self.skip && (k - self.skip).is_multiple_of(stride);
+            let kept: Vec<usize> = (0..self.len()).filter(judged).collect();
+            self.time_s = kept.iter().map(|k| self.time_s[*k]).collect();
+            self.places = kept.iter().map(|k| self.places[*k]).collect();
+            self.measured = kept.iter().map(|k| self.measured[*k]).collect();
+            self.interval_s *= stride as f64;
+            self.skip = 0;
+        }
+        self
+    }
+
+    /// The same in cells of twice the length, where these are short: half the work, for runs that only have to be
+    /// compared with one another.
+    #[must_use]
+    pub fn coarse(&self) -> Self {
+        if self.quantity != Quantity::Angle || self.step_s > LONGEST_CELL {
+            return self.clone();
+        }
+        let last = self.guide.len().is_multiple_of(2).then(|| self.guide.last().copied()).flatten();
+        let pairs = self.cells().chunks(2).map(|pair| pair.iter().sum::<f64>() / pair.len() as f64);
+        let voltages = self.voltages[..1].iter().copied().chain(pairs).collect();
+        let place = |p: &Place| {
+            let half = (p.cell % 2) as f64;
+            Place { cell: p.cell / 2, part: 0.5 * (half + p.part) }
+        };
+        Self {
+            step_s: 2.0 * self.step_s,
+            voltages,
+            guide: self.guide.iter().copied().step_by(2).chain(last).collect(),
+            places: self.places.iter().map(place).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The measured column at the start and at every cell's end, by cubics through the samples.
+    fn at_cell_ends(&self) -> Vec<f64> {
+        let at: Vec<f64> = self.places.iter().map(|p| p.cell as f64 + p.part).collect();
+        let y = &self.measured;
+        let last = y.len() - 1;
+        let mut k = 0;
+        (0..self.voltages.len())
+            .map(|end| {
+                let x = end as f64;
+                while k + 2 < last && at[k + 1] < x {
+                    k += 1;
+                }
+                let (from, to) = (k, (k + 1).min(last));
+                let span = (at[to] - at[from]).max(1e-9);
+                let s = ((x - at[from]) / span).clamp(0.0, 1.0);
+                let slope = |i: usize| {
+                    let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+                    (y[b] - y[a]) / (at[b] - at[a]).max(1e-9)
+                };
+                hermite(s, span, &[y[from], slope(from)], &[y[to], slope(to)])
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Record;
+
+    fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
+        let angle = times.iter().map(|t| 0.01 * (t * 300.0).floor()).collect();
+        Record { time_s: times, voltage_v: volts, angle_rad: Some(angle), ..Record::default() }
+    }
+
+    /// Every volt-second, every sample and the end of the guide stay where they were, whether the cells are even or odd
+    /// in number.
+    #[test]
+    fn coarse_cells_keep_voltage_and_times() {
+        for n in [1000_u32, 1001] {
+            let times: Vec<f64> = (0..n).map(|k| f64::from(k) * 5e-3).collect();
+            let volts = (0..n).map(|k| f64::from(k % 7) - 2.0).collect();
+            let fine = Grid::new(&record(times, volts), 0.01).guided();
+            let coarse = fine.coarse();
+            assert!((coarse.step_s / fine.step_s - 2.0).abs() < 1e-12);
+            let impulse = |g: &Grid, cells: usize| g.step_s * g.cells()[..cells].iter().sum::<f64>();
+            assert!((impulse(&coarse, 1200) - impulse(&fine, 2400)).abs() < 1e-9);
+            assert_eq!(coarse.guide.len(), coarse.voltages.len());
+            for (a, b) in coarse.places.iter().zip(&fine.places) {
+                let time = |g: &Grid, p: &Place| g.step_s * (p.cell as f64 + p.part);
+                assert!((time(&coarse, a) - time(&fine, b)).abs() < 1e-9, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn guided_runs_keep_the_samples_that_count_and_their_errors() {
+        use crate::fit::cost::{Objective, residuals};
+        use crate::fit::simulate::{Block, LANES};
+        use motorlens_shared::lanes::Lanes;
+        let times: Vec<f64> = (0..1500).map(|k| f64::from(k) * 1e-3).collect();
+        let whole = Grid::new(&record(times, vec![1.0; 1500]), 0.01).rest(0.1);
+        let thin = whole.clone().guided();
+        assert_eq!(thin.len(), (whole.len() - whole.skip).div_ceil(2));
+        assert_eq!(thin.guide.len(), thin.voltages.len());
+        let left = |grid: &Grid| {
+            let at = |t: &f64| Lanes([(7.0 * t).sin(); LANES]);
+            let mut series: Vec<Block> = grid.time_s.iter().map(at).collect();
+            residuals(grid, Objective::Increments, &mut series);
+            series.iter().map(|r| r.0[0]).collect::<Vec<f64>>()
+        };
+        assert_eq!(left(&thin), left(&whole));
+    }
+}
