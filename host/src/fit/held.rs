@@ -17,8 +17,11 @@ pub(super) fn held(grids: &mut [Grid]) -> Option<f64> {
         let (short, otherwise) = beats(angles());
         agreed(&short, otherwise + 1)
     })?;
-    let numbers = angles().filter(|grid| beat::tells(&grid.time_s, about)).map(|grid| numbers(grid, about));
-    let time = hold_of(&numbers.collect::<Vec<_>>(), about);
+    let numbers: Vec<Numbers> = angles().map(|grid| numbers(grid, about)).collect();
+    let sharp = hold_of(&numbers, about);
+    // Stamps that are wrong by more than the hold contradict one another: then the crowd of all changes knows better.
+    let long = angles().all(|grid| !beat::tells(&grid.time_s, about));
+    let time = if long && !numbers.iter().all(|n| n.agree(sharp)) { about } else { sharp };
     date(grids, time);
     Some(time)
 }
@@ -26,19 +29,30 @@ pub(super) fn held(grids: &mut [Grid]) -> Option<f64> {
 /// Tells every record how old its first reading is where they are held for `time` seconds.
 pub(super) fn date(grids: &mut [Grid], time: f64) {
     for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
-        grid.reading_age_s = if beat::tells(&grid.time_s, time) {
-            let rough = || beat::age(&grid.time_s, &grid.measured, grid.quantum, time);
-            numbers(grid, time).age(time).unwrap_or_else(rough)
-        } else {
-            hold::age(&grid.time_s, &grid.measured, time)
-        };
+        let rough = rough_age(grid, time);
+        let numbers = numbers(grid, time);
+        let contradicted = !beat::tells(&grid.time_s, time) && !numbers.agree(time);
+        grid.reading_age_s = if contradicted { rough } else { numbers.age(time).unwrap_or(rough) };
+    }
+}
+
+/// How old the first reading of `grid` is, from the crowd of its renewals.
+fn rough_age(grid: &Grid, time: f64) -> f64 {
+    if beat::tells(&grid.time_s, time) {
+        beat::age(&grid.time_s, &grid.measured, grid.quantum, time)
+    } else {
+        hold::age(&grid.time_s, &grid.measured, time)
     }
 }
 
 /// The renewals that the samples of `grid` show, the hold being nearly `about` seconds.
 fn numbers(grid: &Grid, about: f64) -> Numbers {
-    let age = beat::age(&grid.time_s, &grid.measured, grid.quantum, about);
-    Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age)
+    let age = rough_age(grid, about);
+    if beat::tells(&grid.time_s, about) {
+        Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age)
+    } else {
+        Numbers::of_changes(&hold::around_changes(&grid.time_s, &grid.measured), about, age)
+    }
 }
 
 /// The holds that beats with the samples show, the first found being tried on the other records; and how many records

@@ -63,6 +63,12 @@ pub fn age(time_s: &[f64], values: &[f64], hold_s: f64) -> f64 {
     (1.0 - crowd(&changes(time_s, values), hold_s).1) * hold_s
 }
 
+/// The last time before every change of `values` and the first behind it, s after the first sample.
+pub fn around_changes(time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
+    let around = |c: Change| [time_s[c.sample - 1] - time_s[0], time_s[c.sample] - time_s[0]];
+    changes(time_s, values).into_iter().map(around).collect()
+}
+
 /// A sample that differs from the one before.
 struct Change {
     sample: usize,
@@ -152,6 +158,23 @@ mod tests {
             // Renewals at the samples themselves are known to within one of them.
             assert!(wrong < 0.51 * interval, "{} s old for {age_s}", found.age_s);
         }
+    }
+
+    /// Every change bounds them: together to a hundredth of what the crowd's mean makes of it.
+    #[test]
+    fn the_changes_of_a_long_hold_tell_it_to_a_millionth() {
+        use crate::log::beat::{Numbers, hold_of};
+        let (interval, hold_s, age_s) = (2e-3, 0.014_491_03, 0.004);
+        let (time_s, values) = readings(interval, 12.0, hold_s, age_s);
+        let rough = hold(&time_s, &values).unwrap();
+        let around = around_changes(&time_s, &values);
+        let numbers = |hold_s: f64| Numbers::of_changes(&around, hold_s, rough.age_s);
+        let sharp = hold_of(&[numbers(rough.time_s)], rough.time_s);
+        assert!((sharp / hold_s - 1.0).abs() < 1e-6, "{sharp} for {hold_s}");
+        let known = numbers(sharp);
+        assert!(known.agree(sharp) && !known.agree(1.001 * sharp));
+        let age = known.age(sharp).unwrap();
+        assert!((age - age_s).abs() < 0.01 * interval, "{age} for {age_s}");
     }
 
     #[test]

@@ -44,6 +44,24 @@ impl Numbers {
         Self { shown: moves.windows(2).filter_map(shown).collect() }
     }
 
+    /// The numbers beside every change of a reading, where these are renewed less often than samples come: `around` are the
+    /// last time before each change and the first behind it, s after the first sample.
+    pub fn of_changes(around: &[[f64; 2]], hold_s: f64, age_s: f64) -> Self {
+        let shown = |[before, after]: &[f64; 2]| {
+            let turns = (0.5 * (before + after) + age_s) / hold_s;
+            let number = turns.round();
+            let clear = (turns - number).abs() * hold_s < 0.5 * (after - before) + MISREAD * hold_s;
+            clear.then_some([[*before, number - 1.0], [*after, number]])
+        };
+        Self { shown: around.iter().filter_map(shown).flatten().collect() }
+    }
+
+    /// Whether some age of the first reading agrees with all that is shown.
+    pub fn agree(&self, hold_s: f64) -> bool {
+        let [youngest, oldest] = self.ages(hold_s);
+        youngest <= oldest
+    }
+
     /// Youngest and oldest first reading that agree with a hold, s; where none does, they change places.
     fn ages(&self, hold_s: f64) -> [f64; 2] {
         self.shown.iter().fold([f64::MIN, f64::MAX], |[youngest, oldest], [t, number]| {
