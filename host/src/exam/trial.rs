@@ -78,9 +78,10 @@ impl Answer {
         self.rivals.iter().any(|name| self.is_hidden(name))
     }
 
-    /// Alone or as a part.
+    /// Alone, as a part, or as the sum of several.
     fn is_hidden(&self, name: &str) -> bool {
-        self.truth.iter().any(|truth| Kind::by_name(truth).is_some_and(|kind| kind.spec().holds(name)))
+        let hidden: Vec<Kind> = self.truth.iter().filter_map(|truth| Kind::by_name(truth)).collect();
+        Kind::by_name(name).is_some_and(|kind| covers(&hidden, kind))
     }
 
     /// The plain motor leaves more than noise: something shows.
