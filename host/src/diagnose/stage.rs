@@ -2,8 +2,8 @@
 //!
 //! 1. *Probe*: each effect at a few finite sizes, old parameters free to give way to first order. Derivatives at
 //!    zero rank wrongly, because friction, gaps and dead zones have none there. The best are run as they stand.
-//! 2. *Heats*: a step of the search for nearly every effect, since what an old parameter had absorbed (a lag in the
-//!    electrical time constant) comes free only then; then a few more for those that lead.
+//! 2. *Heats*: a step of the search for every effect, since what an old parameter had absorbed (a lag in the electrical
+//!    time constant, a sagging supply in the gain) comes free only then; then a few more for those that lead.
 //! 3. *Final*: the best effects are searched further and judged on records kept out; those that lead, to the
 //!    end.
 
@@ -21,9 +21,7 @@ use crate::fit::simulate::LANES;
 /// How much work a stage does.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Effects in the first heat, one step each.
-    pub starters: usize,
-    /// Effects in the second.
+    /// Effects in the second heat.
     pub leaders: usize,
     /// Steps of the second heat.
     pub race: usize,
@@ -35,9 +33,9 @@ pub struct Effort {
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { starters: 18, leaders: 9, race: 2, finalists: 6, last: 8 };
+    pub const FIRST: Self = Self { leaders: 9, race: 2, finalists: 6, last: 8 };
     /// On a model with effects.
-    pub const LATER: Self = Self { starters: 16, leaders: 7, race: 2, finalists: 4, last: 8 };
+    pub const LATER: Self = Self { leaders: 7, race: 2, finalists: 4, last: 8 };
 }
 
 /// Starts of one effect that cost at most this much more than its best go into the heat beside it.
@@ -70,9 +68,8 @@ pub fn run(
         tick(*kind);
         starters.push(probe(&programmes, model, &tangent, *kind));
     }
-    starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
     let mut heat: Vec<(Layout, Start)> = Vec::new();
-    for (layout, starts) in starters.into_iter().take(effort.starters) {
+    for (layout, starts) in starters {
         // On the base model, where no start is better than it, one shows as well as another where the way goes down.
         let known = if model.kinds().is_empty() { tangent.own } else { f64::MAX };
         let second = (AS_CHEAP * starts[0].0).min(known);
