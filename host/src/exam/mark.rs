@@ -38,6 +38,8 @@ pub struct Marks {
     pub first: Part,
     /// ... of those whose plain motor leaves more than noise.
     pub shown_first: Part,
+    /// ... of those that the data tell.
+    pub told_first: Part,
     /// ... among the first two.
     pub first_two: Part,
     /// ... exactly the right one accepted.
@@ -92,6 +94,7 @@ impl Marks {
         Self {
             first: Part::of(calm(Group::Single), |a| a.among_first(1)),
             shown_first: Part::of(calm(Group::Single).filter(|a| a.shows()), |a| a.among_first(1)),
+            told_first: Part::of(calm(Group::Single).filter(|a| a.told), |a| a.among_first(1)),
             first_two: Part::of(calm(Group::Single), |a| a.among_first(2)),
             exact: Part::of(calm(Group::Single), Answer::exact),
             disturbed_first: Part::of(disturbed(Group::Single), |a| a.among_first(1)),

@@ -16,6 +16,7 @@ pub fn table(answers: &[Answer]) -> String {
     };
     row("single effect: right one first", share(m.first), "97 %");
     row("... where the plain motor leaves more than noise", share(m.shown_first), "");
+    row("... of those that the data tell", share(m.told_first), "");
     row("... among the first two", share(m.first_two), "100 %");
     row("... exactly that one accepted", share(m.exact), "");
     row("single effect under a disturbance of 1-5 %: right one first", share(m.disturbed_first), "");
