@@ -11,6 +11,7 @@ use crate::diagnose::discover::{Discovery, Options, Verdict, discover};
 use crate::error::{Error, Result};
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
+use crate::report::words::taken_back;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -79,10 +80,7 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
         (_, []) => {
             text += "Nothing of the library is worth adding, yet more than noise is left.\n";
             if !found.climb.withdrawn.is_empty() {
-                text += &format!(
-                    "{} would take a part of it away, and so may other physics: too much is left to name it.\n",
-                    prose::effects(&found.climb.withdrawn)
-                );
+                text += &(taken_back(&found.climb.withdrawn) + "\n");
             }
         }
         (_, effects) => {

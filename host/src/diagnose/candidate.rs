@@ -79,7 +79,7 @@ impl Candidate {
     }
     /// Number of parameters that were searched.
     pub fn size(&self) -> usize {
-        self.layout.axes.iter().filter(|a| !a.fixed).count()
+        self.layout.free().len()
     }
 }
 

@@ -40,7 +40,7 @@ pub struct Tangent {
 impl Tangent {
     /// At `model` on the records of `problem`.
     pub fn new(problem: &Problem, model: &Candidate) -> Self {
-        let axes: Vec<usize> = (0..model.layout.len()).filter(|k| !model.layout.axes[*k].fixed).collect();
+        let axes = model.layout.free();
         let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
         problem.neighbours(
             &model.layout,

@@ -48,7 +48,7 @@ pub fn profiles(problem: &Problem, values: &Values) -> Vec<Profile> {
     let layout = problem.layout(&values.kinds());
     let spread = Spread::of(problem, values);
     let best = problem.search(&layout, Objective::Increments, &spread.x, REFIT, 1e-6);
-    let free: Vec<usize> = (0..layout.len()).filter(|k| !layout.axes[*k].fixed).collect();
+    let free = layout.free();
     let Some(inverse) = best.curvature.clone().try_inverse() else { return Vec::new() };
     let mut doubtful: Vec<(f64, usize, f64)> = free
         .iter()

@@ -157,6 +157,11 @@ impl Layout {
         self.axes.len()
     }
 
+    /// Axes that are searched.
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.len()).filter(|k| !self.axes[*k].fixed).collect()
+    }
+
     /// Never: a base is always there.
     pub fn is_empty(&self) -> bool {
         self.axes.is_empty()

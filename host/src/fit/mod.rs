@@ -1,8 +1,8 @@
 //! From records to parameters.
 //!
-//! The way of the data: [`grid`] lays records on the model's time grid; [`layout`] names the numbers that are
-//! searched; [`simulate`] runs eight candidates through a record; [`cost`] turns predictions into residuals;
-//! `passes` does so for all records at once; [`search`] makes them small.
+//! The way of the data: [`grid`] lays records on the model's time grid, and `guide` thins them to what is judged;
+//! [`layout`] names the numbers that are searched; [`simulate`] runs eight candidates through a record; [`cost`] turns
+//! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small.
 
 pub mod cost;
 pub mod fixed;

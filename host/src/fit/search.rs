@@ -50,11 +50,6 @@ pub struct Found {
 pub(super) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
-    /// Axes that are searched.
-    fn free(layout: &Layout) -> Vec<usize> {
-        (0..layout.len()).filter(|k| !layout.axes[*k].fixed).collect()
-    }
-
     /// Cost, gradient and curvature at `x` along `axes`.
     fn linearise(&self, layout: &Layout, objective: Objective, x: &[f64], axes: &[usize]) -> Slope {
         let n = axes.len();
@@ -86,7 +81,7 @@ impl Problem {
         tolerance: f64,
     ) -> Found {
         let (x, _, slope) = self.descend(layout, objective, start, iterations, tolerance);
-        let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &Self::free(layout)));
+        let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &layout.free()));
         Found { x, cost: slope.cost, curvature: slope.curvature, count: slope.count }
     }
 
@@ -105,7 +100,7 @@ impl Problem {
         iterations: usize,
         tolerance: f64,
     ) -> (Vec<f64>, f64, Option<Slope>) {
-        let free = Self::free(layout);
+        let free = layout.free();
         let mut x: Vec<f64> = start.to_vec();
         for (x, a) in x.iter_mut().zip(&layout.axes) {
             *x = x.clamp(a.low, a.high);

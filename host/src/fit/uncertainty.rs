@@ -63,7 +63,7 @@ impl Spread {
     pub fn of(problem: &Problem, values: &Values) -> Self {
         let layout = problem.layout(&values.kinds());
         let x = layout.pack(values);
-        let free: Vec<usize> = (0..layout.len()).filter(|k| !layout.axes[*k].fixed).collect();
+        let free = layout.free();
         let n = free.len();
         let (mut h, mut m) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
         problem.neighbours(&layout, Objective::Increments, &x, &free, &mut |grid, record, inverse| {

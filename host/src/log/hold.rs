@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use super::timing::mean_interval;
+
 /// A sensor that holds its readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold {
@@ -37,7 +39,7 @@ pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
     if changes.len() < FEWEST_CHANGES {
         return None;
     }
-    let interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    let interval = mean_interval(time_s);
     let (about, unsure) = coarse(&changes)?;
     let duration = changes[changes.len() - 1].middle - changes[0].middle;
     // A turn more or less over the record is another beat; a quarter of one blurs the crowd little.
@@ -47,7 +49,8 @@ pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
     let at = |relative: f64| about * interval * (1.0 + relative);
     let trials = (-(steps as i64)..=steps as i64).map(|k| at(k as f64 * spacing));
     let rough = trials.max_by(|a, b| crowd(&changes, *a).0.total_cmp(&crowd(&changes, *b).0))?;
-    let time_s = sharpen(&changes, rough, 0.25 * per_turn * rough);
+    let reach = 0.25 * per_turn * rough;
+    let time_s = top([rough - reach, rough + reach], |time_s| crowd(&changes, time_s).0);
     let (size, phase) = crowd(&changes, time_s);
     let half = std::f64::consts::PI * interval / time_s;
     let chance = 1.0 / (changes.len() as f64).sqrt();
@@ -122,12 +125,11 @@ fn crowd(changes: &[Change], time_s: f64) -> (f64, f64) {
     (x.hypot(y) / changes.len() as f64, (y.atan2(x) / TAU).rem_euclid(1.0))
 }
 
-/// The top of the crowd within `reach` of `rough`, by thirds.
-fn sharpen(changes: &[Change], rough: f64, reach: f64) -> f64 {
-    let (mut low, mut high) = (rough - reach, rough + reach);
+/// Where between two ends `of`, which rises to one top and falls again, is largest: by thirds.
+pub(super) fn top([mut low, mut high]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..40 {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        if crowd(changes, a).0 < crowd(changes, b).0 { low = a } else { high = b }
+        if of(a) < of(b) { low = a } else { high = b }
     }
     0.5 * (low + high)
 }

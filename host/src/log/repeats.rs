@@ -82,7 +82,7 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
     };
     let mut best = (0.0, 0);
     // The smallest shift first: nothing is more alike than all of it.
-    for shift in (0..=LARGEST_SHIFT).flat_map(|shift| [shift, -shift]) {
+    for shift in std::iter::once(0).chain((1..=LARGEST_SHIFT).flat_map(|shift| [shift, -shift])) {
         let share = share(shift);
         if share > best.0 {
             best = (share, shift);

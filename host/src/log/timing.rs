@@ -6,6 +6,11 @@ pub fn median_interval(time_s: &[f64]) -> f64 {
     median(&mut steps)
 }
 
+/// Mean of the differences of `time_s`, s, of two samples or more.
+pub fn mean_interval(time_s: &[f64]) -> f64 {
+    (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64
+}
+
 /// Samples per second by the median interval; 0 for fewer than two samples.
 pub fn rate(time_s: &[f64]) -> f64 {
     let interval = median_interval(time_s);

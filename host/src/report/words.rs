@@ -70,11 +70,16 @@ pub fn nothing_missing(plain: bool, withdrawn: &[Kind]) -> String {
             "Nothing worth adding was found: no effect lowers the error both on the records fitted and on those kept out."
                 .into()
         }
-        (true, taken_back) => format!(
-            "{} would take a part of the error away, and so may other physics: too much is left to name it.",
-            taken_back.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
-        ),
+        (true, withdrawn) => taken_back(withdrawn),
     }
+}
+
+/// What `effects`, which were taken back in the end, would have done.
+pub fn taken_back(effects: &[Kind]) -> String {
+    format!(
+        "{} would take a part of the error away, and so may other physics: too much is left to name it.",
+        effects.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+    )
 }
 
 /// Parameters or combinations with their intervals.

@@ -11,7 +11,8 @@ mod renewals;
 mod spectrum;
 
 use super::hold::Hold;
-use moves::{AROUND, EVEN, Move, excess, mean_interval, moves, span, thinned};
+use super::timing::mean_interval;
+use moves::{AROUND, EVEN, Move, excess, moves, span, thinned};
 pub use numbers::{Numbers, hold_of};
 use renewals::{Renewals, beat_of, likely_age, settle};
 use spectrum::{Beat, beats, sharpen};

@@ -1,5 +1,7 @@
 //! What readings move by from one sample to the next, in fast and even motion.
 
+use crate::log::timing::mean_interval;
+
 /// The speed at a move is that over so many samples before and behind it.
 pub(super) const AROUND: usize = 3;
 /// ... and, in even motion, differs by no more than this share between so many before and so many behind.
@@ -28,10 +30,6 @@ pub(super) struct Move {
 /// Sum of squares, counts^2.
 pub(super) fn excess(moves: &[Move]) -> f64 {
     moves.iter().map(|m| m.excess * m.excess).sum()
-}
-
-pub(super) fn mean_interval(time_s: &[f64]) -> f64 {
-    (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64
 }
 
 /// Moves in motion of `fast` counts per interval that is as `even`.

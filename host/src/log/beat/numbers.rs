@@ -4,8 +4,10 @@
 //! the age of its record, and all records together to the hold, to a few millionths.
 
 use super::FAST;
-use super::moves::{Move, mean_interval, moves};
+use super::moves::{Move, moves};
 use super::renewals::Renewals;
+use crate::log::hold::top;
+use crate::log::timing::mean_interval;
 
 /// What a move shows is a whole number of renewals to within this.
 const CLEAR: f64 = 0.25;
@@ -85,12 +87,11 @@ pub fn hold_of(records: &[Numbers], about: f64) -> f64 {
         widths.fold(f64::MAX, f64::min)
     };
     // Each width is concave in the hold, and so is the least of them.
-    let (mut low, mut high) = (about * (1.0 - KNOWN), about * (1.0 + KNOWN));
-    for _ in 0..30 {
-        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        if choice(a) < choice(b) { low = a } else { high = b }
+    if telling().next().is_some() {
+        top([about * (1.0 - KNOWN), about * (1.0 + KNOWN)], choice)
+    } else {
+        about
     }
-    if telling().next().is_some() { 0.5 * (low + high) } else { about }
 }
 
 /// How many renewals more than `guess` has a move shows; none where it does not show a whole number.
