@@ -21,6 +21,8 @@ use crate::fit::simulate::LANES;
 /// How much work a stage does.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
+    /// Effects whose probes promise most: the others stay only where the first heat makes leaders of them.
+    pub promising: usize,
     /// Effects in the second heat.
     pub leaders: usize,
     /// Steps of the second heat.
@@ -33,9 +35,9 @@ pub struct Effort {
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { leaders: 9, race: 2, finalists: 6, last: 8 };
+    pub const FIRST: Self = Self { promising: 18, leaders: 9, race: 2, finalists: 6, last: 8 };
     /// On a model with effects.
-    pub const LATER: Self = Self { leaders: 7, race: 2, finalists: 4, last: 8 };
+    pub const LATER: Self = Self { promising: 16, leaders: 8, race: 2, finalists: 6, last: 8 };
 }
 
 /// Starts of one effect that cost at most this much more than its best go into the heat beside it.
@@ -68,8 +70,11 @@ pub fn run(
         tick(*kind);
         starters.push(probe(&programmes, model, &tangent, *kind));
     }
+    starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
     let mut heat: Vec<(Layout, Start)> = Vec::new();
-    for (layout, starts) in starters {
+    let mut late: Vec<Kind> = Vec::new();
+    for (place, (layout, starts)) in starters.into_iter().enumerate() {
+        late.extend(layout.kinds.last().filter(|_| place >= effort.promising));
         // On the base model, where no start is better than it, one shows as well as another where the way goes down.
         let known = if model.kinds().is_empty() { tangent.own } else { f64::MAX };
         let second = (AS_CHEAP * starts[0].0).min(known);
@@ -82,8 +87,9 @@ pub fn run(
     let reach = OUT_OF_REACH * heat.first().map_or(0.0, |best| best.1.0);
     let mut raced: Vec<(Layout, Start)> = heat
         .into_iter()
-        .take(effort.leaders)
         .enumerate()
+        .filter(|(place, (layout, _))| *place < SHOWN || !late.iter().any(|k| layout.kinds.ends_with(&[*k])))
+        .take(effort.leaders)
         .filter(|(place, (_, (cost, _)))| *place < SHOWN || *cost < reach)
         .map(|(_, (layout, (_, x)))| {
             let found = programmes.race(&layout, &x, effort.race);
