@@ -40,7 +40,7 @@ impl FreeRun {
 pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
     let kinds = values.kinds();
     let layout: Layout = problem.layout(&kinds);
-    let plain: Vec<f64> = layout.pack(values).iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect();
+    let plain = layout.all_plain(&layout.pack(values));
     problem
         .grids
         .iter()

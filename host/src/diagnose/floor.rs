@@ -53,8 +53,7 @@ fn left_by(problem: &Problem, values: &Values, grid: &Grid, record: &Record) -> 
     let column = if record.angle_rad.is_some() { &mut left.angle_rad } else { &mut left.speed_rad_s };
     if let Some(column) = column.as_mut().filter(|column| column.len() == grid.len()) {
         let layout = problem.layout(&values.kinds());
-        let plain: Vec<f64> =
-            layout.pack(values).iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect();
+        let plain = layout.all_plain(&layout.pack(values));
         let run = predict_one(&layout.kinds, &plain, &problem.rig, grid);
         column.iter_mut().zip(run).for_each(|(y, p)| *y -= p);
     }

@@ -88,7 +88,9 @@ pub fn run(
     let mut raced: Vec<(Layout, Start)> = heat
         .into_iter()
         .enumerate()
-        .filter(|(place, (layout, _))| *place < SHOWN || !late.iter().any(|k| layout.kinds.ends_with(&[*k])))
+        .filter(|(place, (layout, _))| {
+            *place < SHOWN || !layout.kinds.last().is_some_and(|k| late.contains(k))
+        })
         .take(effort.leaders)
         .filter(|(place, (_, (cost, _)))| *place < SHOWN || *cost < reach)
         .map(|(_, (layout, (_, x)))| {

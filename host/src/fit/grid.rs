@@ -222,10 +222,11 @@ fn median3(a: f64, b: f64, c: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
+    /// A shaft that turns evenly, counted, at `times` under `volts`.
+    pub fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
         let angle = times.iter().map(|t| 0.01 * (t * 300.0).floor()).collect();
         Record { time_s: times, voltage_v: volts, angle_rad: Some(angle), ..Record::default() }
     }

@@ -76,12 +76,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::Record;
-
-    fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
-        let angle = times.iter().map(|t| 0.01 * (t * 300.0).floor()).collect();
-        Record { time_s: times, voltage_v: volts, angle_rad: Some(angle), ..Record::default() }
-    }
+    use crate::fit::grid::tests::record;
 
     /// Every volt-second, every sample and the end of the guide stay where they were, whether the cells are even or odd
     /// in number.

@@ -17,7 +17,7 @@ pub(super) fn held(grids: &mut [Grid]) -> Option<f64> {
         let (short, otherwise) = beats(angles());
         agreed(&short, otherwise + 1)
     })?;
-    let numbers: Vec<Numbers> = angles().map(|grid| numbers(grid, about)).collect();
+    let numbers: Vec<Numbers> = angles().map(|grid| numbers(grid, about, rough_age(grid, about))).collect();
     let sharp = hold_of(&numbers, about);
     // Stamps that are wrong by more than the hold contradict one another: then the crowd of all changes knows better.
     let long = angles().all(|grid| !beat::tells(&grid.time_s, about));
@@ -30,7 +30,7 @@ pub(super) fn held(grids: &mut [Grid]) -> Option<f64> {
 pub(super) fn date(grids: &mut [Grid], time: f64) {
     for grid in grids.iter_mut().filter(|grid| grid.quantity == Quantity::Angle) {
         let rough = rough_age(grid, time);
-        let numbers = numbers(grid, time);
+        let numbers = numbers(grid, time, rough);
         let contradicted = !beat::tells(&grid.time_s, time) && !numbers.agree(time);
         grid.reading_age_s = if contradicted { rough } else { numbers.age(time).unwrap_or(rough) };
     }
@@ -45,9 +45,8 @@ fn rough_age(grid: &Grid, time: f64) -> f64 {
     }
 }
 
-/// The renewals that the samples of `grid` show, the hold being nearly `about` seconds.
-fn numbers(grid: &Grid, about: f64) -> Numbers {
-    let age = rough_age(grid, about);
+/// The renewals that the samples of `grid` show, the hold being nearly `about` seconds and the first reading nearly `age` old.
+fn numbers(grid: &Grid, about: f64, age: f64) -> Numbers {
     if beat::tells(&grid.time_s, about) {
         Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age)
     } else {

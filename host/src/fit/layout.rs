@@ -186,6 +186,11 @@ impl Layout {
         if a.unit_value == 0.0 { x.exp() } else { x * a.unit_value }
     }
 
+    /// Plain values of all axes, in their order.
+    pub fn all_plain(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().enumerate().map(|(k, x)| self.plain(k, *x)).collect()
+    }
+
     /// Plain values of search numbers.
     pub fn unpack(&self, x: &[f64]) -> Values {
         let at = |k: usize| self.plain(k, x[k]);

@@ -39,11 +39,13 @@ impl Problem {
         let layout = self.layout(&model.kinds());
         let x = layout.pack(model);
         for _ in 0..2 {
-            let speeds: Vec<f64> = self
-                .grids
-                .iter()
-                .map(|g| if g.rests() { 0.0 } else { first_speed(self, &layout, &x, g) })
-                .collect();
+            let speeds: Vec<f64> =
+                self.grids
+                    .iter()
+                    .map(|g| {
+                        if g.rests() { 0.0 } else { first_speed(self, &layout, &x, &opening(&layout, &x, g)) }
+                    })
+                    .collect();
             for (grid, speed) in self.grids.iter_mut().zip(speeds) {
                 grid.begin_at(speed, held(&self.rig, speed));
             }
@@ -123,20 +125,19 @@ fn distance(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
     (squares / grid.len() as f64).sqrt() / grid.sigma
 }
 
-/// Least squares over the first time constants. The first angle is known to within a count: how far the first speed
+/// Least squares over the `opening` of a record. The first angle is known to within a count: how far the first speed
 /// carries the shaft tells more of it than how.
-fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
-    let part = opening(layout, x, grid);
+fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid) -> f64 {
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
-        let mut grid = part.clone();
+        let mut grid = opening.clone();
         grid.begin_at(speed, held(&problem.rig, speed));
         predict_block(layout, &[x.to_vec()], &problem.rig, &grid, &mut series);
         series.iter().map(|b| b.0[LANES - 1]).collect()
     };
-    let (here, there) = (run(grid.start_speed), run(grid.start_speed + delta));
-    let residual: Vec<f64> = part.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
+    let (here, there) = (run(opening.start_speed), run(opening.start_speed + delta));
+    let residual: Vec<f64> = opening.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
     let slope: Vec<f64> = there.iter().zip(&here).map(|(a, b)| (a - b) / delta).collect();
     let (mut above, mut below) = (0.0, 0.0);
     for (r, s) in residual.iter().zip(&slope) {
@@ -145,12 +146,11 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f6
     }
     let change = if below > 0.0 { above / below } else { 0.0 };
     let limit = 2.0 * problem.rig.reference_speed;
-    (grid.start_speed + change).clamp(-limit, limit)
+    (opening.start_speed + change).clamp(-limit, limit)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Layout;
     use crate::exam::case::{Case, Conditions};
     use crate::fit::setup;
     use crate::fit::simulate::predict_one;
@@ -181,7 +181,7 @@ mod tests {
         let speed = 0.03 * problem.rig.reference_speed;
         for grid in &mut problem.grids {
             grid.begin_at(speed, super::held(&problem.rig, speed));
-            grid.measured = predict_one(&[], &layout_plain(&layout, &x), &problem.rig, grid);
+            grid.measured = predict_one(&[], &layout.all_plain(&x), &problem.rig, grid);
             grid.begin_at(0.0, 0.0);
         }
         assert!(problem.find_slow_starts(&values));
@@ -201,14 +201,9 @@ mod tests {
         let mut grid = problem.grids[0].clone();
         let speed = 0.5 * problem.rig.reference_speed;
         grid.begin_at(speed, super::held(&problem.rig, speed));
-        let run =
-            predict_one(&late.kinds(), &layout_plain(&layout, &layout.pack(&late)), &problem.rig, &grid);
+        let run = predict_one(&late.kinds(), &layout.all_plain(&layout.pack(&late)), &problem.rig, &grid);
         let last = grid.time_s.iter().take_while(|t| **t - grid.time_s[0] < 0.045).count() - 1;
         let way = speed * (grid.time_s[last] - grid.time_s[0]);
         assert!(((run[last] - run[0]) / way - 1.0).abs() < 0.01, "{} {way}", run[last] - run[0]);
-    }
-
-    fn layout_plain(layout: &Layout, x: &[f64]) -> Vec<f64> {
-        x.iter().enumerate().map(|(k, x)| layout.plain(k, *x)).collect()
     }
 }
