@@ -60,7 +60,7 @@ impl VirtualMotor {
             motion: Motion::default(),
             contact: mechanics.contact_at_rest(),
             heat: Heat::default(),
-            bridge: driver.rest(),
+            bridge: driver.rest(&mut rng),
             encoder: sensor.rest(&mut rng),
             disturbance_nm: 0.0,
         };
@@ -87,7 +87,7 @@ impl VirtualMotor {
             motion: Motion::default(),
             contact: self.contact_at_rest(),
             heat: self.state.heat,
-            bridge: self.driver.rest(),
+            bridge: self.driver.rest(&mut self.rng),
             encoder: self.sensor.rest(&mut self.rng),
             disturbance_nm: 0.0,
         };

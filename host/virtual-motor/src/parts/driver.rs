@@ -5,6 +5,7 @@ use crate::effect::Effect;
 use crate::motor::Motor;
 use crate::table::Kind;
 use crate::virtual_motor::Bridge;
+use rand::{Rng, RngExt};
 use std::collections::VecDeque;
 
 /// Immutable parameters of supply and bridge.
@@ -29,6 +30,8 @@ pub struct DriverState {
     waiting: VecDeque<(f64, Bridge)>,
     last: Bridge,
     active: Bridge,
+    /// Where in its period the PWM stood at time zero, 0 to 1: nothing ties it to the log's clock.
+    phase: f64,
     /// Voltage behind the bridge, V.
     pub bus_v: f64,
 }
@@ -49,12 +52,13 @@ impl Driver {
         }
     }
 
-    /// A driver at rest with a full supply.
-    pub fn rest(&self) -> DriverState {
+    /// A driver at rest with a full supply, its PWM anywhere in a period.
+    pub fn rest(&self, rng: &mut impl Rng) -> DriverState {
         DriverState {
             waiting: VecDeque::new(),
             last: Bridge::Volts(0.0),
             active: Bridge::Volts(0.0),
+            phase: if self.coast.is_some() { rng.random() } else { 0.0 },
             bus_v: self.nominal_v,
         }
     }
@@ -84,8 +88,8 @@ impl Driver {
         // One period: driven fully for its duty, braked for what does not float, then floating.
         let duty = magnitude / self.nominal_v;
         let braked = duty + (1.0 - duty) * (1.0 - coast.share);
-        let periods = now / coast.period_s + 1e-9;
-        let (start, part) = (periods.floor() * coast.period_s, periods.fract());
+        let periods = now / coast.period_s + state.phase + 1e-9;
+        let (start, part) = ((periods.floor() - state.phase) * coast.period_s, periods.fract());
         let (bridge, edge) = if part < duty {
             (Bridge::Volts(self.nominal_v.copysign(asked)), duty)
         } else if part < braked {
@@ -116,10 +120,12 @@ impl Driver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand::rngs::ChaCha8Rng;
 
     fn driver(text: &str) -> (Driver, DriverState) {
         let driver = Driver::new(&Motor::paper(), &[Effect::parse(text).unwrap()]);
-        let state = driver.rest();
+        let state = driver.rest(&mut ChaCha8Rng::seed_from_u64(3));
         (driver, state)
     }
 
@@ -159,6 +165,15 @@ mod tests {
         for (part, expected) in spent.into_iter().zip([0.05, 0.025, 0.025]) {
             assert!((part - expected).abs() < 1e-6, "{part}");
         }
+    }
+
+    #[test]
+    fn a_pwm_stands_anywhere_in_its_period_when_a_log_begins() {
+        let driver = Driver::new(&Motor::paper(), &[Effect::parse("coast=0.5,pwm_hz=100").unwrap()]);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let phases: Vec<f64> = (0..200).map(|_| driver.rest(&mut rng).phase).collect();
+        let mean = phases.iter().sum::<f64>() / 200.0;
+        assert!((mean - 0.5).abs() < 0.1 && phases.iter().all(|phase| (0.0..1.0).contains(phase)), "{mean}");
     }
 
     #[test]
