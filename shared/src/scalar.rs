@@ -5,6 +5,7 @@
 //! ([`crate::lanes::Lanes`], the host's vector units, one candidate per lane).
 //! That works because the model is branch-free: every choice is a [`Scalar::pick_gt`], `min` or `max`.
 
+use core::f64::consts::SQRT_2;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -73,6 +74,21 @@ pub trait Scalar:
     #[inline(always)]
     fn shrink(self, by: Self) -> Self {
         self - self.clamp(-by, by)
+    }
+    /// sqrt(self^2 + other^2) where either is not 0, within 2e-8 of itself; its squares are never formed, which fixed point
+    /// could not hold.
+    #[inline(always)]
+    fn hypot(self, other: Self) -> Self {
+        let (one, half) = (Self::one(), Self::lit(0.5));
+        let (a, b) = (self.abs(), other.abs());
+        let (long, short) = (a.max(b), a.min(b));
+        let ratio = short / long;
+        let square = ratio * ratio;
+        // A chord of sqrt(1 + square), shifted to half its error, and two rounds of Heron's.
+        let chord = square.mul_add(Self::lit(SQRT_2 - 1.0), Self::lit(1.009));
+        let sum = one + square;
+        let nearer = half * (chord + sum / chord);
+        long * (half * (nearer + sum / nearer))
     }
     /// -1, 0 or 1.
     #[inline(always)]
@@ -189,6 +205,16 @@ mod tests {
             assert!((turns.sin_turns() - truth).abs() < 4e-9, "at {turns} turns");
             let truth = libm::cos(turns * core::f64::consts::TAU);
             assert!((turns.cos_turns() - truth).abs() < 4e-9, "at {turns} turns");
+        }
+    }
+
+    #[test]
+    fn hypot_is_the_root_of_the_squares_whichever_is_the_longer() {
+        for k in -300..300 {
+            let (a, b) = (f64::from(k) * 0.01, 1.3);
+            for got in [Scalar::hypot(a, b), Scalar::hypot(b, a), Scalar::hypot(-b, a)] {
+                assert!((got / libm::hypot(a, b) - 1.0).abs() < 2e-8, "at {a}: {got}");
+            }
         }
     }
 

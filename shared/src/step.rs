@@ -161,7 +161,7 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         if laws.meshing {
             // The mean current of the step is what the change of speed took, less the other torques.
             let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - f;
-            let loss = drive.meshing * mean * mean / (mean.abs() + drive.meshing_knee);
+            let loss = drive.meshing * (mean.hypot(drive.meshing_knee) - drive.meshing_knee);
             (forward, backward) = (forward + loss, backward + loss);
         }
         let g = if laws.turning {

@@ -9,7 +9,7 @@ pub(super) const SPEC: Spec = Spec {
     name: "load_friction",
     port: Port::Torque,
     title: "gear friction that grows with the torque transmitted",
-    equation: "f = -share u^2 / (|u| + knee) sign(w)",
+    equation: "f = -share (sqrt(u^2 + knee^2) - knee) sign(w)",
     source: "tooth-contact losses, e.g. Dohring, Lee, Newman 1993; load-dependent friction of servo models",
     signature: "acceleration is weaker and braking stronger than the model's, in proportion to the current",
     parameters: &[
