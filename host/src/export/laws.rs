@@ -53,6 +53,9 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         drive: vec![format!("up += {up}"), format!("down += {down}")],
         ..Statements::default()
     };
+    // The speed in the middle of the step, where it goes on as in the last.
+    let middle = format!("(speed + 0.5 * m[{m}])");
+    let change = format!("m[{m}] = speed2 - speed");
     match kind {
         Kind::Delay => drive(format!("v += look_back(past, {}) - volts", number(p[0] / rig.step_s))),
         Kind::DeadZone => {
@@ -60,13 +63,13 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         }
         Kind::Coast => Statements {
             drive: vec![format!(
-                "v = coasting(v, {:e} * (speed + 0.5 * m[{m}]), {}, {:e}, {:e})",
+                "v = coasting(v, {:e} * {middle}, {}, {:e}, {:e})",
                 place.base.back_emf(),
                 n(0),
                 rig.supply_v,
                 p[1] * place.base.tau_e
             )],
-            settle: vec![format!("m[{m}] = speed2 - speed")],
+            settle: vec![change],
             ..Statements::default()
         },
         Kind::SupplySag => {
@@ -108,17 +111,20 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Coulomb => friction(n(0), n(0)),
         Kind::CoulombAsymmetric => friction(&number((p[0] + p[1]).max(0.0)), &number((p[0] - p[1]).max(0.0))),
         Kind::Stribeck => {
-            let x = format!("clamp(speed / {}, 0.0, 1e9) + clamp(-speed / {}, 0.0, 1e9)", n(2), n(2));
-            let s = format!("({x}) * ({} + {} * ({x}))", n(3), number(1.0 - p[3]));
-            let f = format!("{} + {} / (1.0 + {s} + 0.5 * {s} * {s})", n(0), n(1));
-            friction(&f, &f)
+            let x = format!("fabs{middle} / {}", n(2));
+            let s = format!("{x} * ({} + {} * {x})", n(3), number(1.0 - p[3]));
+            let f = format!("{} + {} * decay({s})", n(0), n(1));
+            Statements { settle: vec![change], ..friction(&f, &f) }
         }
         Kind::LoadFriction => {
             let mut lines = drive(format!("meshing = {}", n(0)));
             lines.drive.push(format!("meshing_knee = {}", n(1)));
             lines
         }
-        Kind::QuadraticDrag => drive(format!("torque -= {} * speed * fabs(speed)", n(0))),
+        Kind::QuadraticDrag => Statements {
+            settle: vec![change],
+            ..drive(format!("torque -= {} * {middle} * fabs{middle}", n(0)))
+        },
         Kind::Gravity => {
             // At the middle of the step, like every torque that depends on an angle.
             let middle = format!("(load_angle + {:e} * load_speed)", 0.5 * place.part_s);

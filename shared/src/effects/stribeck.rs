@@ -1,30 +1,31 @@
 //! Dry friction that falls as the lubricant begins to carry.
 
+use super::decay::decay;
 use super::spec::{DRY, Port, Scale, Spec, shape, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
-use crate::step::Drive;
+use crate::step::{Drive, State};
 
 pub(super) const SPEC: Spec = Spec {
     name: "stribeck",
     port: Port::Torque,
     title: "dry friction with a higher break-away level (Stribeck)",
-    equation: "f = -(level + excess / (1 + s + s^2/2)) sign(w),  s = tail x + (1 - tail) x^2,  x = |w| / speed",
-    source: "Stribeck 1902; Tustin 1947 (x), Armstrong-Helouvry 1991 (x^2); the quotient follows exp(-s)",
+    equation: "f = -(level + excess exp(-s)) sign(w),  s = tail x + (1 - tail) x^2,  x = |w| / speed",
+    source: "Stribeck 1902; Tustin 1947 (x), Armstrong-Helouvry 1991 (x^2)",
     signature: "residual torque steps at zero speed and falls within a few per cent of the top speed; stick-slip at slow triangles",
     parameters: &[
         strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 5.0]),
         strength("excess", "V", "break-away level above it", Scale::Volt, [0.0, 0.15, 5.0]),
-        shape("speed", "rad/s", "where the excess has fallen to 40 %", Scale::Speed, [0.002, 0.02, 0.2]),
+        shape("speed", "rad/s", "where the excess has fallen to 37 %", Scale::Speed, [0.002, 0.02, 0.2]),
         shape("tail", "1", "0: the excess falls like a bell, 1: like an exponential", Scale::One, [0.0, 0.4, 1.0]),
     ],
     probes: &[&[0.2, 0.14, 0.01, 0.4], &[0.2, 0.14, 0.035, 0.4], &[0.7, 0.5, 0.01, 0.4], &[0.7, 0.5, 0.035, 0.4]],
     laws: DRY,
-    remembers: false,
+    remembers: true,
     contains: &[("coulomb", "level")],
 };
 
-/// Dry friction `level + excess` at rest, `level` at speed.
+/// Dry friction `level + excess` at rest, `level` at speed; memory holds what the last step added to the speed.
 #[derive(Debug, Clone, Copy)]
 pub struct Stribeck<S> {
     level: S,
@@ -43,13 +44,17 @@ impl<S: Scalar> Stribeck<S> {
 
 impl<S: Scalar> Effect<S> for Stribeck<S> {
     #[inline(always)]
-    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        let x = (now.state.speed * self.per_speed).abs();
-        let s = x * self.bell.mul_add(x, self.tail);
-        let fall = S::lit(0.5).mul_add(s * s, s) + S::one();
-        let friction = self.level + self.excess / fall;
+    fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
+        // The speed in the middle of the step: at low gears a motor passes much of the fall within one.
+        let speed = memory.store.mul_add(S::lit(0.5), now.state.speed);
+        let x = (speed * self.per_speed).abs();
+        let friction = self.excess.mul_add(decay(x * self.bell.mul_add(x, self.tail)), self.level);
         drive.friction_forward += friction;
         drive.friction_backward += friction;
+    }
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
+        memory.store = after.speed - now.state.speed;
     }
 }
 
@@ -61,6 +66,12 @@ mod tests {
     fn breaks_away_above_level_plus_excess_only() {
         assert_eq!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1, 0.4], 0.49), 0.0);
         assert!(steady_speed(Kind::Stribeck, &[0.3, 0.2, 0.1, 0.4], 0.53) > 0.0);
+    }
+
+    #[test]
+    fn the_fall_is_that_at_the_middle_of_the_step() {
+        let gain = gain_of_half_steps(Kind::Stribeck, &[0.2, 0.4, 2.0, 0.4]);
+        assert!(gain > 3.0, "half the step leaves 1/{gain:.1} of the error");
     }
 
     #[test]
