@@ -112,8 +112,8 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         self.advance_seen::<false>(motion, voltages, index, S::zero());
     }
 
-    /// [`Self::advance`] in a guided run: the measured shaft is `ahead` (rad) of the model's, and periodic laws (teeth,
-    /// an unbalance, a disc off centre) act where it was seen.
+    /// [`Self::advance`] in a guided run: the measured shaft is `ahead` (rad) of the model's, and laws that are tied to
+    /// an angle (teeth, an unbalance, a spring, a disc off centre) act where it was seen.
     #[inline(always)]
     pub fn advance_guided(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize, ahead: S) {
         self.advance_seen::<true>(motion, voltages, index, ahead);
@@ -130,13 +130,13 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         let command = S::splat(voltages[index]);
         if self.effects.two_masses() {
             for _ in 0..self.effects.laws().parts {
-                let now = Now { command, state: motion.state, ahead: S::zero(), voltages, index };
+                let now = Now { command, state: motion.state, voltages, index };
                 let drive = self.drive::<GUIDED>(&now, motion, ahead);
                 self.advance_two_masses(&mut motion.state, &drive);
                 self.effects.settle(&now, &motion.state, &mut motion.memories);
             }
         } else {
-            let now = Now { command, state: motion.state, ahead: S::zero(), voltages, index };
+            let now = Now { command, state: motion.state, voltages, index };
             let mut drive = self.drive::<GUIDED>(&now, motion, ahead);
             drive.torque += drive.load_torque;
             let state = &mut motion.state;
@@ -149,9 +149,9 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
 
     #[inline(always)]
     fn drive<const GUIDED: bool>(&self, now: &Now<S>, motion: &Motion<S>, ahead: S) -> Drive<S> {
-        let seen = if GUIDED { Now { state: now.state.turned(ahead), ahead, ..*now } } else { *now };
+        let seen = if GUIDED { now.state.turned(ahead) } else { now.state };
         let mut drive = Drive::plain(now.command);
-        self.effects.drive(&seen, &motion.memories, &mut drive);
+        self.effects.drive(&Now { state: seen, ..*now }, &motion.memories, &mut drive);
         drive
     }
 

@@ -54,6 +54,8 @@ pub struct Course<'a, S: Scalar> {
     /// What was measured at the start and at the end of every cell, rad: laws tied to an angle then act where the
     /// shaft was seen, whatever the model's has drifted to. Empty where the run is free.
     pub guide: &'a [S::Element],
+    /// What a measured angle may lack, rad: within it the model's own shaft counts.
+    pub count: f64,
 }
 
 /// Whether this processor has AVX2 and fused multiply-add.
@@ -118,6 +120,8 @@ pub fn run<S: Shown, E: Effects<S>>(
     sink.begin(start);
     let mut readings = [start; CHUNK];
     let guided = course.guide.len() > course.cells;
+    // Held at the reading itself, a spring would be driven away for as long as the run lasts by what a count lacks.
+    let lacking = S::lit(course.count);
     let mut first = 0;
     while first < course.cells {
         let count = CHUNK.min(course.cells - first);
@@ -125,7 +129,7 @@ pub fn run<S: Shown, E: Effects<S>>(
             simulator.advance_guided(&mut motion, course.voltages, first + k + 1, ahead);
             let reading = show(simulator, &motion, ahead, course.encoder_on_motor);
             if guided {
-                ahead = S::splat(course.guide[first + k + 1]) - reading[0];
+                ahead = (S::splat(course.guide[first + k + 1]) - reading[0]).shrink(lacking);
             }
             readings[k] = plain(reading);
         }

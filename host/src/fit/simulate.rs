@@ -51,6 +51,7 @@ fn course<'a, S: Scalar>(
         reading_age_s: grid.reading_age_s,
         encoder_on_motor: rig.encoder_on_motor,
         guide,
+        count: grid.quantum,
     }
 }
 

@@ -97,10 +97,8 @@ impl<S: Scalar> Setting<S> {
 pub struct Now<'a, S: Scalar> {
     /// Logged voltage of this cell, V.
     pub command: S,
-    /// State at its beginning; in a guided run turned to where the shaft was seen.
+    /// State at its beginning.
     pub state: State<S>,
-    /// By so much it was turned, rad; 0 in a free run.
-    pub ahead: S,
     /// What was held before the start, then the logged voltage of every cell, V.
     pub voltages: &'a [S::Element],
     /// This cell's place in `voltages`: 1 for the first.
