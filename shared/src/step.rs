@@ -63,8 +63,6 @@ pub struct Drive<S> {
     pub brush: S,
     /// Current, as a voltage, well above which all of `brush` is lost; more than 0, V.
     pub brush_knee: S,
-    /// `brush_knee` times the slope at no current, in units of `brush` / `brush_knee`; more than 0, V.
-    pub brush_rise: S,
     /// Resistance in series with the winding, as a share of the winding's.
     pub series: S,
 }
@@ -85,7 +83,6 @@ impl<S: Scalar> Drive<S> {
             drop: zero,
             brush: zero,
             brush_knee: S::one(),
-            brush_rise: S::one(),
             series: zero,
         }
     }
@@ -148,7 +145,7 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, w_from_v));
 
     if laws.drop || laws.brush || laws.series {
-        let after = resisted(c, laws, u2, drive);
+        let after = resisted(c, laws, [u, u2], drive);
         let dv = (after - u2) * c.inverse_uv;
         u2 = after;
         w2 = c.wv.mul_add(dv, w2);
@@ -186,23 +183,30 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     s.speed = w2;
 }
 
-/// What is left of the current `u2` behind a drop, a brush and a resistance.
+/// What is left of the current `u2` behind a drop, a brush and a resistance, in a step that began with `u`.
 ///
-/// A brush loses at current `u` the share u (|u| + rise) / (u^2 + rise |u| + knee^2) of its full drop: an odd function
-/// that rises as rise u / knee^2 and comes near 1 with the square of knee / u.
+/// The resistance takes its share of the current between the two, see [`Coefficients::early`].
+///
+/// A brush loses at current `u` the share u / sqrt(u^2 + knee^2) of its full drop.
 #[inline(always)]
-fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, u2: S, drive: &Drive<S>) -> S {
+fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, [u, u2]: [S; 2], drive: &Drive<S>) -> S {
     let mut after = if laws.drop { u2.shrink(c.uv * drive.drop) } else { u2 };
-    let open = if laws.series { drive.series.mul_add(c.uv, S::one()) } else { S::one() };
+    let mut open = S::one();
+    if laws.series {
+        let (taken, early) = (drive.series * c.uv, drive.series * c.uv * c.early);
+        after += -(early * u);
+        open += taken - early;
+    }
     if laws.brush {
         let (free, full, knee) = (after, c.uv * drive.brush, drive.brush_knee);
-        // Three rounds towards the current that its own drop leaves; the first guess has a sharp knee.
-        after = free.shrink(full);
+        // Newton's rounds towards the current that its own drop leaves. From the sharp knee's, which is the smaller, they
+        // never pass it: the share bends down.
+        after = free.shrink(full) / open;
         for _ in 0..3 {
-            let size = after.abs();
-            let sum = size + drive.brush_rise;
-            let scale = size.mul_add(sum, knee * knee);
-            after = free * scale / open.mul_add(scale, full * sum);
+            let per_size = S::one() / after.hypot(knee);
+            let share = after * per_size;
+            let lack = free - open.mul_add(after, full * share);
+            after += lack / (full * per_size).mul_add(S::one() - share * share, open);
         }
         after
     } else if laws.series {

@@ -87,7 +87,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::WindingHeating => Statements {
             drive: vec![format!("series += m[{m}]")],
             settle: vec![format!(
-                "m[{m}] += {:e} * current2 * current2 - {:e} * m[{m}]",
+                "m[{m}] += {:e} * current2 * current2 * (1.0 + m[{m}]) - {:e} * m[{m}]",
                 p[0] * place.part_s / (rig.nominal_v * rig.nominal_v),
                 place.part_s / p[1]
             )],
@@ -105,15 +105,14 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::VoltageDrop => {
             let mut lines = drive(format!("brush = {}", n(0)));
             lines.drive.push(format!("brush_knee = {}", n(1)));
-            lines.drive.push(format!("brush_rise = {:e}", p[1] * p[2]));
             lines
         }
         Kind::Coulomb => friction(n(0), n(0)),
         Kind::CoulombAsymmetric => friction(&number((p[0] + p[1]).max(0.0)), &number((p[0] - p[1]).max(0.0))),
         Kind::Stribeck => {
-            let x = format!("fabs{middle} / {}", n(2));
-            let s = format!("{x} * ({} + {} * {x})", n(3), number(1.0 - p[3]));
-            let f = format!("{} + {} * decay({s})", n(0), n(1));
+            let x = format!("fmax(fabs(speed) + 0.5 * m[{m}] * sign(speed), 0.0) / {}", n(2));
+            let s = format!("({x} * ({} + {} * {x}))", n(3), number(1.0 - p[3]));
+            let f = format!("{} + {} / (1.0 + {s} * (1.0 + {s} * (0.5 + {s} / 6.0)))", n(0), n(1));
             Statements { settle: vec![change], ..friction(&f, &f) }
         }
         Kind::LoadFriction => {

@@ -86,7 +86,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::SupplySag => parts.resistance += &format!(" + {}*(v/{:e})^2", n(0), rig.supply_v),
         Kind::WindingHeating => {
-            let slope = format!("{}*(u/{:e})^2 - heat/{}", n(0), rig.nominal_v, n(1));
+            let slope = format!("{}*(u/{:e})^2*(1 + heat) - heat/{}", n(0), rig.nominal_v, n(1));
             parts.state("heat", "1", "rise of the winding's resistance", slope);
             parts.resistance += " + heat";
         }
@@ -95,15 +95,14 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             parts.field += &format!("*(5 + {q})/(5 + 6*{q})");
         }
         Kind::VoltageDrop => {
-            let (k, square) = (number(p[1] * p[2]), number(p[1] * p[1]));
-            parts.brush += &format!(" - {}*u*(abs(u) + {k})/(u^2 + {k}*abs(u) + {square})", n(0));
+            parts.brush += &format!(" - {}*u/sqrt(u^2 + {}^2)", n(0), n(1));
         }
         Kind::Coulomb => parts.friction += &format!(" + {}", n(0)),
         Kind::CoulombAsymmetric => parts.friction += &format!(" + {} + {}*tanh(w/w0)", n(0), n(1)),
         Kind::Stribeck => {
             let x = format!("abs(w/{})", n(2));
             let s = format!("({x}*({} + {}*{x}))", n(3), number(1.0 - p[3]));
-            parts.friction += &format!(" + {} + {}*exp(-{s})", n(0), n(1));
+            parts.friction += &format!(" + {} + {}/(1 + {s}*(1 + {s}*(0.5 + {s}/6)))", n(0), n(1));
         }
         Kind::LoadFriction => parts.friction += &format!(" + {}*(sqrt(u^2 + {}^2) - {})", n(0), n(1), n(1)),
         Kind::QuadraticDrag => parts.torque += &format!(" - {}*w*abs(w)", n(0)),

@@ -79,6 +79,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("PER_IMPULSE", c.per_impulse),
         ("ELECTRIC_IMPULSE", c.electric_impulse),
         ("VISCOUS", c.viscous),
+        ("EARLY", c.early),
         ("HALF_STEP", c.half_step),
         ("STEP", options.step_s),
     ];

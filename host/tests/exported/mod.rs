@@ -41,7 +41,7 @@ pub fn sets() -> Vec<Model> {
             (Kind::Spring, &[0.05, -0.1]),
         ],
         vec![
-            (Kind::VoltageDrop, &[0.4, 0.2, 0.8]),
+            (Kind::VoltageDrop, &[0.4, 0.2]),
             (Kind::LoadFriction, &[0.1, 0.2]),
             (Kind::ConstantLoad, &[-0.3]),
         ],

@@ -9,8 +9,8 @@ pub(super) const SPEC: Spec = Spec {
     name: "winding_heating",
     port: Port::Voltage,
     title: "the winding warms up: resistance rises while the motor works",
-    equation: "dq/dt = rate (u / nominal)^2 - q / cooling;  resistance (1 + q)",
-    source: "one thermal capacity heated by R i^2; copper gains 0.39 % a kelvin",
+    equation: "dq/dt = rate (u / nominal)^2 (1 + q) - q / cooling;  resistance (1 + q)",
+    source: "one thermal capacity heated by R i^2, R as it has become; copper gains 0.39 % a kelvin",
     signature: "the model fits the beginning of a record and drifts off towards its end",
     parameters: &[
         strength("rate", "1/s", "rise of resistance per second at stall", Scale::One, [0.0, 0.05, 2.0]),
@@ -46,7 +46,7 @@ impl<S: Scalar> Effect<S> for WindingHeating<S> {
     #[inline(always)]
     fn settle(&self, _now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
         let heat = self.gain * after.current * after.current;
-        memory.store += heat - self.loss * memory.store;
+        memory.store = (heat - self.loss).mul_add(memory.store, heat + memory.store);
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
         assert!(alone.abs() < 0.95 * cold.abs());
     }
 
-    /// Stalled by friction, the current falls as 1 / (1 + q) with dq/dt = rate (v / nominal)^2 / (1 + q)^2.
+    /// Stalled by friction, the current falls as 1 / (1 + q) with dq/dt = rate (v / nominal)^2 / (1 + q).
     #[test]
     fn stall_current_falls_as_the_winding_warms() {
         let rig = Rig { ..RIG };
@@ -90,8 +90,8 @@ mod tests {
         for k in 0..volts.len() {
             s.advance(&mut motion, &volts, k);
         }
-        // (1 + q)^3 = 1 + 3 rate t
-        let truth = 12.0 / libm::cbrt(1.0 + 3.0 * 0.1 * 5.0);
+        // (1 + q)^2 = 1 + 2 rate t
+        let truth = 12.0 / libm::sqrt(1.0 + 2.0 * 0.1 * 5.0);
         close(s.current(&motion), truth, 0.03);
     }
 }
