@@ -77,6 +77,10 @@ impl Grid {
 mod tests {
     use super::*;
     use crate::fit::grid::tests::record;
+    use crate::fit::setup::rig;
+    use crate::fit::simulate::predict_one;
+    use crate::motor_file::MotorFile;
+    use motorlens_shared::effects::Kind;
 
     /// Every volt-second, every sample and the end of the guide stay where they were, whether the cells are even or odd
     /// in number.
@@ -96,6 +100,24 @@ mod tests {
                 assert!((time(&coarse, a) - time(&fine, b)).abs() < 1e-9, "{a:?} {b:?}");
             }
         }
+    }
+
+    /// A spring held at every reading would be driven on and on by what the readings lack of a count.
+    #[test]
+    fn readings_short_of_the_shaft_by_half_a_count_do_not_drive_a_spring_away() {
+        let times: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
+        let volts: Vec<f64> = times.iter().map(|t| 3.0 + 2.0 * (2.0 * t).sin()).collect();
+        let record = record(times, volts);
+        let mut grid = Grid::new(&record, 0.01);
+        let rig = rig(&[record], &MotorFile::default());
+        let parameters = [1.0, 0.05, 1e-3, 0.1, 0.5, 0.0];
+        let run = |grid: &Grid| predict_one(&[Kind::Spring], &parameters, &rig, grid);
+        let shaft = run(&grid);
+        grid.measured = shaft.iter().map(|x| x - 0.005).collect();
+        let guided = run(&grid.clone().guided());
+        let free: Vec<f64> = shaft.iter().step_by(2).copied().collect();
+        let most = guided.iter().zip(&free).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(guided.len() == free.len() && most < 1e-9, "{most} rad apart");
     }
 
     #[test]
