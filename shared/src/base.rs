@@ -9,6 +9,7 @@
 //! `gain` is the no-load speed per volt and `tau_m` the mechanical time constant whatever the share of the
 //! damping that is viscous. Source: the usual DC-motor equations (paper, eqs 1-12), divided by K_t / R.
 
+use crate::loss::Shares;
 use crate::scalar::Scalar;
 
 /// What voltage and motion determine about a motor without further effects.
@@ -89,9 +90,8 @@ pub struct Coefficients<S> {
     pub electric_impulse: S,
     /// Half the viscous friction, V per rad/s.
     pub viscous: S,
-    /// Share that a step's first current has in what a series resistance takes, to first order of the resistance; the rest
-    /// is its last current's. One half in short steps, none in long ones.
-    pub early: S,
+    /// How a step's currents share in what is lost against them.
+    pub shares: Shares<S>,
 }
 
 type M2<S> = [[S; 2]; 2];
@@ -143,7 +143,9 @@ impl<S: Scalar> Coefficients<S> {
             q = combine(&q, t * S::lit(1.0 / (n as f64 + 1.0)), &term);
         }
         let mut d = product(&a, &p);
+        let mut half_kept = one;
         for _ in 0..DOUBLINGS {
+            half_kept = one + d[0][0];
             let e = combine(&d, one, &identity);
             let q2 = combine(&combine(&q, t, &p), one, &product(&e, &q));
             let p2 = combine(&p, one, &product(&e, &p));
@@ -174,7 +176,7 @@ impl<S: Scalar> Coefficients<S> {
             per_impulse: one / (c * step),
             electric_impulse: c * base.tau_e,
             viscous: S::lit(0.5) * b / c,
-            early: (one + d[0][0]).max(zero) * (step * inverse_tau - uv).max(zero) / (uv * uv),
+            shares: Shares::new(step * inverse_tau, [one + d[0][0], half_kept], uv),
         }
     }
 }
@@ -217,7 +219,7 @@ impl Coefficients<f64> {
             per_impulse: S::lit(self.per_impulse * speed / volt),
             electric_impulse: S::lit(self.electric_impulse * volt / speed),
             viscous: S::lit(self.viscous * speed / volt),
-            early: S::lit(self.early),
+            shares: self.shares.per_unit(),
         }
     }
 }
@@ -229,18 +231,6 @@ mod tests {
 
     fn base() -> Base<f64> {
         Base { gain: 0.9, tau_m: 0.06, tau_e: 8e-4, viscous_share: 0.1 }
-    }
-
-    /// A resistance that is a share q of the winding's shortens the electrical time constant by 1 + q: to first order of q
-    /// the first current keeps e^-z (1 - q z) of itself in z time constants.
-    #[test]
-    fn a_series_resistance_takes_its_exact_share_to_first_order() {
-        for (step, q) in [(1e-4, 1e-4), (1e-3, 1e-4), (4e-3, 1e-4)] {
-            let c = Coefficients::new(&Base { tau_m: 1e6, ..base() }, step);
-            let left = (c.uu - q * c.uv * c.early) / (1.0 + q * c.uv * (1.0 - c.early));
-            let truth = libm::exp(-(1.0 + q) * step / base().tau_e);
-            assert!((left - truth).abs() < 1e-3 * (c.uu - truth).abs() + 1e-9, "{left} {truth} in {step} s");
-        }
     }
 
     #[test]

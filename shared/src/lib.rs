@@ -16,6 +16,7 @@ pub mod ga;
 pub mod lanes;
 pub mod linear;
 pub mod link;
+pub mod loss;
 pub mod motor;
 pub mod per_unit;
 pub mod quickfit;

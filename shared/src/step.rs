@@ -5,6 +5,7 @@
 
 use crate::base::Coefficients;
 use crate::friction;
+use crate::loss;
 use crate::scalar::Scalar;
 
 /// State of motor and load; angle and speed are of the output shaft.
@@ -129,7 +130,7 @@ impl Laws {
 
 /// Advances the rotor by one step under `drive`; the load is left to the transmission.
 ///
-/// Order: linear map; series resistance and drop on the new current; friction on the new speed. The friction
+/// Order: linear map; series resistance and drops on the new current ([`loss`]); friction on the new speed. The friction
 /// torque is the smallest that brings the new speed to zero, or the largest that the surface can give; see also
 /// [`Laws::turning`].
 #[inline(always)]
@@ -145,11 +146,12 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, w_from_v));
 
     if laws.drop || laws.brush || laws.series {
-        let after = resisted(c, laws, [u, u2], drive);
-        let dv = (after - u2) * c.inverse_uv;
-        u2 = after;
-        w2 = c.wv.mul_add(dv, w2);
+        let (left, late) = loss::left(c, laws, [u, u2], drive);
+        let dv = (left - u2) * c.inverse_uv;
+        u2 = c.uf.mul_add(late, left);
+        w2 = c.wv.mul_add(dv, c.wf.mul_add(late, w2));
         v += dv;
+        f += late;
     }
     // Twice the mean speed of a step in which it changes evenly.
     let mut ends = w + w2;
@@ -157,7 +159,7 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         let (mut forward, mut backward) = (drive.friction_forward, drive.friction_backward);
         if laws.meshing {
             // The mean current of the step is what the change of speed took, less the other torques.
-            let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - f;
+            let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - drive.torque;
             let loss = drive.meshing * (mean.hypot(drive.meshing_knee) - drive.meshing_knee);
             (forward, backward) = (forward + loss, backward + loss);
         }
@@ -175,43 +177,10 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         f += g;
     }
     let mut curve = c.xu.mul_add(u, c.xw.mul_add(w, c.xv * v));
-    if laws.torque || laws.dry {
+    if laws.torque || laws.dry || laws.brush || laws.series {
         curve = c.xf.mul_add(f, curve);
     }
     s.angle += c.half_step.mul_add(ends, curve);
     s.current = u2;
     s.speed = w2;
-}
-
-/// What is left of the current `u2` behind a drop, a brush and a resistance, in a step that began with `u`.
-///
-/// The resistance takes its share of the current between the two, see [`Coefficients::early`].
-///
-/// A brush loses at current `u` the share u / sqrt(u^2 + knee^2) of its full drop.
-#[inline(always)]
-fn resisted<S: Scalar>(c: &Coefficients<S>, laws: Laws, [u, u2]: [S; 2], drive: &Drive<S>) -> S {
-    let mut after = if laws.drop { u2.shrink(c.uv * drive.drop) } else { u2 };
-    let mut open = S::one();
-    if laws.series {
-        let (taken, early) = (drive.series * c.uv, drive.series * c.uv * c.early);
-        after += -(early * u);
-        open += taken - early;
-    }
-    if laws.brush {
-        let (free, full, knee) = (after, c.uv * drive.brush, drive.brush_knee);
-        // Newton's rounds towards the current that its own drop leaves. From the sharp knee's, which is the smaller, they
-        // never pass it: the share bends down.
-        after = free.shrink(full) / open;
-        for _ in 0..3 {
-            let per_size = S::one() / after.hypot(knee);
-            let share = after * per_size;
-            let lack = free - open.mul_add(after, full * share);
-            after += lack / (full * per_size).mul_add(S::one() - share * share, open);
-        }
-        after
-    } else if laws.series {
-        after / open
-    } else {
-        after
-    }
 }

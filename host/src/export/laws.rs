@@ -74,13 +74,16 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         },
         Kind::SupplySag => {
             let duty = format!("(volts / {:e})", rig.supply_v);
-            let renewed = 1.0 - (-place.part_s / (p[1] + 0.5 * place.part_s)).exp();
+            let steps = place.part_s / p[1].max(1e-3 * place.part_s);
+            let kept = (-steps).exp();
+            let first = (1.0 - kept) / steps;
+            let drawn = format!("({:e} * current + {:e} * current2)", first - kept, 1.0 - first);
             Statements {
                 drive: vec![
-                    format!("series += {:e} * {duty} * {duty}", renewed * p[0]),
-                    format!("v -= {duty} * {:e} * m[{m}]", 1.0 - renewed),
+                    format!("series += {:e} * {duty} * {duty}", (1.0 - first) * p[0]),
+                    format!("v -= {duty} * {first:e} * m[{m}]"),
                 ],
-                settle: vec![format!("m[{m}] += {renewed:e} * ({} * {duty} * current2 - m[{m}])", n(0))],
+                settle: vec![format!("m[{m}] = {kept:e} * m[{m}] + {} * {duty} * {drawn}", n(0))],
                 ..Statements::default()
             }
         }

@@ -79,7 +79,11 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("PER_IMPULSE", c.per_impulse),
         ("ELECTRIC_IMPULSE", c.electric_impulse),
         ("VISCOUS", c.viscous),
-        ("EARLY", c.early),
+        ("EARLY", c.shares.early),
+        ("EARLY_IN_MEAN", c.shares.early_in_mean),
+        ("HALF_WAY", c.shares.half_way),
+        ("HALF", c.shares.half),
+        ("HALF_IN_MEAN", c.shares.half_in_mean),
         ("HALF_STEP", c.half_step),
         ("STEP", options.step_s),
     ];

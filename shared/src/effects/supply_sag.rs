@@ -27,18 +27,25 @@ pub(super) const SPEC: Spec = Spec {
 pub struct SupplySag<S> {
     resistance: S,
     per_supply: S,
-    /// Share of the sag that a step renews.
-    renewed: S,
+    /// What a step's first sag has in its mean ...
+    first: S,
+    /// ... and in its last one.
+    kept: S,
+    /// What the first and the last current have in the last sag, where the current changes evenly.
+    renewed: [S; 2],
 }
 
 impl<S: Scalar> SupplySag<S> {
     pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
-        // The sag at a step's end acts over the step, half a step early.
-        let steps = setting.step / (parameters[1] + S::lit(0.5) * setting.step);
+        let steps = setting.step / parameters[1].max(setting.step * S::lit(1e-3));
+        let kept = (-steps).map(libm::exp);
+        let first = (S::one() - kept) / steps;
         Self {
             resistance: parameters[0],
             per_supply: setting.per_supply,
-            renewed: S::one() - (-steps).map(libm::exp),
+            first,
+            kept,
+            renewed: [first - kept, S::one() - first],
         }
     }
 }
@@ -47,14 +54,15 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
         let duty = now.command * self.per_supply;
-        // What the new current adds to the sag is solved with it: no buffer is too small.
-        drive.series += self.renewed * self.resistance * duty * duty;
-        drive.voltage -= duty * (memory.store - self.renewed * memory.store);
+        // What the step's own current adds to the mean sag is solved with it: no buffer is too small.
+        drive.series += (S::one() - self.first) * self.resistance * duty * duty;
+        drive.voltage -= duty * self.first * memory.store;
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
-        let sag = self.resistance * now.command * self.per_supply * after.current;
-        memory.store += self.renewed * (sag - memory.store);
+        let drawn = self.renewed[0].mul_add(now.state.current, self.renewed[1] * after.current);
+        let sag = self.resistance * now.command * self.per_supply * drawn;
+        memory.store = self.kept.mul_add(memory.store, sag);
     }
 }
 
