@@ -47,6 +47,8 @@ pub struct Candidate {
     pub train: Errors,
     /// On the records kept out.
     pub unseen: Errors,
+    /// Whether it has an effect that two runs of a programme show without any model.
+    pub foretold: bool,
 }
 
 impl Candidate {

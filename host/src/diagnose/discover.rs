@@ -280,7 +280,7 @@ pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
     if climb.rungs.len() < 2 {
         return Vec::new();
     }
-    let near = |c: &&Candidate| c.merit() <= best.merit() + RIVAL;
+    let near = |c: &&Candidate| c.merit() <= best.merit() + RIVAL && c.foretold == best.foretold;
     let mut set: Vec<Kind> =
         climb.first.iter().filter(near).map(|c| c.kinds()[c.kinds().len() - 1]).collect();
     set.sort_by_key(|k| Some(k) != best.kinds().last());

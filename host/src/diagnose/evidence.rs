@@ -1,13 +1,15 @@
 //! The evidence: records to fit, records to judge by, and how models are fitted and judged on them.
 
+use motorlens_shared::effects::Kind;
+
 use super::candidate::{Candidate, Errors};
 use super::floor::floor;
 use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::{Found, Problem};
-use crate::log::Record;
 use crate::log::repeats::find_repeats;
+use crate::log::{Record, losses};
 use crate::motor_file::MotorFile;
 
 /// Share of a record that is fitted where nothing else is there to judge by.
@@ -26,6 +28,8 @@ pub struct Evidence {
     pub floor: Errors,
     /// Whether that was measured, by a repeated programme; else it is what counting alone leaves.
     pub repeated: bool,
+    /// Whether two runs of one programme show that counts are lost.
+    pub loses_counts: bool,
     /// Records that run the programme of an earlier one.
     pub second_runs: Vec<usize>,
 }
@@ -42,6 +46,10 @@ impl Evidence {
         let repeats = find_repeats(records);
         let measured = floor(records, &repeats, &whole, start);
         let second_runs = repeats.iter().map(|(_, second)| *second).collect();
+        let loses_counts = repeats.iter().any(|&(first, second)| {
+            let quantum = whole.grids[first].quantum;
+            losses::loses_counts(&records[first], &records[second], quantum, whole.rig.reference_speed)
+        });
         let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
         let (train, unseen) = if validation.is_empty() {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
@@ -51,7 +59,7 @@ impl Evidence {
             (guided(whole.grids.clone()), guided(whole.lay_out(validation, motor)))
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
-        Self { whole, train, unseen, floor, repeated, second_runs }
+        Self { whole, train, unseen, floor, repeated, loses_counts, second_runs }
     }
 
     /// The records fitted, one of each programme: a second run tells the floor, and little of the physics. In coarse cells,
@@ -83,6 +91,7 @@ impl Evidence {
             found,
             train: train.over(&self.floor),
             unseen: unseen.over(&self.floor),
+            foretold: self.loses_counts && layout.kinds.contains(&Kind::LostCounts),
         };
         found.into_iter().zip(train).zip(unseen).map(candidate).collect()
     }
@@ -123,14 +132,16 @@ impl Evidence {
     pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
         const ROUNDS: usize = 4;
         const GAIN: f64 = 0.02;
+        const NEAR: f64 = 0.3;
         let mut model = model;
         for _ in 0..ROUNDS {
-            let (values, explains, before) = (model.values(), model.explains(), model.merit());
+            // A start that is wrong shows in the error itself.
+            let (values, near, before) = (model.values(), model.excess() < NEAR, model.merit());
             let mut moving = false;
             for problem in [&mut self.whole, &mut self.train, &mut self.unseen] {
-                let slow = explains && problem.find_slow_starts(&values);
+                let slow = near && problem.find_slow_starts(&values);
                 if slow || problem.grids.iter().any(|grid| !grid.rests()) {
-                    problem.refine_starts(&values);
+                    problem.refine_starts(&values, near);
                     moving = true;
                 }
             }

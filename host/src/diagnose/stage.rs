@@ -23,6 +23,12 @@ use crate::fit::simulate::LANES;
 pub struct Effort {
     /// Effects whose probes promise most: the others stay only where the first heat makes leaders of them.
     pub promising: usize,
+    /// Starts of an effect in the first heat ...
+    pub starts: usize,
+    /// ... which cost at most so many times more than its best, ...
+    pub as_cheap: f64,
+    /// ... and its steps.
+    pub heat: usize,
     /// Effects in the second heat.
     pub leaders: usize,
     /// Steps of the second heat.
@@ -35,15 +41,40 @@ pub struct Effort {
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self { promising: 18, leaders: 9, race: 2, finalists: 6, last: 8 };
+    pub const FIRST: Self = Self {
+        starts: 2,
+        as_cheap: 1.25,
+        heat: 1,
+        promising: 18,
+        leaders: 9,
+        race: 2,
+        finalists: 6,
+        last: 8,
+    };
     /// On a model with effects.
-    pub const LATER: Self = Self { promising: 16, leaders: 8, race: 2, finalists: 6, last: 8 };
+    pub const LATER: Self = Self {
+        starts: 2,
+        as_cheap: 1.25,
+        heat: 1,
+        promising: 16,
+        leaders: 8,
+        race: 2,
+        finalists: 6,
+        last: 8,
+    };
+    /// On a model that is far from explaining what is seen, where the usual work finds nothing more.
+    pub const DEEP: Self = Self {
+        starts: 4,
+        as_cheap: 4.0,
+        heat: 3,
+        promising: 20,
+        leaders: 10,
+        race: 3,
+        finalists: 6,
+        last: 12,
+    };
 }
 
-/// Starts of one effect that cost at most this much more than its best go into the heat beside it.
-const AS_CHEAP: f64 = 1.25;
-/// ... at most so many.
-const STARTS: usize = 2;
 /// After the first heat an effect that costs so many times more than the best has lost ...
 const OUT_OF_REACH: f64 = 20.0;
 /// ... unless it is among the first so many.
@@ -77,9 +108,11 @@ pub fn run(
         late.extend(layout.kinds.last().filter(|_| place >= effort.promising));
         // On the base model, where no start is better than it, one shows as well as another where the way goes down.
         let known = if model.kinds().is_empty() { tangent.own } else { f64::MAX };
-        let second = (AS_CHEAP * starts[0].0).min(known);
-        let near = starts.iter().take(STARTS).enumerate().filter(|(k, s)| *k == 0 || s.0 <= second);
-        let best = near.map(|(_, (_, x))| programmes.race(&layout, x, 1)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let second = (effort.as_cheap * starts[0].0).min(known);
+        let near = starts.iter().take(effort.starts).enumerate().filter(|(k, s)| *k == 0 || s.0 <= second);
+        let best = near
+            .map(|(_, (_, x))| programmes.race(&layout, x, effort.heat))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
         heat.extend(best.map(|found| (layout, found)));
     }
     let cheapest_first = |a: &(Layout, Start), b: &(Layout, Start)| a.1.0.total_cmp(&b.1.0);
@@ -129,22 +162,10 @@ type Start = (f64, Vec<f64>);
 
 /// Starts for `model` with `kind` added, most promising first; one at least.
 fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
-    let spec = kind.spec();
     let values = model.values();
     let layout = problem.layout(&[model.kinds(), &[kind]].concat());
-    let scaled = |probe: &[f64]| -> Vec<f64> {
-        probe.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&problem.rig)).collect()
-    };
-    let mut tries: Vec<Values> = spec.probes.iter().map(|p| values.with(kind, scaled(p))).collect();
-    if kind == Kind::Cogging {
-        // The order cannot be searched downhill.
-        tries.extend(ripple::starts(problem, tangent, &values).into_iter().map(|p| values.with(kind, p)));
-    }
-    if kind == Kind::SensorLag
-        && let Some(time) = problem.hold_s
-    {
-        tries.push(values.with(kind, vec![0.0, time]));
-    }
+    let tries: Vec<Values> =
+        sizes(problem, &values, tangent, kind).into_iter().map(|p| values.with(kind, p)).collect();
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
     let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
         .chunks(LANES)
@@ -165,4 +186,23 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
     }
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     (layout, starts)
+}
+
+/// The parameters at which `kind` is tried on the model `values`.
+fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> Vec<Vec<f64>> {
+    let spec = kind.spec();
+    let scaled = |probe: &&[f64]| -> Vec<f64> {
+        probe.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&problem.rig)).collect()
+    };
+    let mut sizes: Vec<Vec<f64>> = spec.probes.iter().map(scaled).collect();
+    if kind == Kind::Cogging {
+        // The order cannot be searched downhill.
+        sizes.extend(ripple::starts(problem, tangent, values));
+    }
+    if kind == Kind::SensorLag
+        && let Some(time) = problem.hold_s
+    {
+        sizes.push(vec![0.0, time]);
+    }
+    sizes
 }

@@ -28,6 +28,9 @@ const ALL_OF_IT: f64 = 0.6;
 const NOISE: f64 = 1.2;
 /// ... of an error that was this many noise units.
 pub const SLOW: f64 = 1.8;
+/// A further effect that leaves noise alone on both sets of records is there where it takes this off the merit: what little
+/// the increments and the error itself show of it agrees.
+const OF_BOTH: f64 = 0.33;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 pub const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
@@ -38,6 +41,9 @@ pub const NEAR_THE_FLOOR: f64 = 1.15;
 /// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
 /// stay as they are, plainly in the error that they add up to.
 pub fn worth(more: &Candidate, less: &Candidate) -> bool {
+    if more.foretold && !less.foretold {
+        return more.merit() < less.merit() + WORTH.ln();
+    }
     let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
     let (train, unseen) = of(|e| e.increments);
     let (drift, unseen_drift) = of(|e| e.position);
@@ -46,6 +52,10 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY
         || drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT;
     if slow && train.max(unseen) < NOT_WORSE {
+        return true;
+    }
+    if !less.kinds().is_empty() && more.merit() < less.merit() - OF_BOTH && left < NOISE && to_the_floor(more)
+    {
         return true;
     }
     let mean = match less.kinds().len() {
@@ -62,15 +72,27 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         && more.merit() < less.merit() + WORTH.ln()
 }
 
+/// Whether the increments are at the noise on both sets of records.
+fn to_the_floor(c: &Candidate) -> bool {
+    c.train.increments.max(c.unseen.increments) < NEAR_THE_FLOOR
+}
+
 /// The simplest of those that are as good as the best.
 pub fn simplest(candidates: &[Candidate]) -> Option<&Candidate> {
-    let best = candidates.iter().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
-    let good = || candidates.iter().filter(|c| as_good(c, best));
+    let least = |of: &mut dyn Iterator<Item = &Candidate>| of.map(Candidate::merit).fold(f64::MAX, f64::min);
+    let within = least(&mut candidates.iter()) + FORETOLD;
+    let foretold = candidates.iter().any(|c| c.foretold && c.merit() <= within);
+    let asked = || candidates.iter().filter(|c| c.foretold == foretold);
+    let best = asked().min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
+    let good = || asked().filter(|c| as_good(c, best));
     let size = good().map(Candidate::size).min()?;
     let of_size = || good().filter(|c| c.size() == size);
-    let merit = of_size().map(Candidate::merit).fold(f64::MAX, f64::min);
+    let merit = least(&mut of_size());
     of_size().filter(|c| c.merit() <= merit + TIE).min_by_key(|c| rarity(c))
 }
+
+/// What two runs show without a model is believed where no other model is better than it by more than this.
+const FORETOLD: f64 = 0.5;
 
 /// Below this difference of merit two laws of the same size fit alike, and the commoner one is meant.
 const TIE: f64 = 0.04;

@@ -55,6 +55,7 @@ pub(super) fn all_of(problem: &Problem) -> Evidence {
         unseen: problem.clone(),
         floor: Errors::COUNTING,
         repeated: false,
+        loses_counts: false,
         second_runs: Vec::new(),
     }
 }

@@ -6,7 +6,7 @@
 
 use motorlens_shared::effects::Rig;
 
-use super::grid::Grid;
+use super::grid::{Grid, Quantity};
 use super::layout::{Layout, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
@@ -27,27 +27,26 @@ impl Problem {
         let x = layout.pack(model);
         let moving: Vec<bool> = self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
         for (grid, moving) in self.grids.iter_mut().zip(moving) {
-            if grid.quantity == super::grid::Quantity::Angle {
+            if grid.quantity == Quantity::Angle {
                 grid.begin_at(if moving { f64::MIN_POSITIVE } else { 0.0 }, 0.0);
             }
         }
-        self.refine_starts(model);
+        self.refine_starts(model, false);
     }
 
-    /// Fits the first speeds of the records that begin in motion anew, under `model`.
-    pub fn refine_starts(&mut self, model: &Values) {
+    /// Fits the first speeds of the records that begin in motion anew, under `model`; and where it is `near` the truth, the
+    /// angles too.
+    pub fn refine_starts(&mut self, model: &Values, near: bool) {
         let layout = self.layout(&model.kinds());
         let x = layout.pack(model);
         for _ in 0..2 {
-            let speeds: Vec<f64> =
-                self.grids
-                    .iter()
-                    .map(|g| {
-                        if g.rests() { 0.0 } else { first_speed(self, &layout, &x, &opening(&layout, &x, g)) }
-                    })
-                    .collect();
-            for (grid, speed) in self.grids.iter_mut().zip(speeds) {
+            let motion = |g: &Grid| first_motion(self, &layout, &x, &opening(&layout, &x, g), near);
+            let motions: Vec<Option<[f64; 2]>> =
+                self.grids.iter().map(|g| (!g.rests()).then(|| motion(g))).collect();
+            for (grid, motion) in self.grids.iter_mut().zip(motions) {
+                let [speed, angle] = motion.unwrap_or([0.0, grid.start_angle]);
                 grid.begin_at(speed, held(&self.rig, speed));
+                grid.start_angle = angle;
             }
         }
     }
@@ -71,24 +70,25 @@ impl Problem {
                 return None;
             }
             for _ in 0..2 {
-                let speed = first_speed(self, &layout, &x, &opening);
+                let [speed, angle] = first_motion(self, &layout, &x, &opening, true);
                 opening.begin_at(speed, held(&self.rig, speed));
+                opening.start_angle = angle;
             }
             let moving = distance(self, &layout, &x, &opening);
-            (moving < AS_COUNTED).then_some(opening.start_speed)
+            (moving < AS_COUNTED).then_some([opening.start_speed, opening.start_angle])
         };
         // Of a record's rest the beginning is not at hand.
-        let rests = |grid: &&Grid| {
-            grid.rests() && grid.quantity == super::grid::Quantity::Angle && grid.places[0].part == 0.0
-        };
-        let speeds: Vec<Option<f64>> =
+        let rests =
+            |grid: &&Grid| grid.rests() && grid.quantity == Quantity::Angle && grid.places[0].part == 0.0;
+        let motions: Vec<Option<[f64; 2]>> =
             self.grids.iter().map(|grid| Some(grid).filter(rests).and_then(slow)).collect();
-        for (grid, speed) in self.grids.iter_mut().zip(&speeds) {
-            if let Some(speed) = speed {
+        for (grid, motion) in self.grids.iter_mut().zip(&motions) {
+            if let Some([speed, angle]) = motion {
                 grid.begin_at(*speed, held(&self.rig, *speed));
+                grid.start_angle = *angle;
             }
         }
-        speeds.iter().any(Option::is_some)
+        motions.iter().any(Option::is_some)
     }
 }
 
@@ -125,9 +125,12 @@ fn distance(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
     (squares / grid.len() as f64).sqrt() / grid.sigma
 }
 
-/// Least squares over the `opening` of a record. The first angle is known to within a count: how far the first speed
-/// carries the shaft tells more of it than how.
-fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid) -> f64 {
+/// A moving shaft may be ahead of its first reading by the way of this long, s, and a count: the reading is filtered, or held.
+const LATE_S: f64 = 0.2;
+
+/// Least squares over the `opening` of a record: speed and angle of the shaft at its start. The first reading is a count wide,
+/// and late where the sensor is; under a model that is not `near` the truth the angle would take up what it is wrong by.
+fn first_motion(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid, near: bool) -> [f64; 2] {
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
@@ -139,14 +142,21 @@ fn first_speed(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid) ->
     let (here, there) = (run(opening.start_speed), run(opening.start_speed + delta));
     let residual: Vec<f64> = opening.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
     let slope: Vec<f64> = there.iter().zip(&here).map(|(a, b)| (a - b) / delta).collect();
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    let angle = near && opening.quantity == Quantity::Angle;
+    let (r0, s0) = if angle { (mean(&residual), mean(&slope)) } else { (0.0, 0.0) };
     let (mut above, mut below) = (0.0, 0.0);
     for (r, s) in residual.iter().zip(&slope) {
-        above += r * s;
-        below += s * s;
+        above += (r - r0) * (s - s0);
+        below += (s - s0).powi(2);
     }
     let change = if below > 0.0 { above / below } else { 0.0 };
     let limit = 2.0 * problem.rig.reference_speed;
-    (opening.start_speed + change).clamp(-limit, limit)
+    let speed = (opening.start_speed + change).clamp(-limit, limit);
+    let read = opening.measured[0];
+    let late = LATE_S * speed.abs() + opening.quantum;
+    let ahead = opening.start_angle + r0 - s0 * (speed - opening.start_speed);
+    [speed, if angle { ahead.clamp(read - late, read + late) } else { opening.start_angle }]
 }
 
 #[cfg(test)]
@@ -188,6 +198,30 @@ mod tests {
         for grid in &problem.grids {
             assert!((grid.start_speed / speed - 1.0).abs() < 0.05, "{}: {}", grid.name, grid.start_speed);
         }
+    }
+
+    /// The angle of a moving shaft at the start is fitted with its speed, and only where the model can be trusted with it.
+    #[test]
+    fn a_moving_shaft_is_put_where_it_was_under_a_model_that_is_near() {
+        let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
+        let case = Case::new(8, &[], ideal);
+        let (mut problem, start) = setup::problem(&case.records, &case.motor);
+        let (layout, x) = problem.fit_base(&start);
+        let values = layout.unpack(&x);
+        let speed = 0.4 * problem.rig.reference_speed;
+        let first = problem.grids[0].start_angle;
+        let ahead = 40.0 * problem.grids[0].quantum;
+        for grid in &mut problem.grids {
+            grid.begin_at(speed, super::held(&problem.rig, speed));
+            let run = predict_one(&[], &layout.all_plain(&x), &problem.rig, grid);
+            grid.measured = run.iter().map(|y| y + ahead).collect();
+        }
+        let put = |problem: &crate::fit::search::Problem| problem.grids[0].start_angle - first;
+        problem.refine_starts(&values, false);
+        assert_eq!(put(&problem), 0.0);
+        problem.refine_starts(&values, true);
+        assert!((put(&problem) / ahead - 1.0).abs() < 0.1, "{} of {ahead}", put(&problem));
+        assert!((problem.grids[0].start_speed / speed - 1.0).abs() < 0.02);
     }
 
     /// A bridge that is late still brings the voltage under which the motor turned.

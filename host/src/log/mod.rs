@@ -10,6 +10,7 @@ pub mod beat;
 mod fields;
 pub mod hold;
 mod json;
+pub mod losses;
 pub mod mapping;
 mod metadata;
 mod motion;
