@@ -80,7 +80,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let report = args.out.join("report.html");
     let faults = findings.data_faults.clone();
-    report::write(&Story::of(&found, &logs.records, &logs.validation, faults), &report)?;
+    report::write(&Story::of(&found, &logs.records, faults), &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || format!("report: {}", report.display()));

@@ -40,7 +40,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = search(&logs, &options, console)?;
-    let story = Story::of(&found, &logs.records, &logs.validation, findings.data_faults);
+    let story = Story::of(&found, &logs.records, findings.data_faults);
     report::write(&story, &args.out)?;
     let size = std::fs::metadata(&args.out)
         .map_err(|source| Error::Io { doing: format!("cannot look at {}", args.out.display()), source })?;

@@ -161,7 +161,6 @@ fn explore(
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
-    let judged = !validation.is_empty();
     let mut ladder: Vec<Rung> = Vec::new();
     let told = std::cell::RefCell::new(progress);
     let climb = climb::run(
@@ -171,14 +170,14 @@ fn explore(
         options.most,
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
         &mut |evidence, candidate| {
-            let rung = rung(&evidence.whole, judged.then_some(&evidence.unseen), &candidate.values());
+            let rung = rung(evidence, &candidate.values());
             (told.borrow_mut())(Progress::Rung(rung.clone()));
             ladder.push(rung);
         },
     );
     ladder.truncate(climb.rungs.len());
     let effects = climb.model().kinds().to_vec();
-    let candidates = rank(&climb, judged.then_some(&evidence.unseen));
+    let candidates = rank(&climb, &evidence);
     let noise_floor = noise_floor(records, validation, &evidence.whole);
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
@@ -224,16 +223,21 @@ pub fn prepare(
 }
 
 /// `values` on the records fitted, and on unseen ones where there are any.
-pub(crate) fn rung(whole: &Problem, unseen: Option<&Problem>, values: &Values) -> Rung {
+pub(crate) fn rung(evidence: &Evidence, values: &Values) -> Rung {
     Rung {
         effects: values.kinds(),
-        train: pooled(&free_runs(whole, values)).unwrap_or_default(),
-        validation: unseen.and_then(|u| pooled(&free_runs(u, values))),
+        train: pooled(&free_runs(&evidence.whole, values)).unwrap_or_default(),
+        validation: unseen(evidence, values),
     }
 }
 
+/// The errors of `values` running free over the records kept out, if there are any.
+fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
+    evidence.kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, values)))
+}
+
 /// The first stage in order, with the share of the base model's error that each takes away.
-pub(crate) fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
+pub(crate) fn rank(climb: &Climb, evidence: &Evidence) -> Vec<Ranked> {
     let base = &climb.rungs[0];
     let mut first: Vec<&Candidate> = climb.first.iter().collect();
     // The simplest of equals comes first, as it does when one is added.
@@ -251,7 +255,7 @@ pub(crate) fn rank(climb: &Climb, unseen: Option<&Problem>) -> Vec<Ranked> {
             Ranked {
                 effect,
                 score,
-                validation: unseen.and_then(|u| pooled(&free_runs(u, &c.values()))),
+                validation: unseen(evidence, &c.values()),
                 evidence: format!(
                     "with {effect} the error falls to {:.0} % on the records fitted and to {:.0} % on unseen data",
                     100.0 * c.train.increments / base.train.increments,

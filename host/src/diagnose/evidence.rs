@@ -18,8 +18,10 @@ const FITTED_SHARE: f64 = 0.65;
 /// Records fitted and records kept out, as the diagnosis uses them.
 #[derive(Debug, Clone)]
 pub struct Evidence {
-    /// All records to learn from, whole.
+    /// All records to learn from, whole: for free runs.
     pub whole: Problem,
+    /// Records of their own to judge by, whole: for free runs. None where the ends of the others judge.
+    pub kept_out: Option<Problem>,
     /// Fitted, in guided runs.
     pub train: Problem,
     /// Kept out, in guided runs.
@@ -51,15 +53,16 @@ impl Evidence {
             losses::loses_counts(&records[first], &records[second], quantum, whole.rig.reference_speed)
         });
         let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
-        let (train, unseen) = if validation.is_empty() {
+        let kept_out = (!validation.is_empty()).then(|| whole.on(whole.lay_out(validation, motor)));
+        let (train, unseen) = if let Some(kept_out) = &kept_out {
+            (guided(whole.grids.clone()), guided(kept_out.grids.clone()))
+        } else {
             let beginnings = whole.grids.iter().map(|g| g.beginning(FITTED_SHARE)).collect();
             let rests = whole.grids.iter().map(|g| g.rest(FITTED_SHARE)).collect();
             (guided(beginnings), guided(rests))
-        } else {
-            (guided(whole.grids.clone()), guided(whole.lay_out(validation, motor)))
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
-        Self { whole, train, unseen, floor, repeated, loses_counts, second_runs }
+        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs }
     }
 
     /// The records fitted, one of each programme: a second run tells the floor, and little of the physics. In coarse cells,
@@ -138,7 +141,8 @@ impl Evidence {
             // A start that is wrong shows in the error itself.
             let (values, near, before) = (model.values(), model.excess() < NEAR, model.merit());
             let mut moving = false;
-            for problem in [&mut self.whole, &mut self.train, &mut self.unseen] {
+            let each = [&mut self.whole, &mut self.train, &mut self.unseen];
+            for problem in each.into_iter().chain(&mut self.kept_out) {
                 let slow = near && problem.find_slow_starts(&values);
                 if slow || problem.grids.iter().any(|grid| !grid.rests()) {
                     problem.refine_starts(&values, near);

@@ -51,6 +51,7 @@ pub(crate) fn textbook(problem: &Problem, effects: &[Kind]) -> Searched {
 pub(super) fn all_of(problem: &Problem) -> Evidence {
     Evidence {
         whole: problem.clone(),
+        kept_out: None,
         train: problem.clone(),
         unseen: problem.clone(),
         floor: Errors::COUNTING,

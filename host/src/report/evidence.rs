@@ -151,12 +151,10 @@ pub fn figures(kind: Kind, values: &Values, rig: &Rig, runs: [&[FreeRun]; 2]) ->
 }
 
 /// The same on the records of `evidence`.
-pub fn of(evidence: &Evidence, has_unseen: bool, kind: Kind, values: &Values) -> Vec<Figure> {
+pub fn of(evidence: &Evidence, kind: Kind, values: &Values) -> Vec<Figure> {
     let runs = |values: &Values| {
         let mut runs = free_runs(&evidence.whole, values);
-        if has_unseen {
-            runs.extend(free_runs(&evidence.unseen, values));
-        }
+        runs.extend(evidence.kept_out.iter().flat_map(|kept_out| free_runs(kept_out, values)));
         runs
     };
     figures(kind, values, &evidence.whole.rig, [&runs(values), &runs(&values.without(kind))])

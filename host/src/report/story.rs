@@ -85,19 +85,13 @@ pub struct Story {
 pub const DRAWN: usize = 4;
 
 impl Story {
-    /// The story of a discovery on `records` with the `faults` found in them, judged on `validation`.
-    pub fn of(
-        discovery: &Discovery,
-        records: &[Record],
-        validation: &[Record],
-        faults: Vec<Warning>,
-    ) -> Self {
+    /// The story of a discovery on `records` with the `faults` found in them.
+    pub fn of(discovery: &Discovery, records: &[Record], faults: Vec<Warning>) -> Self {
         let rungs = &discovery.climb.rungs;
         let base = rungs[0].values();
         let values = discovery.model.values();
         let whole = &discovery.evidence.whole;
-        let unseen = (!validation.is_empty()).then_some(&discovery.evidence.unseen);
-        let shown = shown(whole, unseen, &base, &values);
+        let shown = shown(whole, discovery.evidence.kept_out.as_ref(), &base, &values);
         let next = discovery.plan(Limits { volts: discovery.evidence.highest_voltage(), seconds: 8.0 });
         Self {
             title: title(records),
@@ -107,7 +101,7 @@ impl Story {
             records: shown,
             floor: discovery.noise_floor,
             ladder: discovery.ladder.clone(),
-            suspects: suspects(discovery, !validation.is_empty()),
+            suspects: suspects(discovery),
             rivals: discovery.rivals.clone(),
             next: next.map(|plan| plan.why()),
             withdrawn: discovery.climb.withdrawn.clone(),
@@ -122,9 +116,9 @@ impl Story {
 }
 
 /// The candidates in order, and after them what only a later diagnosis brought.
-fn suspects(discovery: &Discovery, has_unseen: bool) -> Vec<Suspect> {
+fn suspects(discovery: &Discovery) -> Vec<Suspect> {
     let model = discovery.climb.model();
-    let drawn = |kind: Kind, values: &Values| evidence::of(&discovery.evidence, has_unseen, kind, values);
+    let drawn = |kind: Kind, values: &Values| evidence::of(&discovery.evidence, kind, values);
     let candidates = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
         let kind = ranked.effect;
         let tried = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&kind));

@@ -26,7 +26,7 @@ static STORY: LazyLock<Story> = LazyLock::new(|| {
         what: "stale_samples: old".into(),
         fix: "read it anew".into(),
     }];
-    Story::of(&found, &fitted, &unseen, faults)
+    Story::of(&found, &fitted, faults)
 });
 
 #[test]

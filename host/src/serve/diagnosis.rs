@@ -41,17 +41,17 @@ const LONGEST_S: f64 = 8.0;
 
 impl Diagnosis {
     /// What `candidates`, tried on `model`, tell.
-    pub fn new(evidence: &Evidence, has_unseen: bool, model: &Candidate, candidates: Vec<Candidate>) -> Self {
+    pub fn new(evidence: &Evidence, model: &Candidate, candidates: Vec<Candidate>) -> Self {
         let best = simplest(&candidates).cloned();
         let worth = best.as_ref().is_some_and(|best| worth(best, model));
         let rungs = std::iter::once(model.clone()).chain(best).collect();
         let climb = Climb { rungs, first: candidates, refused: Vec::new(), withdrawn: Vec::new() };
-        let ranked = discover::rank(&climb, has_unseen.then_some(&evidence.unseen));
+        let ranked = discover::rank(&climb, evidence);
         let rivals = discover::rivals(&climb);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
             let tried = of(ranked.effect).filter(|_| place < DRAWN);
-            let drawn = |c: &Candidate| evidence::of(evidence, has_unseen, ranked.effect, &c.values());
+            let drawn = |c: &Candidate| evidence::of(evidence, ranked.effect, &c.values());
             Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
         let suspects = suspects.collect();

@@ -26,17 +26,12 @@ use crate::fit::layout::Values;
 struct Work {
     evidence: Evidence,
     model: Candidate,
-    has_unseen: bool,
 }
 
 impl Work {
     fn of(app: &App) -> Self {
         let session = app.session();
-        Self {
-            evidence: session.evidence.clone(),
-            model: session.current.clone(),
-            has_unseen: !session.validation.is_empty(),
-        }
+        Self { evidence: session.evidence.clone(), model: session.current.clone() }
     }
 }
 
@@ -73,7 +68,7 @@ pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(job.app);
         let Some(found) = tried(job, &work, Kind::ALL) else { return stopped() };
-        let diagnosis = Diagnosis::new(&work.evidence, work.has_unseen, &work.model, found);
+        let diagnosis = Diagnosis::new(&work.evidence, &work.model, found);
         let message = if diagnosis.worth {
             "The best suspect comes first. Add it and watch the error fall."
         } else {
@@ -102,7 +97,7 @@ fn refit(job: &Job, work: &Work, begin: &Values, message: impl FnOnce(&Candidate
     let stop = || job.stopped();
     match steps::search(&work.evidence, begin, &work.model.values(), &stop, &mut tell) {
         Some(new) => {
-            let (message, rung) = (message(&new), rung(&work.evidence, work.has_unseen, &new));
+            let (message, rung) = (message(&new), rung(&work.evidence, &new));
             End::Done(message, Box::new(move |session| session.step_to(new, rung)))
         }
         None => stopped(),

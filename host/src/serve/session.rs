@@ -79,11 +79,11 @@ impl Session {
     pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Result<Self> {
         let (evidence, current) = prepare(&records, &validation, &motor)?;
         let floor = discover::noise_floor(&records, &validation, &evidence.whole);
-        let tracks = Arc::new(Tracks::new(&evidence, !validation.is_empty()));
+        let tracks = Arc::new(Tracks::new(&evidence));
         let base = current.values();
         Ok(Self {
             faults: data_faults(records.iter().chain(&validation)),
-            ladder: vec![rung(&evidence, !validation.is_empty(), &current)],
+            ladder: vec![rung(&evidence, &current)],
             view: Arc::new(View::new(tracks, base.clone(), base)),
             diagnosis: None,
             puzzle: None,
@@ -142,8 +142,8 @@ impl Session {
 }
 
 /// `model` on all records of `evidence`.
-pub fn rung(evidence: &Evidence, has_unseen: bool, model: &Candidate) -> Rung {
-    discover::rung(&evidence.whole, has_unseen.then_some(&evidence.unseen), &model.values())
+pub fn rung(evidence: &Evidence, model: &Candidate) -> Rung {
+    discover::rung(evidence, &model.values())
 }
 
 impl Scene {

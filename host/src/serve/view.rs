@@ -29,17 +29,15 @@ struct Track {
 }
 
 impl Tracks {
-    /// The records of `evidence`, those to judge by included if they are records of their own.
-    pub fn new(evidence: &Evidence, has_unseen: bool) -> Self {
+    /// The records of `evidence`, those to judge by included where they are records of their own.
+    pub fn new(evidence: &Evidence) -> Self {
         let of = |problem: &Problem, unseen: bool| {
             let one = |grid: &crate::fit::grid::Grid| problem.on(vec![grid.clone()]);
             let tracks = problem.grids.iter().map(one).map(|p| Track { problem: Mutex::new(p), unseen });
             tracks.collect::<Vec<_>>()
         };
         let mut each = of(&evidence.whole, false);
-        if has_unseen {
-            each.extend(of(&evidence.unseen, true));
-        }
+        each.extend(evidence.kept_out.iter().flat_map(|kept_out| of(kept_out, true)));
         Self { each, whole: Mutex::new(evidence.whole.clone()) }
     }
 
