@@ -88,12 +88,10 @@ pub fn left<S: Scalar>(c: &Coefficients<S>, laws: Laws, [u, u2]: [S; 2], drive: 
 fn behind_brush<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> (S, [S; 2]) {
     let (one, half, s) = (S::one(), S::lit(0.5), &c.shares);
     let (full, knee) = (c.uv * drive.brush, drive.brush_knee);
-    // What was lost before the end stops the current, and never turns it round.
-    let without = |lost: S| free - lost.clamp(-free.abs(), free.abs());
     let size = u.hypot(knee);
     // First guess: the first and the last current share in the drop. Newton's rounds from the sharp knee's current, which is
     // the smaller, never pass it: the share bends down.
-    let (rest, late) = (without(full * s.early * u / size), full - full * s.early);
+    let (rest, late) = (without(free, full * s.early * u / size), full - full * s.early);
     let mut after = rest.shrink(late) / open;
     for _ in 0..3 {
         let per_size = one / after.hypot(knee);
@@ -104,7 +102,7 @@ fn behind_brush<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &
     let middle = s.half_way.mul_add(u - after, after);
     let middle_size = middle.hypot(knee);
     let first = (u + middle) / (size + middle_size);
-    let rest = without(full * s.half * first);
+    let rest = without(free, full * s.half * first);
     let last = half - s.half;
     let mut end = S::zero();
     for _ in 0..2 {
@@ -117,6 +115,12 @@ fn behind_brush<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &
         after += lack / full.mul_add(slope, open);
     }
     (after, [first, end])
+}
+
+/// The current `free` after a loss before the step's end, which stops it and never turns it round.
+#[inline(always)]
+fn without<S: Scalar>(free: S, lost: S) -> S {
+    free - lost.clamp(-free.abs(), free.abs())
 }
 
 #[cfg(test)]

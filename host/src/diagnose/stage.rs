@@ -135,12 +135,20 @@ pub fn run(
     let mut finals: Vec<Candidate> = Vec::new();
     let train = &evidence.train;
     train.simulations.set(train.simulations.get() + programmes.simulations.get());
-    for (layout, (_, x)) in raced.into_iter().take(effort.finalists) {
-        let found = train.search(&layout, Objective::Increments, &x, effort.last, 3e-4);
-        finals.push(evidence.polish(layout, found));
+    let hopeless = HOPELESS * raced.first().map_or(0.0, |best| best.1.0);
+    for (layout, (cost, x)) in raced.into_iter().take(effort.finalists) {
+        let lost = cost > hopeless && finals.iter().any(Candidate::explains);
+        let steps = if lost { 1 } else { effort.last };
+        let found = train.search(&layout, Objective::Increments, &x, steps, 3e-4);
+        if lost {
+            finals.extend(evidence.judge(&layout, vec![found]));
+        } else {
+            finals.push(evidence.polish(layout, found));
+        }
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-    for leader in finals.iter_mut().take(WINNERS).filter(|c| !c.explains()) {
+    let settled = finals.first().is_some_and(Candidate::explains);
+    for leader in finals.iter_mut().take(WINNERS).filter(|_| !settled) {
         let (layout, x) = (leader.layout.clone(), &leader.found.x);
         let found = train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
         let settled = evidence.polish(layout, found);
@@ -152,7 +160,9 @@ pub fn run(
     finals
 }
 
-/// So many leaders are searched on where they do not explain what is seen: laws of many parameters come down slowly.
+/// In the final an effect that costs so many times more than one that explains what is seen is only shown.
+const HOPELESS: f64 = 10.0;
+/// So many leaders are searched on where the first does not explain what is seen: laws of many parameters come down slowly.
 const WINNERS: usize = 2;
 /// ... by so many steps.
 const TO_THE_END: usize = 20;

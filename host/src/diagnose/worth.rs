@@ -30,7 +30,7 @@ const NOISE: f64 = 1.2;
 pub const SLOW: f64 = 1.8;
 /// A further effect that leaves noise alone on both sets of records is there where it takes this off the merit: what little
 /// the increments and the error itself show of it agrees.
-const OF_BOTH: f64 = 0.33;
+const OF_BOTH: f64 = 0.27;
 /// Models whose increments' errors differ by less than this (6 %) count as equal: the one with fewer parameters wins.
 pub const EQUAL: f64 = 0.06;
 /// ... unless its error itself is that many times larger: the increments do not see slow drift.
