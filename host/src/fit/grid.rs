@@ -49,6 +49,8 @@ pub struct Grid {
     pub(super) voltages: Vec<f64>,
     /// What was measured at the start and at the end of every cell, rad; empty where runs are free.
     pub(super) guide: Vec<f64>,
+    /// Which of these are near a sample.
+    pub(super) seen: Vec<bool>,
     /// Times of the samples kept, s.
     pub time_s: Vec<f64>,
     /// Their place on the grid; the first sample is the start itself (cell 0, part 0).
@@ -95,6 +97,7 @@ impl Grid {
             step_s: step,
             voltages: mean_voltages(record, step, cells),
             guide: Vec::new(),
+            seen: Vec::new(),
             time_s: Vec::new(),
             places: Vec::new(),
             measured: Vec::new(),

@@ -13,6 +13,11 @@ impl Grid {
     pub fn guided(mut self) -> Self {
         if self.quantity == Quantity::Angle {
             self.guide = self.at_cell_ends();
+            self.seen = vec![false; self.guide.len()];
+            for place in &self.places {
+                let nearest = (place.cell as f64 + place.part).round() as usize;
+                self.seen[nearest.min(self.guide.len() - 1)] = true;
+            }
             let stride = stride(self.interval_s);
             let judged = |k: &usize| *k >= self.skip && (k - self.skip).is_multiple_of(stride);
             let kept: Vec<usize> = (0..self.len()).filter(judged).collect();
@@ -39,10 +44,16 @@ impl Grid {
             let half = (p.cell % 2) as f64;
             Place { cell: p.cell / 2, part: 0.5 * (half + p.part) }
         };
+        let guide: Vec<f64> = self.guide.iter().copied().step_by(2).chain(last).collect();
+        // A sample near an end that goes is near the next that stays.
+        let near = |end: usize| {
+            [(2 * end).saturating_sub(1), 2 * end].iter().any(|k| self.seen.get(*k) == Some(&true))
+        };
         Self {
             step_s: 2.0 * self.step_s,
             voltages,
-            guide: self.guide.iter().copied().step_by(2).chain(last).collect(),
+            seen: (0..guide.len()).map(near).collect(),
+            guide,
             places: self.places.iter().map(place).collect(),
             ..self.clone()
         }
@@ -118,6 +129,31 @@ mod tests {
         let free: Vec<f64> = shaft.iter().step_by(2).copied().collect();
         let most = guided.iter().zip(&free).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(guided.len() == free.len() && most < 1e-9, "{most} rad apart");
+    }
+
+    /// Ten milliseconds under steps of voltage are no cubic: teeth held to one would push where the shaft never was.
+    #[test]
+    fn between_samples_the_teeth_act_where_the_model_moves_them() {
+        let times: Vec<f64> = (0..800).map(|k| f64::from(k) * 1e-2).collect();
+        let volts = (0..800_u32).map(|k| if (k / 5 * 7919) % 13 < 6 { 8.0 } else { -8.0 }).collect();
+        let record = record(times, volts);
+        let motor = MotorFile { gear_ratio: Some(30.0), ..MotorFile::default() };
+        let rig = rig(std::slice::from_ref(&record), &motor);
+        let mut grid = Grid::new(&record, 0.01);
+        let parameters = [2.5, 0.013, 7e-4, 0.05, 0.1, 0.2, 0.0, 0.0, 10.0];
+        let run = |grid: &Grid| predict_one(&[Kind::Cogging], &parameters, &rig, grid);
+        let shaft = run(&grid);
+        grid.quantum = 1e-3;
+        grid.measured = shaft.iter().map(|x| (x / grid.quantum).floor() * grid.quantum).collect();
+        let guided = grid.clone().guided();
+        let most = |grid: &Grid| run(grid).iter().zip(&shaft).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(most(&guided) < 2.0 * grid.quantum, "{} rad away", most(&guided));
+        let everywhere = Grid { seen: vec![true; guided.seen.len()], ..guided };
+        assert!(
+            most(&everywhere) > 2.0 * grid.quantum,
+            "{} rad away: the case no longer shows it",
+            most(&everywhere)
+        );
     }
 
     #[test]

@@ -35,9 +35,8 @@ impl<'a, S: Scalar> Parameters<'a, S> {
 fn course<'a, S: Scalar>(
     base: &Base<S>,
     rig: &Rig,
-    grid: &Grid,
-    voltages: &'a [S::Element],
-    guide: &'a [S::Element],
+    grid: &'a Grid,
+    [voltages, guide]: [&'a [S::Element]; 2],
 ) -> Course<'a, S> {
     let speed = S::lit(grid.start_speed);
     // A motor already turning has the current that its speed leaves to the first voltage.
@@ -51,6 +50,7 @@ fn course<'a, S: Scalar>(
         reading_age_s: grid.reading_age_s,
         encoder_on_motor: rig.encoder_on_motor,
         guide,
+        seen: &grid.seen,
         count: grid.quantum,
     }
 }
@@ -129,7 +129,7 @@ fn predict<S: Shown<Plain = S, Element = f64>>(
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
     let simulator = Simulator::new(&base, effects, &rig);
-    let course = course(&base, &rig, grid, &grid.voltages, &grid.guide);
+    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
     kernel::run(&simulator, &course, &mut Sampler::new(grid, out));
 }
 
@@ -159,6 +159,6 @@ pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, o
 fn predict_wide(kinds: &[Kind], plain: &[kernel::Wide], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
-    let course = course(&base, &rig, grid, &grid.voltages, &grid.guide);
+    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
     kernel::run_wide(&base, &effects, &rig, &course, &mut Sampler::new(grid, out));
 }
