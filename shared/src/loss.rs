@@ -3,6 +3,10 @@
 //! Both depend on the current, which in a step of z electrical time constants goes from u to u2 as an exponential. A loss
 //! counts in two ways. For the last current it counts by what the winding still keeps of it at the end; for the speed it
 //! counts by its mean, wherever in the step it was, for the winding passes on every volt-second in the end.
+//!
+//! Below its knee a brush is a resistance of drop / knee times the winding's, which lets a current fade so much faster. The
+//! exponential here is the winding's alone: up to a step of its electrical time constant over (1 + drop / knee) the losses
+//! never take more than there is; in longer ones a current that begins a step far from where it ends is not followed.
 
 use crate::base::Coefficients;
 use crate::scalar::Scalar;
