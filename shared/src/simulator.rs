@@ -133,6 +133,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
                 let now = Now { command, state: motion.state, voltages, index };
                 let drive = self.drive::<GUIDED>(&now, motion, ahead);
                 self.advance_two_masses(&mut motion.state, &drive);
+                let now = Now { command: drive.asked, ..now };
                 self.effects.settle(&now, &motion.state, &mut motion.memories);
             }
         } else {
@@ -143,6 +144,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
             step(&self.prepared.coefficients, self.effects.laws(), state, &drive);
             state.load_speed = state.speed;
             state.load_angle = state.angle;
+            let now = Now { command: drive.asked, ..now };
             self.effects.settle(&now, &motion.state, &mut motion.memories);
         }
     }

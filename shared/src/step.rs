@@ -44,6 +44,8 @@ impl<S: Scalar> State<S> {
 /// What acts on the motor during one step. Effects write here; [`step`] resolves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<S> {
+    /// Voltage that the bridge is told to apply, V: late, and less a dead zone.
+    pub asked: S,
     /// Voltage on the winding before the laws below, V.
     pub voltage: S,
     /// Torque on the rotor, positive drives forward, V.
@@ -74,6 +76,7 @@ impl<S: Scalar> Drive<S> {
     pub fn plain(voltage: S) -> Self {
         let zero = S::zero();
         Self {
+            asked: voltage,
             voltage,
             torque: zero,
             load_torque: zero,

@@ -36,12 +36,17 @@ fn motors() -> impl Strategy<Value = Base<f64>> {
     })
 }
 
-fn sizes(kind: Kind, factor: f64) -> Vec<f64> {
+/// The rig of a motor whose name plate is right.
+fn rig(base: &Base<f64>) -> Rig {
+    Rig { reference_speed: base.gain * RIG.nominal_v, ..RIG }
+}
+
+fn sizes(kind: Kind, factor: f64, rig: &Rig) -> Vec<f64> {
     let spec = kind.spec();
     let probe = spec.probes[spec.probes.len() / 2];
     let scaled = spec.parameters.iter().zip(probe).map(|(p, x)| {
         let x = if p.strength { x * factor } else { *x };
-        x.clamp(p.low, p.high) * p.scale.unit(&RIG)
+        x.clamp(p.low, p.high) * p.scale.unit(rig)
     });
     scaled.collect()
 }
@@ -72,8 +77,8 @@ proptest! {
         which in 0..=DISSIPATIVE.len(), factor in 0.1..2.0_f64,
     ) {
         let kind = DISSIPATIVE.get(which).copied();
-        let parameters = kind.map(|k| sizes(k, factor)).unwrap_or_default();
-        let rig = Rig { step_s: longest_step(&base, kind, &parameters), ..RIG };
+        let parameters = kind.map(|k| sizes(k, factor, &rig(&base))).unwrap_or_default();
+        let rig = Rig { step_s: longest_step(&base, kind, &parameters), ..rig(&base) };
         let simulator = Simulator::new(&base, kind.iter().map(|k| (*k, parameters.as_slice())), &rig);
         let mut motion = simulator.start(State::moving(current, speed, 0.0));
         let mut before = energy(&base, &motion.state);
@@ -92,8 +97,8 @@ proptest! {
         // Slow windings overshoot; the others approach the no-load speed from one side.
         let base = Base { tau_e: base.tau_e.min(base.tau_m / 5.0), ..base };
         let kind = DISSIPATIVE.get(which).copied();
-        let parameters = kind.map(|k| sizes(k, 1.0)).unwrap_or_default();
-        let simulator = Simulator::new(&base, kind.iter().map(|k| (*k, parameters.as_slice())), &RIG);
+        let parameters = kind.map(|k| sizes(k, 1.0, &rig(&base))).unwrap_or_default();
+        let simulator = Simulator::new(&base, kind.iter().map(|k| (*k, parameters.as_slice())), &rig(&base));
         let held: Vec<f64> = volts.iter().flat_map(|v| [*v; 50]).collect();
         let peak = volts.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let mut motion = simulator.start(State::rest());
@@ -106,7 +111,7 @@ proptest! {
     #[test]
     fn single_and_double_precision_agree(base in motors(), which in 0..Kind::ALL.len(), factor in 0.3..1.5_f64) {
         let kind = Kind::ALL[which];
-        let parameters = sizes(kind, factor);
+        let parameters = sizes(kind, factor, &rig(&base));
         let volts: Vec<f64> = (0..1500).map(|k| 8.0 * (f64::from(k) * 0.01).sin()).collect();
         let fine = run::<f64>(&base, kind, &parameters, &volts);
         let coarse = run::<f32>(&base, kind, &parameters, &volts);
@@ -125,6 +130,7 @@ fn run<S: Scalar<Element = S> + Into<f64>>(
     p: &[f64],
     volts: &[f64],
 ) -> Vec<f64> {
+    let rig = rig(base);
     let base = Base {
         gain: S::lit(base.gain),
         tau_m: S::lit(base.tau_m),
@@ -133,7 +139,7 @@ fn run<S: Scalar<Element = S> + Into<f64>>(
     };
     let p: Vec<S> = p.iter().map(|x| S::lit(*x)).collect();
     let volts: Vec<S> = volts.iter().map(|v| S::lit(*v)).collect();
-    let simulator = Simulator::new(&base, [(kind, p.as_slice())], &RIG);
+    let simulator = Simulator::new(&base, [(kind, p.as_slice())], &rig);
     let mut motion = simulator.start(State::rest());
     (0..volts.len())
         .map(|cell| {

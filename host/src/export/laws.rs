@@ -1,6 +1,7 @@
 //! Effects as statements that C and Python both read.
 //!
 //! Names: `volts` the command; `past` the commands up to now, the latest first; `time`; `v` the voltage so far;
+//! `asked` what the bridge is told of it;
 //! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`.
 //! The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
 //! end of the step; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
@@ -36,6 +37,21 @@ pub(super) struct Place<'a> {
     pub memory: usize,
 }
 
+/// A disc that sits off centre: how far, where that shows at angle zero, what it shows there, and its turns per output turn.
+pub(super) struct Disc {
+    pub off: f64,
+    pub phase: f64,
+    pub at_zero: f64,
+    pub turns: f64,
+}
+
+impl Disc {
+    pub(super) fn new(p: &[f64], turns: f64) -> Self {
+        let (off, phase) = ((turns * p[0].hypot(p[1])).min(0.9), p[1].atan2(p[0]));
+        Self { off, phase, at_zero: (off * phase.sin()).atan2(1.0 - off * phase.cos()), turns }
+    }
+}
+
 /// A number that may follow any operator.
 pub(super) fn number(x: f64) -> String {
     if x.is_sign_negative() { format!("({x:e})") } else { format!("{x:e}") }
@@ -49,6 +65,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
     let m = place.memory;
     let motor = rig.encoder_on_motor;
     let drive = |line: String| Statements { drive: vec![line], ..Statements::default() };
+    let asks = |line: String| Statements { drive: vec![line, "asked = v".into()], ..Statements::default() };
     let friction = |up: &str, down: &str| Statements {
         drive: vec![format!("up += {up}"), format!("down += {down}")],
         ..Statements::default()
@@ -57,9 +74,9 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
     let middle = format!("(speed + 0.5 * m[{m}])");
     let change = format!("m[{m}] = speed2 - speed");
     match kind {
-        Kind::Delay => drive(format!("v += look_back(past, {}) - volts", number(p[0] / rig.step_s))),
+        Kind::Delay => asks(format!("v += look_back(past, {}) - volts", number(p[0] / rig.step_s))),
         Kind::DeadZone => {
-            drive(format!("v -= clamp(v, -{:e}, {:e})", (p[0] - p[1]).max(0.0), (p[0] + p[1]).max(0.0)))
+            asks(format!("v -= clamp(v, -{:e}, {:e})", (p[0] - p[1]).max(0.0), (p[0] + p[1]).max(0.0)))
         }
         Kind::Coast => Statements {
             drive: vec![format!(
@@ -73,7 +90,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             ..Statements::default()
         },
         Kind::SupplySag => {
-            let duty = format!("(volts / {:e})", rig.supply_v);
+            let duty = format!("(asked / {:e})", rig.supply_v);
             let steps = place.part_s / p[1].max(1e-3 * place.part_s);
             let kept = (-steps).exp();
             let first = (1.0 - kept) / steps;
@@ -99,10 +116,12 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Saturation => {
             let strength = number(p[0] / (rig.nominal_v * rig.nominal_v));
             let (emf, z) = (place.base.back_emf(), place.part_s / place.base.tau_e);
-            let lacks =
-                |of_torque| format!("saturated({strength}, current, v, {emf:e} * speed, {z:e}, {of_torque})");
+            let gain = place.part_s * place.base.acceleration() * emf;
+            let lacks = |of_torque| {
+                format!("saturated({strength}, current, v, {emf:e} * speed, {z:e}, {gain:e}, {of_torque})")
+            };
             let mut lines = drive(format!("torque -= {}", lacks(1)));
-            lines.drive.push(format!("v += {emf:e} * speed * {}", lacks(0)));
+            lines.drive.push(format!("v += {}", lacks(0)));
             lines
         }
         Kind::VoltageDrop => {
@@ -155,10 +174,13 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Backlash => Statements { couple: backlash(p, place), ..Statements::default() },
         Kind::Compliance => Statements { couple: compliance(p, place), ..Statements::default() },
         Kind::Eccentricity => {
-            let turn =
-                if motor { format!("({:e} * angle2)", rig.gear_ratio) } else { "(load_angle2)".into() };
+            let disc = Disc::new(p, if motor { rig.gear_ratio } else { 1.0 });
+            let turn = if motor { format!("{:e} * angle2", rig.gear_ratio) } else { "load_angle2".into() };
+            let at = format!("({turn} + {})", number(disc.phase));
+            let off = disc.off;
+            let shown = format!("atan2({off:e} * sin{at}, 1.0 - {off:e} * cos{at})");
             Statements {
-                read: vec![format!("reading += {} * sin{turn} + {} * (cos{turn} - 1.0)", n(0), n(1))],
+                read: vec![format!("reading += ({shown} - {}) / {:e}", number(disc.at_zero), disc.turns)],
                 ..Statements::default()
             }
         }

@@ -5,7 +5,7 @@
 
 use motorlens_shared::effects::{DIODES_V, Definition, Entry, Kind, Quantity, UserDefined};
 
-use super::laws::number;
+use super::laws::{Disc, number};
 use super::{Exported, effects, formula};
 use crate::model_file::Model;
 
@@ -32,6 +32,8 @@ struct Parts {
     error: String,
     /// The variable that holds the voltage so far.
     voltage: String,
+    /// The one that holds what the bridge is told of it.
+    asked: String,
     /// Torque from rotor to load per inertia of the load, and the load's shares of inertia and viscous friction.
     pull: Option<(String, [f64; 2])>,
     left_out: Vec<String>,
@@ -53,7 +55,7 @@ impl Parts {
 
 /// One model, no libraries.
 pub(super) fn export(model: &Model) -> Exported {
-    let mut parts = Parts { voltage: "v".into(), ..Parts::default() };
+    let mut parts = Parts { voltage: "v".into(), asked: "v".into(), ..Parts::default() };
     for (kind, p) in effects(model) {
         add(&mut parts, model, kind, &p);
     }
@@ -72,19 +74,24 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
     let n: Vec<String> = p.iter().map(|x| number(*x)).collect();
     let n = |k: usize| n[k].as_str();
     match kind {
-        Kind::Delay => parts.voltage("delay", |v| format!("delay({v}, {})", n(0))),
+        Kind::Delay => {
+            parts.voltage("delay", |v| format!("delay({v}, {})", n(0)));
+            parts.asked.clone_from(&parts.voltage);
+        }
         Kind::DeadZone => {
             let (up, down) = ((p[0] + p[1]).max(0.0), (p[0] - p[1]).max(0.0));
             parts.voltage("dead_zone", |v| format!("{v} - max(-{down:e}, min({up:e}, {v}))"));
+            parts.asked.clone_from(&parts.voltage);
         }
         Kind::Coast => coast(parts, rig.supply_v, n(0), p[1]),
         Kind::SupplySag if p[1] > 0.0 => {
             let supply = rig.supply_v;
-            let slope = format!("({}*v/{supply:e}*u - sag)/{}", n(0), n(1));
+            let duty = format!("{}/{supply:e}", parts.asked);
+            let slope = format!("({}*{duty}*u - sag)/{}", n(0), n(1));
             parts.state("sag", "V", "what the supply lacks", slope);
-            parts.voltage("supply_sag", |name| format!("{name} - v/{supply:e}*sag"));
+            parts.voltage("supply_sag", |name| format!("{name} - {duty}*sag"));
         }
-        Kind::SupplySag => parts.resistance += &format!(" + {}*(v/{:e})^2", n(0), rig.supply_v),
+        Kind::SupplySag => parts.resistance += &format!(" + {}*({}/{:e})^2", n(0), parts.asked, rig.supply_v),
         Kind::WindingHeating => {
             let slope = format!("{}*(u/{:e})^2*(1 + heat) - heat/{}", n(0), rig.nominal_v, n(1));
             parts.state("heat", "1", "rise of the winding's resistance", slope);
@@ -92,7 +99,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::Saturation => {
             let q = format!("{}*(u/{:e})^2", n(0), rig.nominal_v);
-            parts.field += &format!("*(5 + {q})/(5 + 6*{q})");
+            parts.field += &format!("*(35 + 10*{q})/(35 + 45*{q} + 3*({q})^2)");
         }
         Kind::VoltageDrop => {
             parts.brush += &format!(" - {}*u/sqrt(u^2 + {}^2)", n(0), n(1));
@@ -145,7 +152,10 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             } else {
                 "load_angle".into()
             };
-            parts.error += &format!(" + {}*sin({turn}) + {}*(cos({turn}) - 1)", n(0), n(1));
+            let disc = Disc::new(p, if rig.encoder_on_motor { rig.gear_ratio } else { 1.0 });
+            let (off, at) = (disc.off, format!("{turn} + {}", number(disc.phase)));
+            let shown = format!("atan2({off:e}*sin({at}), 1 - {off:e}*cos({at}))");
+            parts.error += &format!(" + ({shown} - {})/{:e}", number(disc.at_zero), disc.turns);
         }
         Kind::LostCounts => {
             let width = 0.02 * rig.reference_speed_rad_s;

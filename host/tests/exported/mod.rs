@@ -36,6 +36,8 @@ pub fn sets() -> Vec<Model> {
         vec![],
         vec![(Kind::DeadZone, &[0.3, 0.05]), (Kind::Coulomb, &[0.2]), (Kind::Gravity, &[0.4, -0.2])],
         vec![
+            (Kind::Delay, &[0.0061]),
+            (Kind::DeadZone, &[0.2, 0.0]),
             (Kind::SupplySag, &[0.3, 0.003]),
             (Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4]),
             (Kind::Spring, &[0.05, -0.1]),

@@ -41,6 +41,7 @@ impl<S: Scalar> Effect<S> for DeadZone<S> {
     #[inline(always)]
     fn drive(&self, _now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
         drive.voltage -= drive.voltage.clamp(-self.backward, self.forward);
+        drive.asked = drive.voltage;
     }
 }
 

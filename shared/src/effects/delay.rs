@@ -36,6 +36,7 @@ impl<S: Scalar> Effect<S> for Delay<S> {
     #[inline(always)]
     fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
         drive.voltage += S::look_back(now.voltages, now.index, self.steps) - now.command;
+        drive.asked = drive.voltage;
     }
 }
 

@@ -95,7 +95,7 @@ impl<S: Scalar> Setting<S> {
 /// The moment at the beginning of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Now<'a, S: Scalar> {
-    /// Logged voltage of this cell, V.
+    /// Logged voltage of this cell, V; for [`Effect::settle`] what the bridge was told of it ([`Drive::asked`]).
     pub command: S,
     /// State at its beginning.
     pub state: State<S>,

@@ -9,7 +9,8 @@ pub(super) const SPEC: Spec = Spec {
     name: "supply_sag",
     port: Port::Voltage,
     title: "a weak supply: the voltage falls with the current drawn",
-    equation: "v = v_log - (v_log / supply) q,  buffer dq/dt = resistance (v_log / supply) u - q",
+    equation: "v = v_told (1 - q / supply),  buffer dq/dt = resistance (v_told / supply) u - q; \
+               v_told: v_log, late and less a dead zone",
     source: "a bridge at duty d draws d i from a source of resistance R_s behind a capacitor, and passes on d of what is left",
     signature: "too little torque at full duty and high current, none missing at low duty",
     parameters: &[
@@ -52,8 +53,8 @@ impl<S: Scalar> SupplySag<S> {
 
 impl<S: Scalar> Effect<S> for SupplySag<S> {
     #[inline(always)]
-    fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
-        let duty = now.command * self.per_supply;
+    fn drive(&self, _now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
+        let duty = drive.asked * self.per_supply;
         // What the step's own current adds to the mean sag is solved with it: no buffer is too small.
         drive.series += (S::one() - self.first) * self.resistance * duty * duty;
         drive.voltage -= duty * self.first * memory.store;
@@ -80,6 +81,21 @@ mod tests {
         let truth = v * BASE.gain / (1.0 + s * BASE.viscous_share);
         close(steady_speed(Kind::SupplySag, &[0.8, 0.0], v), truth, 1e-9);
         close(steady_speed(Kind::SupplySag, &[0.8, 0.01], v), truth, 1e-9);
+    }
+
+    /// A bridge that swallows 1 V draws the current of what is left, with a buffer or without.
+    #[test]
+    fn the_duty_is_that_of_what_the_bridge_is_told() {
+        for buffer in [0.0, 0.01] {
+            let (swallowed, sag) = ([1.0, 0.0], [0.8, buffer]);
+            let both = [(Kind::DeadZone, &swallowed[..]), (Kind::SupplySag, &sag[..])];
+            let simulator = Simulator::new(&BASE, both, &RIG);
+            let mut motion = simulator.start(State::rest());
+            for k in 0..8000 {
+                simulator.advance(&mut motion, &[7.0; 8000], k);
+            }
+            close(motion.state.speed, steady_speed(Kind::SupplySag, &sag, 6.0), 1e-9);
+        }
     }
 
     /// Stalled by friction at full duty, with s the source resistance and T its time constant: u = v - q and
