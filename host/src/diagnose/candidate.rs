@@ -19,6 +19,11 @@ impl Errors {
     /// What counting alone leaves.
     pub const COUNTING: Self = Self { increments: 1.0, position: 1.0 };
 
+    /// From mean squares of increments and of the error itself.
+    pub fn of([increments, position]: [f64; 2]) -> Self {
+        Self { increments: (0.5 * increments).sqrt(), position: position.sqrt() }
+    }
+
     /// In units of `floor`.
     #[must_use]
     pub fn over(self, floor: &Self) -> Self {
@@ -47,6 +52,10 @@ pub struct Candidate {
     pub train: Errors,
     /// On the records kept out.
     pub unseen: Errors,
+    /// Of the increments on every record fitted, then on every one kept out.
+    pub records: Vec<f64>,
+    /// Whether a repeated programme shows that nothing disturbs the motor.
+    pub calm: bool,
     /// Whether it has an effect that two runs of a programme show without any model.
     pub foretold: bool,
 }
@@ -79,6 +88,10 @@ impl Candidate {
     pub fn drift(&self) -> f64 {
         (self.train.position * self.unseen.position).sqrt()
     }
+    /// The record that it fits worst, by its increments.
+    pub fn worst(&self) -> f64 {
+        self.records.iter().copied().fold(0.0, f64::max)
+    }
     /// Number of parameters that were searched.
     pub fn size(&self) -> usize {
         self.layout.free().len()
@@ -95,10 +108,6 @@ impl Problem {
 
     /// Errors of up to eight candidates on these records.
     pub fn errors(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Errors> {
-        let errors = |[increments, position]: [f64; 2]| Errors {
-            increments: (0.5 * increments).sqrt(),
-            position: position.sqrt(),
-        };
-        self.mean_squares(layout, xs).into_iter().map(errors).collect()
+        self.mean_squares(layout, xs).into_iter().map(Errors::of).collect()
     }
 }

@@ -9,7 +9,6 @@ use super::candidate::Candidate;
 use super::climb::{self, Climb};
 use super::evidence::Evidence;
 use super::plan::{self, Limits, Plan};
-use super::worth;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
@@ -239,13 +238,9 @@ fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
 /// The first stage in order, with the share of the base model's error that each takes away.
 pub(crate) fn rank(climb: &Climb, evidence: &Evidence) -> Vec<Ranked> {
     let base = &climb.rungs[0];
-    let mut first: Vec<&Candidate> = climb.first.iter().collect();
-    // The simplest of equals comes first, as it does when one is added.
-    if let Some(best) = worth::simplest(&climb.first) {
-        first.sort_by_key(|c| !std::ptr::eq(*c, best));
-    }
-    first
-        .into_iter()
+    climb
+        .first
+        .iter()
         .map(|c| {
             let share = |new: f64, old: f64| 1.0 - new / old;
             let score = share(c.train.increments, base.train.increments)
@@ -280,7 +275,7 @@ impl Discovery {
 const RIVAL: f64 = 0.10;
 
 pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
-    let Some(best) = worth::simplest(&climb.first) else { return Vec::new() };
+    let Some(best) = climb.first.first() else { return Vec::new() };
     if climb.rungs.len() < 2 {
         return Vec::new();
     }

@@ -3,10 +3,12 @@
 use motorlens_shared::effects::Kind;
 
 use super::candidate::{Candidate, Errors};
+use super::chance;
 use super::floor::floor;
 use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::passes::Squares;
 use crate::fit::search::{Found, Problem};
 use crate::log::repeats::find_repeats;
 use crate::log::{Record, losses};
@@ -14,6 +16,9 @@ use crate::motor_file::MotorFile;
 
 /// Share of a record that is fitted where nothing else is there to judge by.
 const FITTED_SHARE: f64 = 0.65;
+
+/// Nothing disturbs a motor whose second run of a programme differs from the first by less than so many times the counting.
+const CALM: f64 = 1.2;
 
 /// Records fitted and records kept out, as the diagnosis uses them.
 #[derive(Debug, Clone)]
@@ -34,6 +39,8 @@ pub struct Evidence {
     pub loses_counts: bool,
     /// Records that run the programme of an earlier one.
     pub second_runs: Vec<usize>,
+    /// By how much a reading's noise was raised on each record fitted and on each kept out.
+    allowed: [Vec<f64>; 2],
 }
 
 impl Evidence {
@@ -62,7 +69,57 @@ impl Evidence {
             (guided(beginnings), guided(rests))
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
-        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs }
+        let allowed = [&train, &unseen].map(|problem| vec![1.0; problem.grids.len()]);
+        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs, allowed }
+    }
+
+    /// Lets every record count for as much as it can tell where `model` leaves something to chance. Whether that changed
+    /// anything: then errors of before are in other units.
+    pub fn allow_for_chance(&mut self, model: &Values) -> bool {
+        const SAME: f64 = 1.05;
+        let old = self.allowed.clone();
+        self.set_allowed(old.each_ref().map(|shares| vec![1.0; shares.len()]));
+        let scatter = [&self.train, &self.unseen].map(|problem| chance::scatter(problem, model));
+        let measured = self.second_runs.iter().map(|k| scatter[0][*k]).sum::<f64>();
+        let measured = measured / self.second_runs.len().max(1) as f64;
+        let new = scatter.map(|own| chance::allowances(&own, measured, &self.floor));
+        let same = |(old, new): (&f64, &f64)| (old / new).max(new / old) < SAME;
+        let changed = !old.iter().flatten().zip(new.iter().flatten()).all(same);
+        self.set_allowed(if changed { new } else { old });
+        changed
+    }
+
+    fn set_allowed(&mut self, new: [Vec<f64>; 2]) {
+        let problems = [&mut self.train, &mut self.unseen];
+        for ((problem, old), new) in problems.into_iter().zip(&self.allowed).zip(&new) {
+            for ((grid, old), new) in problem.grids.iter_mut().zip(old).zip(new) {
+                grid.sigma *= new / old;
+            }
+        }
+        self.allowed = new;
+    }
+
+    /// `candidate` in the units of now.
+    pub fn again(&self, candidate: &Candidate) -> Candidate {
+        let layout = candidate.layout.clone();
+        let found = self.train.search(&layout, Objective::Increments, &candidate.found.x, 0, 1e-3);
+        self.judge(&layout, vec![found]).swap_remove(0)
+    }
+
+    /// Evidence in which nothing is kept out.
+    pub fn all_of(problem: &Problem) -> Self {
+        let allowed = vec![1.0; problem.grids.len()];
+        Self {
+            whole: problem.clone(),
+            kept_out: None,
+            train: problem.clone(),
+            unseen: problem.clone(),
+            floor: Errors::COUNTING,
+            repeated: false,
+            loses_counts: false,
+            second_runs: Vec::new(),
+            allowed: [allowed.clone(), allowed],
+        }
     }
 
     /// The records fitted, one of each programme: a second run tells the floor, and little of the physics. In coarse cells,
@@ -88,12 +145,15 @@ impl Evidence {
     /// The errors on both of fits of one layout, up to eight.
     pub fn judge(&self, layout: &Layout, found: Vec<Found>) -> Vec<Candidate> {
         let xs: Vec<Vec<f64>> = found.iter().map(|found| found.x.clone()).collect();
-        let [train, unseen] = [&self.train, &self.unseen].map(|problem| problem.errors(layout, &xs));
-        let candidate = |((found, train), unseen): ((Found, Errors), Errors)| Candidate {
+        let [train, unseen] = [&self.train, &self.unseen].map(|problem| problem.squares(layout, &xs));
+        let over = |squares: Squares| Errors::of(squares.mean()).over(&self.floor);
+        let candidate = |((found, train), unseen): ((Found, Vec<Squares>), Vec<Squares>)| Candidate {
             layout: layout.clone(),
             found,
-            train: train.over(&self.floor),
-            unseen: unseen.over(&self.floor),
+            train: over(train.iter().copied().sum()),
+            unseen: over(unseen.iter().copied().sum()),
+            records: train.into_iter().chain(unseen).map(|squares| over(squares).increments).collect(),
+            calm: self.repeated && self.floor.increments < CALM && self.floor.position < CALM,
             foretold: self.loses_counts && layout.kinds.contains(&Kind::LostCounts),
         };
         found.into_iter().zip(train).zip(unseen).map(candidate).collect()

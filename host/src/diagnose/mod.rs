@@ -1,6 +1,7 @@
 //! Which physical effect is missing.
 
 pub mod candidate;
+mod chance;
 pub mod climb;
 pub mod contained;
 pub mod discover;

@@ -155,6 +155,7 @@ pub fn run(
         if settled.merit() < leader.merit() {
             *leader = settled;
         }
+        shake(evidence, leader);
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
     finals
@@ -167,6 +168,40 @@ const WINNERS: usize = 2;
 /// ... by so many steps.
 const TO_THE_END: usize = 20;
 
+/// An electrical time constant that is further than this, as a logarithm, from the name plate's is also begun anew.
+const BENT: f64 = 0.5;
+
+/// Laws with kinks, which have more than one lowest place along their first parameter.
+const KINKED: [Kind; 3] = [Kind::Coast, Kind::DeadZone, Kind::Backlash];
+
+/// Searches `leader` again from beside where it ended, where its last law is one of the [`KINKED`].
+fn shake(evidence: &Evidence, leader: &mut Candidate) {
+    if !leader.kinds().last().is_some_and(|kind| KINKED.contains(kind)) {
+        return;
+    }
+    for share in SHAKEN {
+        if leader.explains() {
+            return;
+        }
+        let mut values = leader.values();
+        if let Some((_, effect)) = values.effects.last_mut() {
+            effect[0] *= share;
+        }
+        let layout = leader.layout.clone();
+        let found =
+            evidence.train.search(&layout, Objective::Increments, &layout.pack(&values), SHAKES, 3e-4);
+        let again = evidence.polish(layout, found);
+        if again.merit() < leader.merit() {
+            *leader = again;
+        }
+    }
+}
+
+/// Shares of the first parameter from which a leader is searched again ...
+const SHAKEN: [f64; 4] = [0.85, 1.15, 0.7, 1.4];
+/// ... and the steps of each search.
+const SHAKES: usize = 10;
+
 /// Cost, and the search vector.
 type Start = (f64, Vec<f64>);
 
@@ -174,8 +209,15 @@ type Start = (f64, Vec<f64>);
 fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
     let values = model.values();
     let layout = problem.layout(&[model.kinds(), &[kind]].concat());
-    let tries: Vec<Values> =
-        sizes(problem, &values, tangent, kind).into_iter().map(|p| values.with(kind, p)).collect();
+    let sizes = sizes(problem, &values, tangent, kind);
+    let mut tries: Vec<Values> = sizes.iter().map(|p| values.with(kind, p.clone())).collect();
+    let name_plate = problem.prior.tau_e.0;
+    if (values.base.tau_e / name_plate).ln().abs() > BENT {
+        // What the model lacks may have bent the electrical time constant out of reach of the search.
+        let mut anew = values.clone();
+        anew.base.tau_e = name_plate;
+        tries.extend(sizes.into_iter().map(|p| anew.with(kind, p)));
+    }
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
     let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
         .chunks(LANES)

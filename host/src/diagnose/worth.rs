@@ -58,6 +58,9 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     {
         return true;
     }
+    if shows_on_a_record(more, less) || shows_in_calm(more, less) {
+        return true;
+    }
     let mean = match less.kinds().len() {
         0 => WORTH_A_FIRST,
         1 => WORTH_MORE,
@@ -71,6 +74,28 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         && (unseen_drift < NO_WORSE || train.max(unseen) < MUCH && drift * unseen_drift < 1.0)
         && more.merit() < less.merit() + WORTH.ln()
 }
+
+/// Whether a first effect lowers both errors on both sets of records where nothing disturbs the motor: nothing else would.
+fn shows_in_calm(more: &Candidate, less: &Candidate) -> bool {
+    const BOTH: f64 = 0.25;
+    let lower = |(more, less): (&Errors, &Errors)| {
+        more.increments < WORTH * less.increments && more.position < less.position
+    };
+    let each = [(&more.train, &less.train), (&more.unseen, &less.unseen)];
+    more.calm && less.kinds().is_empty() && each.into_iter().all(lower) && more.merit() < less.merit() - BOTH
+}
+
+/// Whether `more` leaves noise alone on every record, where a second effect was missing on one that shows it: a gap of time
+/// after quick changes of voltage, a ripple at low speed.
+fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
+    const GONE: f64 = 1.2;
+    const NO_RECORD_WORSE: f64 = 1.05;
+    let kept = more.records.iter().zip(&less.records).all(|(more, less)| *more < less * NO_RECORD_WORSE);
+    less.kinds().len() == 1 && less.worst() > STANDS_OUT && more.worst() < GONE && kept
+}
+
+/// Times the floor that a record's increments leave where something shows on it.
+pub const STANDS_OUT: f64 = 1.35;
 
 /// Whether the increments are at the noise on both sets of records.
 fn to_the_floor(c: &Candidate) -> bool {

@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::{check_effects, fast, unseen};
+use super::{check_effects, unseen};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
@@ -84,7 +84,7 @@ pub fn add(
         check_usable(record)?;
     }
     let problem = problem_of(model, records, motor)?;
-    let all = fast::all_of(&problem);
+    let all = Evidence::all_of(&problem);
     let evidence = Evidence::new(problem, &values, records, validation, motor);
 
     let old = evidence.fit(&values, 12);

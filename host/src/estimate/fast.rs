@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::Searched;
-use crate::diagnose::candidate::{Candidate, Errors};
+use crate::diagnose::candidate::Candidate;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::stage::{self, Effort};
 use crate::fit::cost::Objective;
@@ -17,7 +17,7 @@ const TEXTBOOK: usize = 60;
 
 /// Adds `effects` to `base` one after the other on all records.
 pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Searched {
-    let evidence = all_of(problem);
+    let evidence = Evidence::all_of(problem);
     let mut model: Candidate = evidence.fit(base, LAST);
     for kind in effects {
         let found = stage::run(&evidence, &model, &[*kind], Effort::FIRST, &mut |_| ());
@@ -45,18 +45,4 @@ pub(crate) fn textbook(problem: &Problem, effects: &[Kind]) -> Searched {
     let start = Values { base, effects: effects.iter().map(|k| (*k, ordinary(k))).collect() };
     let found = problem.search(&layout, Objective::Position, &layout.pack(&start), TEXTBOOK, 1e-6);
     Searched { values: layout.unpack(&found.x), history: Vec::new(), evaluations: problem.simulations.get() }
-}
-
-/// Evidence in which nothing is kept out.
-pub(super) fn all_of(problem: &Problem) -> Evidence {
-    Evidence {
-        whole: problem.clone(),
-        kept_out: None,
-        train: problem.clone(),
-        unseen: problem.clone(),
-        floor: Errors::COUNTING,
-        repeated: false,
-        loses_counts: false,
-        second_runs: Vec::new(),
-    }
 }

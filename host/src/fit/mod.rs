@@ -10,7 +10,7 @@ pub mod grid;
 mod guide;
 mod held;
 pub mod layout;
-mod passes;
+pub mod passes;
 pub mod search;
 pub mod setup;
 pub mod simulate;

@@ -12,6 +12,32 @@ pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
 /// Blocks of lanes that are kept from pass to pass: 32 MB.
 const MOST_KEPT: usize = 1 << 19;
 
+/// Sums of squared residuals of both objectives, and how many they are.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Squares {
+    sums: [f64; 2],
+    counts: [usize; 2],
+}
+
+impl Squares {
+    /// Mean squares; the largest number where a run went astray.
+    pub fn mean(&self) -> [f64; 2] {
+        std::array::from_fn(|which| {
+            let sum = self.sums[which];
+            if sum.is_finite() { sum / self.counts[which].max(1) as f64 } else { f64::MAX }
+        })
+    }
+}
+
+impl std::iter::Sum for Squares {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| Self {
+            sums: std::array::from_fn(|k| a.sums[k] + b.sums[k]),
+            counts: std::array::from_fn(|k| a.counts[k] + b.counts[k]),
+        })
+    }
+}
+
 impl Problem {
     /// Keeps `room` for the next pass, unless it is so large that the memory is wanted elsewhere.
     fn keep(&self, room: Vec<Vec<Block>>) {
@@ -57,12 +83,17 @@ impl Problem {
 
     /// Mean squared residuals of up to eight candidates without the prior: of the increments, and of the error itself.
     pub fn mean_squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<[f64; 2]> {
-        let mut sums = vec![[0.0; 2]; xs.len()];
-        let mut counts = [0; 2];
+        let all = |squares: Vec<Squares>| squares.into_iter().sum::<Squares>().mean();
+        self.squares(layout, xs).into_iter().map(all).collect()
+    }
+
+    /// For each candidate the same on every record.
+    pub fn squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Vec<Squares>> {
+        let mut squares = vec![vec![Squares::default(); self.grids.len()]; xs.len()];
         self.count_passes(xs.len());
         let mut room = self.room.take();
         room.resize_with(room.len().max(2), Vec::new);
-        for grid in &self.grids {
+        for (place, grid) in self.grids.iter().enumerate() {
             let [run, copy, ..] = &mut room[..] else { continue };
             // A long record runs twice: a copy of it would take memory that others want.
             let long = grid.len() > MOST_KEPT;
@@ -76,19 +107,20 @@ impl Problem {
                     copy.clone_from(run);
                 }
                 residuals(grid, objective, run);
-                counts[which] += run.len();
+                let mut sums = [0.0; LANES];
                 for r in &*run {
                     for (sum, v) in sums.iter_mut().zip(r.0) {
-                        sum[which] += v * v;
+                        *sum += v * v;
                     }
+                }
+                for (own, sum) in squares.iter_mut().zip(sums) {
+                    own[place].sums[which] = sum;
+                    own[place].counts[which] = run.len();
                 }
             }
         }
         self.keep(room);
-        let mean = |which: usize, sum: f64| {
-            if sum.is_finite() { sum / counts[which].max(1) as f64 } else { f64::MAX }
-        };
-        sums.iter().map(|sum| std::array::from_fn(|which| mean(which, sum[which]))).collect()
+        squares
     }
 
     /// `x` and its neighbours along `axes`, with the inverse of each one's distance.

@@ -5,7 +5,7 @@ use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
 use crate::diagnose::candidate::Candidate;
-use crate::diagnose::climb::Climb;
+use crate::diagnose::climb::{Climb, best_first};
 use crate::diagnose::discover;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
@@ -45,7 +45,8 @@ impl Diagnosis {
         let best = simplest(&candidates).cloned();
         let worth = best.as_ref().is_some_and(|best| worth(best, model));
         let rungs = std::iter::once(model.clone()).chain(best).collect();
-        let climb = Climb { rungs, first: candidates, refused: Vec::new(), withdrawn: Vec::new() };
+        let climb =
+            Climb { rungs, first: best_first(&candidates), refused: Vec::new(), withdrawn: Vec::new() };
         let ranked = discover::rank(&climb, evidence);
         let rivals = discover::rivals(&climb);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));

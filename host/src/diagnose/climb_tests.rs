@@ -1,0 +1,74 @@
+//! The climb on hidden cases that each ask for one of its ways.
+
+use super::*;
+use crate::diagnose::discover::{Options, discover, prepare};
+use crate::exam::case::{Case, Conditions};
+use motorlens_virtual_motor::Kind as Hidden;
+
+/// A drag leaves as little as lost counts do, with a parameter less; two runs tell that counts are lost.
+#[test]
+fn what_two_runs_show_by_themselves_is_believed_before_what_is_simpler() {
+    let case = Case::new(12_000_319, &[Hidden::LostCounts], Conditions { disturbed: 0.25, spoilt: 0.15 });
+    let options = Options { library: vec![Kind::QuadraticDrag, Kind::LostCounts], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    assert!(found.evidence.loses_counts);
+    assert_eq!(found.effects, [Kind::LostCounts]);
+    let (mut evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+    evidence.loses_counts = false;
+    let blind = run(&mut evidence, base, &options.library, 1, &mut |_, _| (), &mut |_, _| ());
+    let simplest = simplest(&blind.first).expect("two were tried");
+    assert_eq!(simplest.kinds(), [Kind::QuadraticDrag], "the case no longer needs a second run");
+}
+
+/// A delay fitted alone leaves teeth nothing to start from: they need more starts beside it than a stage gives them.
+#[test]
+fn a_second_effect_is_looked_for_deeper_where_the_first_leads_nowhere() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(22_200_059, &[Hidden::Backlash, Hidden::Delay], conditions);
+    let options = Options { library: vec![Kind::Backlash, Kind::Delay, Kind::Cogging], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    assert_eq!(found.effects, [Kind::Delay, Kind::Backlash]);
+    assert!(found.climb.model().explains());
+}
+
+/// A gap of 3 ms shows after the quick changes of one record, and in the mean of all leaves them near the noise.
+#[test]
+fn a_second_effect_is_found_where_one_record_shows_it() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(23_200_069, &[Hidden::Delay, Hidden::ConstantLoad], conditions);
+    let options = Options { library: vec![Kind::Delay, Kind::ConstantLoad], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let first = &found.climb.rungs[1];
+    assert!(first.explains() && first.worst() > STANDS_OUT, "the case no longer needs a record of its own");
+    assert_eq!(found.effects, [Kind::ConstantLoad, Kind::Delay]);
+    assert!(found.climb.model().worst() < STANDS_OUT);
+}
+
+/// Where counts are lost, fast records lose more of them than the one by which the floor was measured: with that allowed for, the
+/// friction beside them is all that was missing.
+#[test]
+fn records_that_chance_scatters_count_for_less_once_a_law_foretells_it() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(23_200_060, &[Hidden::LostCounts, Hidden::CoulombAsymmetric], conditions);
+    let options = Options { library: vec![Kind::CoulombAsymmetric, Kind::LostCounts], ..Options::default() };
+    let mut found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let with = found.climb.model().clone();
+    assert!(with.kinds().contains(&Kind::LostCounts) && with.explains(), "{:?}", with.records);
+    assert!(found.evidence.allow_for_chance(&with.values().without(Kind::LostCounts)), "nothing was allowed");
+    assert!(!found.evidence.again(&with).explains());
+}
+
+/// Friction alone drifts away under a bridge that coasts, and coasting alone with that friction: together they lead to
+/// the floor.
+#[test]
+fn two_effects_are_found_where_neither_helps_without_the_other() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(16_200_060, &[Hidden::Stribeck, Hidden::Coast], conditions);
+    let options =
+        Options { library: vec![Kind::Stribeck, Kind::Coast, Kind::LostCounts], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let base = &found.climb.rungs[0];
+    assert!(!found.climb.first.iter().any(|c| worth(c, base)), "the case no longer asks for a leap");
+    assert_eq!(found.effects, [Kind::Stribeck, Kind::Coast]);
+    assert!(found.climb.model().excess() < MOSTLY_THERE * base.excess());
+}
