@@ -90,6 +90,8 @@ pub struct Coefficients<S> {
     pub electric_impulse: S,
     /// Half the viscous friction, V per rad/s.
     pub viscous: S,
+    /// Back-EMF constant, V per rad/s.
+    pub back_emf: S,
     /// How a step's currents share in what is lost against them.
     pub shares: Shares<S>,
 }
@@ -176,6 +178,7 @@ impl<S: Scalar> Coefficients<S> {
             per_impulse: one / (c * step),
             electric_impulse: c * base.tau_e,
             viscous: S::lit(0.5) * b / c,
+            back_emf: k,
             shares: Shares::new(step * inverse_tau, [one + d[0][0], half_kept], uv),
         }
     }
@@ -219,6 +222,7 @@ impl Coefficients<f64> {
             per_impulse: S::lit(self.per_impulse * speed / volt),
             electric_impulse: S::lit(self.electric_impulse * volt / speed),
             viscous: S::lit(self.viscous * speed / volt),
+            back_emf: S::lit(self.back_emf * speed / volt),
             shares: self.shares.per_unit(),
         }
     }

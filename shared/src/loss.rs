@@ -4,121 +4,204 @@
 //! counts in two ways. For the last current it counts by what the winding still keeps of it at the end; for the speed it
 //! counts by its mean, wherever in the step it was, for the winding passes on every volt-second in the end.
 //!
-//! Below its knee a brush is a resistance of drop / knee times the winding's, which lets a current fade so much faster. The
-//! exponential here is the winding's alone: up to a step of its electrical time constant over (1 + drop / knee) the losses
-//! never take more than there is; in longer ones a current that begins a step far from where it ends is not followed.
+//! A loss that grows with the current takes the place of a resistance: behind a share q of the winding's a current fades 1 + q
+//! times as fast. Of a brush that share is the slope of its drop from the step's first current to its last. And while the shaft
+//! gains speed its back-EMF takes from the current evenly over the step, not as an exponential: what a loss follows of that
+//! counts by the step's own times ([`Shares::ramp`] for the last current, one half in the mean).
 
 use crate::base::Coefficients;
 use crate::scalar::Scalar;
 use crate::step::{Drive, Laws};
 
-/// How the currents of a step share in a loss; the last current has what is left of 1.
+/// How the winding forgets what happens in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shares<S> {
-    /// The first current, in what a resistance takes from the last one: one half in short steps, none in long ones.
-    pub early: S,
+    /// Electrical time constants in a step.
+    pub constants: S,
+    /// Share of a current that is left after a step.
+    pub kept: S,
+    /// The same after half of it.
+    pub half_kept: S,
+    /// The start of a step, in what a loss that goes evenly to zero takes from the last current: one half in short steps.
+    pub ramp: S,
+}
+
+/// How the currents of a step share in a loss that grows with them; the last current has what is left of 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Behind<S> {
+    /// The first current, in what the loss takes from the last one: one half in short steps, none in long ones.
+    early: S,
     /// The same, in the mean over the step.
-    pub early_in_mean: S,
+    early_in_mean: S,
     /// The first current, in the one at half the step's time.
-    pub half_way: S,
+    half_way: S,
     /// The first half of the step, in what a drop takes from the last current, with its second half at one half.
-    pub half: S,
+    half: S,
     /// The same, in the mean over the step.
-    pub half_in_mean: S,
+    half_in_mean: S,
 }
 
 impl<S: Scalar> Shares<S> {
-    /// In a step of `z` electrical time constants, after which the winding keeps `kept` of a current and after half of which
-    /// it keeps `half_kept`; `uv` is the current that one volt makes in it.
+    /// In a step of `constants` electrical time constants, after which the winding keeps `kept` of a current and after half
+    /// of which it keeps `half_kept`; `uv` is the current that one volt makes in it.
     #[inline(always)]
-    pub fn new(z: S, [kept, half_kept]: [S; 2], uv: S) -> Self {
+    pub fn new(constants: S, [kept, half_kept]: [S; 2], uv: S) -> Self {
         let (one, zero, half) = (S::one(), S::zero(), S::lit(0.5));
         let (kept, half_kept) = (kept.max(zero), half_kept.max(zero));
-        let early = kept * (z - uv).max(zero) / (uv * uv);
-        let early_in_mean = (one / z - kept / uv).clamp(zero, half);
-        let half_way = half_kept / (one + half_kept);
+        Self { constants, kept, half_kept, ramp: (one / constants - kept / uv).clamp(zero, half) }
+    }
+
+    /// Behind a loss of `slope` times the winding's resistance.
+    #[inline(always)]
+    fn behind(&self, slope: S, uv: S) -> Behind<S> {
+        let (one, zero, half) = (S::one(), S::zero(), S::lit(0.5));
+        // e^-x of what the loss adds: the eighth power of its Pade approximant, 1 - e^-x by its factors.
+        let z = S::lit(0.125) * self.constants;
+        let x = z * slope;
+        let (even, odd) = ((x * x).mul_add(S::lit(1.0 / 12.0), one), half * x);
+        let per_sum = one / (even + odd);
+        let root = (even - odd) * per_sum;
+        let square = root * root;
+        let fourth = square * square;
+        let fades = fourth * fourth;
+        let gone_per_slope = z * per_sum * (one + root) * (one + square) * (one + fourth);
+        let kept = self.kept * fades;
+        let per_gone = one / (one - kept);
+        let early = (self.kept * (gone_per_slope - fades * uv) * per_gone / uv).max(zero);
+        let early_in_mean = (one / (self.constants * (one + slope)) - kept * per_gone).clamp(zero, half);
+        let half_kept = self.half_kept * fourth;
+        let per_way = one / (one + half_kept);
+        let half_way = half_kept * per_way;
         // Right where the drop is in proportion to the current.
-        let of_half = |early: S| (early + early - half * half_way) / (one + half_way);
-        Self { early, early_in_mean, half_way, half: of_half(early), half_in_mean: of_half(early_in_mean) }
+        let of_half = |early: S| {
+            let twice = early + early - half * half_way;
+            twice / (one + half_way)
+        };
+        Behind { early, early_in_mean, half_way, half: of_half(early), half_in_mean: of_half(early_in_mean) }
     }
 }
 
 impl Shares<f64> {
     /// In the numbers of `S`; shares have no unit.
     pub(crate) fn per_unit<S: Scalar>(&self) -> Shares<S> {
-        Shares {
-            early: S::lit(self.early),
-            early_in_mean: S::lit(self.early_in_mean),
-            half_way: S::lit(self.half_way),
-            half: S::lit(self.half),
-            half_in_mean: S::lit(self.half_in_mean),
-        }
+        let [constants, kept, half_kept, ramp] =
+            [self.constants, self.kept, self.half_kept, self.ramp].map(S::lit);
+        Shares { constants, kept, half_kept, ramp }
     }
 }
 
-/// What is left of the current `u2` behind drops and a resistance in a step that began with `u`, and the torque (V) by which
-/// the speed is better off than that current says.
+/// What is left of the current `u2` behind drops and a resistance in a step that began with `u` and in which the speed goes
+/// from `w` to `w2`, were it not for them; and the torque (V) by which the speed is better off than that current says.
 ///
 /// A brush loses at current `u` the share u / sqrt(u^2 + knee^2) of its full drop. While a current goes evenly from a to b,
 /// that is in the mean (a + b) / (sqrt(a^2 + knee^2) + sqrt(b^2 + knee^2)), even where it passes zero.
 #[inline(always)]
-pub fn left<S: Scalar>(c: &Coefficients<S>, laws: Laws, [u, u2]: [S; 2], drive: &Drive<S>) -> (S, S) {
-    let s = &c.shares;
+pub fn left<S: Scalar>(
+    c: &Coefficients<S>,
+    laws: Laws,
+    [u, u2]: [S; 2],
+    [w, w2]: [S; 2],
+    drive: &Drive<S>,
+) -> (S, S) {
+    let (one, zero) = (S::one(), S::zero());
     let mut after = if laws.drop { u2.shrink(c.uv * drive.drop) } else { u2 };
-    let mut open = S::one();
-    let mut late = S::zero();
-    if laws.series {
-        let (taken, early) = (drive.series * c.uv, drive.series * c.uv * s.early);
-        after += -(early * u);
-        open += taken - early;
+    if !(laws.series || laws.brush) {
+        return (after, zero);
     }
+    let series = if laws.series { drive.series } else { zero };
+    let mut open = c.uv.mul_add(series, one);
+    let (about, rise) = if laws.brush { guess(c, u, after, open, drive) } else { (after, zero) };
+    let s = c.shares.behind(series + rise, c.uv);
+    let early = series * c.uv * s.early;
+    after += -(early * u);
+    open += -early;
+    let mut late = zero;
+    let mut slope = series;
     if laws.brush {
-        let end;
-        let first;
-        (after, [first, end]) = behind_brush(c, u, after, open, drive);
-        late += drive.brush * (s.half - s.half_in_mean) * (first - end);
-    } else if laws.series {
+        let end = behind_brush(c, &s, [u, after, about], open, drive);
+        after = end.current;
+        late = drive.brush * (s.half - s.half_in_mean) * (end.first - end.share);
+        slope += drive.brush * end.slope;
+        open = end.open;
+    } else {
         after = after / open;
     }
-    if laws.series {
-        late += drive.series * (s.early - s.early_in_mean) * (u - after);
+    late += series * (s.early - s.early_in_mean) * (u - after);
+    // What the back-EMF takes from the current in the step, and the loss follows.
+    let mut ends = (after - u2).mul_add(c.inverse_uv * c.wv, w2);
+    if laws.dry {
+        ends += -ends.clamp(-(c.wf * drive.friction_backward), c.wf * drive.friction_forward);
     }
+    let ramp = slope / (one + slope) * c.back_emf * (ends - w);
+    let sooner = (c.shares.ramp - s.early) * ramp;
+    after += -(c.uv * sooner / open);
+    late += sooner - (S::lit(0.5) - s.early_in_mean) * ramp;
     (after, late)
 }
 
-/// What a brush leaves of the current `free`, of which a resistance leaves 1 / `open`; and the shares of its full drop that
-/// it takes in the first half of the step and at its end.
+/// What a brush leaves in a step.
+struct End<S> {
+    /// The last current.
+    current: S,
+    /// Shares of its full drop in the first half of the step, and at its end ...
+    first: S,
+    share: S,
+    /// ... where it rises by so much a volt of current.
+    slope: S,
+    /// By how much a volt before the last current must rise for a volt of it.
+    open: S,
+}
+
+/// About what a brush leaves of the current `free` if all of it is lost at the end, and what its drop rises by a volt of current
+/// from the step's first one to that.
 #[inline(always)]
-fn behind_brush<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> (S, [S; 2]) {
-    let (one, half, s) = (S::one(), S::lit(0.5), &c.shares);
-    let (full, knee) = (c.uv * drive.brush, drive.brush_knee);
-    let size = u.hypot(knee);
-    // First guess: the first and the last current share in the drop. Newton's rounds from the sharp knee's current, which is
-    // the smaller, never pass it: the share bends down.
-    let (rest, late) = (without(free, full * s.early * u / size), full - full * s.early);
-    let mut after = rest.shrink(late) / open;
+fn guess<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> (S, S) {
+    const SAME: f64 = 1e-3;
+    let (one, full, knee) = (S::one(), c.uv * drive.brush, drive.brush_knee);
+    // Newton's rounds from the sharp knee's current, which is the smaller, never pass the right one: the share bends down.
+    let mut after = free.shrink(full) / open;
     for _ in 0..3 {
         let per_size = one / after.hypot(knee);
         let share = after * per_size;
-        let lack = rest - open.mul_add(after, late * share);
-        after += lack / (late * per_size).mul_add(one - share * share, open);
+        let lack = free - open.mul_add(after, full * share);
+        after += lack / (full * per_size).mul_add(one - share * share, open);
     }
+    let per_size = one / u.hypot(knee);
+    let (first, last) = (u * per_size, after / after.hypot(knee));
+    let (apart, near) = (after - u, S::lit(SAME) * knee);
+    let rise = S::pick_gt(apart.abs(), near, last - first, knee * per_size * (one - first * first));
+    (after, drive.brush * rise / S::pick_gt(apart.abs(), near, apart, knee))
+}
+
+/// What a brush leaves of the current `free`, of which a resistance leaves 1 / `open`; `after` is about that.
+#[inline(always)]
+fn behind_brush<S: Scalar>(
+    c: &Coefficients<S>,
+    s: &Behind<S>,
+    [u, free, after]: [S; 3],
+    open: S,
+    drive: &Drive<S>,
+) -> End<S> {
+    let (one, half) = (S::one(), S::lit(0.5));
+    let (full, knee) = (c.uv * drive.brush, drive.brush_knee);
     let middle = s.half_way.mul_add(u - after, after);
     let middle_size = middle.hypot(knee);
-    let first = (u + middle) / (size + middle_size);
+    let first = (u + middle) / (u.hypot(knee) + middle_size);
     let rest = without(free, full * s.half * first);
     let last = half - s.half;
-    let mut end = S::zero();
+    let mut end = End { current: after, first, share: S::zero(), slope: S::zero(), open };
     for _ in 0..2 {
-        let (end_size, old) = (after.hypot(knee), after);
-        let (per_sum, per_end) = (one / (middle_size + end_size), one / end_size);
-        end = old * per_end;
+        let (size, old) = (end.current.hypot(knee), end.current);
+        let (per_sum, per_size) = (one / (middle_size + size), one / size);
+        end.share = old * per_size;
+        end.slope = per_size * (one - end.share * end.share);
         let second = (middle + old) * per_sum;
-        let lack = rest - open.mul_add(old, full * half.mul_add(second, last * end));
-        let slope = (half * per_sum).mul_add(one - second * end, last * per_end * (one - end * end));
-        after += lack / full.mul_add(slope, open);
+        let lack = rest - open.mul_add(old, full * half.mul_add(second, last * end.share));
+        let slope = (half * per_sum).mul_add(one - second * end.share, last * end.slope);
+        end.open = full.mul_add(slope, open);
+        end.current += lack / end.open;
     }
-    (after, [first, end])
+    end
 }
 
 /// The current `free` after a loss before the step's end, which stops it and never turns it round.
@@ -134,29 +217,37 @@ mod tests {
 
     const BASE: Base<f64> = Base { gain: 0.9, tau_m: 1e6, tau_e: 8e-4, viscous_share: 0.1 };
 
-    /// A resistance that is a share q of the winding's shortens the electrical time constant by 1 + q: to first order of q
-    /// the first current keeps e^-z (1 - q z) of itself in z time constants.
+    /// A resistance that is a share q of the winding's shortens the electrical time constant by 1 + q: the first current keeps
+    /// e^(-(1 + q) z) of itself in z time constants.
     #[test]
-    fn a_series_resistance_takes_its_exact_share_to_first_order() {
-        for (step, q) in [(1e-4, 1e-4), (1e-3, 1e-4), (4e-3, 1e-4)] {
+    fn a_series_resistance_leaves_what_an_exponential_of_its_own_leaves() {
+        for step in [1e-4, 1e-3, 4e-3] {
             let c = Coefficients::new(&BASE, step);
-            let left = (c.uu - q * c.uv * c.shares.early) / (1.0 + q * c.uv * (1.0 - c.shares.early));
-            let truth = libm::exp(-(1.0 + q) * step / BASE.tau_e);
-            assert!((left - truth).abs() < 1e-3 * (c.uu - truth).abs() + 1e-9, "{left} {truth} in {step} s");
+            for q in [1e-4, 0.1, 0.5, 3.0] {
+                let early = c.shares.behind(q, c.uv).early;
+                let left = (c.uu - q * c.uv * early) / (1.0 + q * c.uv * (1.0 - early));
+                let truth = libm::exp(-(1.0 + q) * step / BASE.tau_e);
+                assert!(
+                    (left - truth).abs() < 1e-3 * (c.uu - truth).abs() + 1e-9,
+                    "{left} {truth} in {step} s, {q}"
+                );
+            }
         }
     }
 
     /// With a share q more of resistance a current that is left alone gives 1 / (1 + q) of its volt-seconds.
     #[test]
     fn a_series_resistance_takes_its_exact_share_of_the_volt_seconds() {
-        for (step, q) in [(2e-4, 1e-4), (1e-3, 1e-4), (4e-3, 1e-4)] {
+        for (step, q) in
+            [(2e-4, 1e-4), (1e-3, 1e-4), (4e-3, 1e-4), (2e-4, 0.3), (1e-3, 0.3), (1e-3, 2.0), (4e-3, 0.3)]
+        {
             let c = Coefficients::new(&BASE, step);
             let drive = Drive { series: q, ..Drive::plain(0.0) };
             let laws = Laws { series: true, ..Laws::default() };
             let (mut u, mut sum) = (1.0, 0.0);
             for _ in 0..(40.0 * BASE.tau_e / step) as usize + 40 {
                 let free = c.uu * u;
-                let (after, late) = left(&c, laws, [u, free], &drive);
+                let (after, late) = left(&c, laws, [u, free], [0.0, 0.0], &drive);
                 // Volt-seconds are what the coil gave up, less what the resistance took.
                 sum += (after - free) * c.inverse_uv + late;
                 u = after;
@@ -165,5 +256,24 @@ mod tests {
             let truth = q / (1.0 + q);
             assert!((lost / truth - 1.0).abs() < 2e-3, "{lost} {truth} in {step} s");
         }
+    }
+
+    /// A shaft that speeds up takes from the current evenly: behind a resistance the speed after steps of 3 time constants
+    /// is that of short steps.
+    #[test]
+    fn a_resistance_follows_what_the_back_emf_takes_in_a_step() {
+        let base = Base { gain: 4.0, tau_m: 0.014, tau_e: 3.4e-4, viscous_share: 0.1 };
+        let reached = |parts: usize, series: f64| {
+            let c = Coefficients::new(&base, 1e-3 / parts as f64);
+            let laws = Laws { series: true, ..Laws::default() };
+            let drive = Drive { series, ..Drive::plain(6.0) };
+            let mut s = crate::step::State::rest();
+            (0..20 * parts).for_each(|_| crate::step::step(&c, laws, &mut s, &drive));
+            s.angle
+        };
+        let truth = reached(64, 0.5);
+        let done = (truth - reached(64, 0.0)).abs();
+        let off = (reached(1, 0.5) - truth).abs();
+        assert!(off < done / 300.0, "off by 1/{:.0}", done / off);
     }
 }

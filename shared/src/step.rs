@@ -149,9 +149,15 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     let mut w2 = c.wu.mul_add(u, c.ww.mul_add(w, w_from_v));
 
     if laws.drop || laws.brush || laws.series {
-        let (left, late) = loss::left(c, laws, [u, u2], drive);
+        // The current that friction will bring with it by holding the speed is lost as any other.
+        let mut held = S::zero();
+        if laws.dry {
+            held = (-(w2 * c.inverse_wf)).clamp(-drive.friction_forward, drive.friction_backward);
+            u2 = c.uf.mul_add(held, u2);
+        }
+        let (left, late) = loss::left(c, laws, [u, u2], [w, w2], drive);
         let dv = (left - u2) * c.inverse_uv;
-        u2 = c.uf.mul_add(late, left);
+        u2 = c.uf.mul_add(late - held, left);
         w2 = c.wv.mul_add(dv, c.wf.mul_add(late, w2));
         v += dv;
         f += late;

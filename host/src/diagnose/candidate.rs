@@ -77,7 +77,7 @@ impl Candidate {
     ///
     /// The increments tell whether the physics is right; the error itself may be a few times its floor, not any times.
     pub fn explains(&self) -> bool {
-        const NEAR: f64 = 1.3;
+        const NEAR: f64 = 1.2;
         [self.train, self.unseen].iter().all(|e| e.increments < NEAR && e.position < STEADY)
     }
     /// How far above the floor the increments are: 0 at the floor.

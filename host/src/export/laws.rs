@@ -104,21 +104,28 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
                 ..Statements::default()
             }
         }
-        Kind::WindingHeating => Statements {
-            drive: vec![format!("series += m[{m}]")],
-            settle: vec![format!(
-                "m[{m}] += {:e} * current2 * current2 * (1.0 + m[{m}]) - {:e} * m[{m}]",
-                p[0] * place.part_s / (rig.nominal_v * rig.nominal_v),
-                place.part_s / p[1]
-            )],
-            ..Statements::default()
-        },
+        Kind::WindingHeating => {
+            let gain = p[0] * place.part_s / (rig.nominal_v * rig.nominal_v);
+            let (z, emf) = (place.part_s / place.base.tau_e, place.base.back_emf());
+            let square = format!("mean_square(current, current2, {emf:e} * (speed2 - speed), {z:e})");
+            Statements {
+                drive: vec![format!("series += m[{m}] + {:e} * current * current", 0.5 * gain)],
+                settle: vec![format!(
+                    "m[{m}] += {gain:e} * {square} * (1.0 + m[{m}]) - {:e} * m[{m}]",
+                    place.part_s / p[1]
+                )],
+                ..Statements::default()
+            }
+        }
         Kind::Saturation => {
             let strength = number(p[0] / (rig.nominal_v * rig.nominal_v));
             let (emf, z) = (place.base.back_emf(), place.part_s / place.base.tau_e);
             let gain = place.part_s * place.base.acceleration() * emf;
+            let through = "1.0 / (1.0 + series)";
             let lacks = |of_torque| {
-                format!("saturated({strength}, current, v, {emf:e} * speed, {z:e}, {gain:e}, {of_torque})")
+                format!(
+                    "saturated({strength}, current, v, {emf:e} * speed, {through}, {z:e}, {gain:e}, {of_torque})"
+                )
             };
             let mut lines = drive(format!("torque -= {}", lacks(1)));
             lines.drive.push(format!("v += {}", lacks(0)));

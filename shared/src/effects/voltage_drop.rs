@@ -87,6 +87,31 @@ mod tests {
         assert!(off < done / 150.0, "off by 1/{:.0}", done / off);
     }
 
+    /// Where the knee is wide the drop is a resistance, and a light shaft gains speed within a step.
+    #[test]
+    fn a_light_shaft_under_slow_voltages_is_where_short_steps_take_it() {
+        use crate::base::Base;
+        let base = Base { gain: 4.0, tau_m: 0.014, tau_e: 3.4e-4, viscous_share: 0.13 };
+        let angles = |drop: f64, parts: usize| {
+            let rig = Rig { step_s: 1e-3 / parts as f64, ..RIG };
+            let simulator = Simulator::new(&base, [(Kind::VoltageDrop, &[drop, 0.36][..])], &rig);
+            let volts: std::vec::Vec<f64> = (0..1000 * parts)
+                .map(|k| (k / (5 * parts)) as f64 * 5e-3)
+                .map(|t| 3.0 * (libm::sin(10.0 * t) + libm::sin(24.0 * t) + libm::sin(57.0 * t)))
+                .collect();
+            let mut motion = simulator.start(State::rest());
+            let angle = |k: usize| {
+                simulator.advance(&mut motion, &volts, k);
+                motion.state.angle
+            };
+            (0..volts.len()).map(angle).skip(parts - 1).step_by(parts).collect::<std::vec::Vec<f64>>()
+        };
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let truth = angles(0.72, 32);
+        let (done, off) = (apart(&angles(0.0, 32), &truth), apart(&angles(0.72, 1), &truth));
+        assert!(off < done / 300.0, "off by 1/{:.0}", done / off);
+    }
+
     #[test]
     fn below_the_drop_no_current_brakes_the_shaft() {
         let start = State::moving(0.0, 0.5, 0.0); // back-EMF 0.56 V
