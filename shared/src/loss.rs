@@ -18,6 +18,8 @@ use crate::step::{Drive, Laws};
 pub struct Shares<S> {
     /// Electrical time constants in a step.
     pub constants: S,
+    /// Steps in one of them.
+    pub per_constant: S,
     /// Share of a current that is left after a step.
     pub kept: S,
     /// The same after half of it.
@@ -39,6 +41,8 @@ struct Behind<S> {
     half: S,
     /// The same, in the mean over the step.
     half_in_mean: S,
+    /// What a current is to the one without the loss: 1 / (1 + slope).
+    left: S,
 }
 
 impl<S: Scalar> Shares<S> {
@@ -48,12 +52,14 @@ impl<S: Scalar> Shares<S> {
     pub fn new(constants: S, [kept, half_kept]: [S; 2], uv: S) -> Self {
         let (one, zero, half) = (S::one(), S::zero(), S::lit(0.5));
         let (kept, half_kept) = (kept.max(zero), half_kept.max(zero));
-        Self { constants, kept, half_kept, ramp: (one / constants - kept / uv).clamp(zero, half) }
+        let per_constant = one / constants;
+        let ramp = (per_constant - kept / uv).clamp(zero, half);
+        Self { constants, per_constant, kept, half_kept, ramp }
     }
 
-    /// Behind a loss of `slope` times the winding's resistance.
+    /// Behind a loss of `slope` times the winding's resistance; `inverse_uv` is 1 / `uv`.
     #[inline(always)]
-    fn behind(&self, slope: S, uv: S) -> Behind<S> {
+    fn behind(&self, slope: S, [uv, inverse_uv]: [S; 2]) -> Behind<S> {
         let (one, zero, half) = (S::one(), S::zero(), S::lit(0.5));
         // e^-x of what the loss adds: the eighth power of its Pade approximant, 1 - e^-x by its factors.
         let z = S::lit(0.125) * self.constants;
@@ -67,26 +73,30 @@ impl<S: Scalar> Shares<S> {
         let gone_per_slope = z * per_sum * (one + root) * (one + square) * (one + fourth);
         let kept = self.kept * fades;
         let per_gone = one / (one - kept);
-        let early = (self.kept * (gone_per_slope - fades * uv) * per_gone / uv).max(zero);
-        let early_in_mean = (one / (self.constants * (one + slope)) - kept * per_gone).clamp(zero, half);
+        let early = (self.kept * (gone_per_slope - fades * uv) * (per_gone * inverse_uv)).max(zero);
+        let left = one / (one + slope);
+        let early_in_mean = (self.per_constant * left - kept * per_gone).clamp(zero, half);
         let half_kept = self.half_kept * fourth;
         let per_way = one / (one + half_kept);
         let half_way = half_kept * per_way;
-        // Right where the drop is in proportion to the current.
-        let of_half = |early: S| {
-            let twice = early + early - half * half_way;
-            twice / (one + half_way)
-        };
-        Behind { early, early_in_mean, half_way, half: of_half(early), half_in_mean: of_half(early_in_mean) }
+        // Right where the drop is in proportion to the current: over 1 + half_way.
+        let per_both = (one + half_kept) / (one + half_kept + half_kept);
+        let of_half = |early: S| (early + early - half * half_way) * per_both;
+        let (in_last, in_mean) = (of_half(early), of_half(early_in_mean));
+        Behind { early, early_in_mean, half_way, half: in_last, half_in_mean: in_mean, left }
     }
 }
 
 impl Shares<f64> {
     /// In the numbers of `S`; shares have no unit.
     pub(crate) fn per_unit<S: Scalar>(&self) -> Shares<S> {
-        let [constants, kept, half_kept, ramp] =
-            [self.constants, self.kept, self.half_kept, self.ramp].map(S::lit);
-        Shares { constants, kept, half_kept, ramp }
+        Shares {
+            constants: S::lit(self.constants),
+            per_constant: S::lit(self.per_constant),
+            kept: S::lit(self.kept),
+            half_kept: S::lit(self.half_kept),
+            ramp: S::lit(self.ramp),
+        }
     }
 }
 
@@ -110,21 +120,24 @@ pub fn left<S: Scalar>(
     }
     let series = if laws.series { drive.series } else { zero };
     let mut open = c.uv.mul_add(series, one);
-    let (about, rise) = if laws.brush { guess(c, u, after, open, drive) } else { (after, zero) };
-    let s = c.shares.behind(series + rise, c.uv);
+    let about = if laws.brush { guess(c, u, after, open, drive) } else { About::none(after) };
+    let s = c.shares.behind(series + about.rise, [c.uv, c.inverse_uv]);
     let early = series * c.uv * s.early;
     after += -(early * u);
     open += -early;
     let mut late = zero;
-    let mut slope = series;
+    // Of a resistance, what a volt of the current after is to one before, and its share in what the current loses.
+    let mut closed = one / open;
+    let mut taken = series * s.left;
     if laws.brush {
-        let end = behind_brush(c, &s, [u, after, about], open, drive);
+        let end = behind_brush(c, &s, [u, after], &about, open, drive);
         after = end.current;
         late = drive.brush * (s.half - s.half_in_mean) * (end.first - end.share);
-        slope += drive.brush * end.slope;
-        open = end.open;
+        let slope = drive.brush.mul_add(end.slope, series);
+        taken = slope / (one + slope);
+        closed = one / end.open;
     } else {
-        after = after / open;
+        after = after * closed;
     }
     late += series * (s.early - s.early_in_mean) * (u - after);
     // What the back-EMF takes from the current in the step, and the loss follows.
@@ -132,11 +145,48 @@ pub fn left<S: Scalar>(
     if laws.dry {
         ends += -ends.clamp(-(c.wf * drive.friction_backward), c.wf * drive.friction_forward);
     }
-    let ramp = slope / (one + slope) * c.back_emf * (ends - w);
+    let ramp = taken * c.back_emf * (ends - w);
     let sooner = (c.shares.ramp - s.early) * ramp;
-    after += -(c.uv * sooner / open);
+    after += -(c.uv * sooner * closed);
     late += sooner - (S::lit(0.5) - s.early_in_mean) * ramp;
     (after, late)
+}
+
+/// What a brush leaves of a current if all of it is lost at the end.
+struct About<S> {
+    current: S,
+    /// What the drop rises by a volt of current from the step's first one to about that.
+    rise: S,
+    /// sqrt(u^2 + knee^2) of the first current.
+    size: S,
+}
+
+impl<S: Scalar> About<S> {
+    fn none(current: S) -> Self {
+        Self { current, rise: S::zero(), size: S::zero() }
+    }
+}
+
+/// About what a brush leaves of the current `free`.
+#[inline(always)]
+fn guess<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> About<S> {
+    const SAME: f64 = 1e-3;
+    let (one, full, knee) = (S::one(), c.uv * drive.brush, drive.brush_knee);
+    // Newton's rounds from the sharp knee's current, which is the smaller, never pass the right one: the share bends down.
+    let mut current = free.shrink(full) / open;
+    let (mut last, mut share) = (current, S::zero());
+    for _ in 0..3 {
+        let per_size = one / current.hypot(knee);
+        (last, share) = (current, current * per_size);
+        let lack = free - open.mul_add(current, full * share);
+        current += lack / (full * per_size).mul_add(one - share * share, open);
+    }
+    let size = u.hypot(knee);
+    let per_size = one / size;
+    let first = u * per_size;
+    let (apart, near) = (last - u, S::lit(SAME) * knee);
+    let rise = S::pick_gt(apart.abs(), near, share - first, knee * per_size * (one - first * first));
+    About { current, rise: drive.brush * rise / S::pick_gt(apart.abs(), near, apart, knee), size }
 }
 
 /// What a brush leaves in a step.
@@ -152,44 +202,24 @@ struct End<S> {
     open: S,
 }
 
-/// About what a brush leaves of the current `free` if all of it is lost at the end, and what its drop rises by a volt of current
-/// from the step's first one to that.
-#[inline(always)]
-fn guess<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> (S, S) {
-    const SAME: f64 = 1e-3;
-    let (one, full, knee) = (S::one(), c.uv * drive.brush, drive.brush_knee);
-    // Newton's rounds from the sharp knee's current, which is the smaller, never pass the right one: the share bends down.
-    let mut after = free.shrink(full) / open;
-    for _ in 0..3 {
-        let per_size = one / after.hypot(knee);
-        let share = after * per_size;
-        let lack = free - open.mul_add(after, full * share);
-        after += lack / (full * per_size).mul_add(one - share * share, open);
-    }
-    let per_size = one / u.hypot(knee);
-    let (first, last) = (u * per_size, after / after.hypot(knee));
-    let (apart, near) = (after - u, S::lit(SAME) * knee);
-    let rise = S::pick_gt(apart.abs(), near, last - first, knee * per_size * (one - first * first));
-    (after, drive.brush * rise / S::pick_gt(apart.abs(), near, apart, knee))
-}
-
-/// What a brush leaves of the current `free`, of which a resistance leaves 1 / `open`; `after` is about that.
+/// What a brush leaves of the current `free`, of which a resistance leaves 1 / `open`.
 #[inline(always)]
 fn behind_brush<S: Scalar>(
     c: &Coefficients<S>,
     s: &Behind<S>,
-    [u, free, after]: [S; 3],
+    [u, free]: [S; 2],
+    about: &About<S>,
     open: S,
     drive: &Drive<S>,
 ) -> End<S> {
     let (one, half) = (S::one(), S::lit(0.5));
     let (full, knee) = (c.uv * drive.brush, drive.brush_knee);
-    let middle = s.half_way.mul_add(u - after, after);
+    let middle = s.half_way.mul_add(u - about.current, about.current);
     let middle_size = middle.hypot(knee);
-    let first = (u + middle) / (u.hypot(knee) + middle_size);
+    let first = (u + middle) / (about.size + middle_size);
     let rest = without(free, full * s.half * first);
     let last = half - s.half;
-    let mut end = End { current: after, first, share: S::zero(), slope: S::zero(), open };
+    let mut end = End { current: about.current, first, share: S::zero(), slope: S::zero(), open };
     for _ in 0..2 {
         let (size, old) = (end.current.hypot(knee), end.current);
         let (per_sum, per_size) = (one / (middle_size + size), one / size);
@@ -224,7 +254,7 @@ mod tests {
         for step in [1e-4, 1e-3, 4e-3] {
             let c = Coefficients::new(&BASE, step);
             for q in [1e-4, 0.1, 0.5, 3.0] {
-                let early = c.shares.behind(q, c.uv).early;
+                let early = c.shares.behind(q, [c.uv, c.inverse_uv]).early;
                 let left = (c.uu - q * c.uv * early) / (1.0 + q * c.uv * (1.0 - early));
                 let truth = libm::exp(-(1.0 + q) * step / BASE.tau_e);
                 assert!(

@@ -73,12 +73,20 @@ impl Candidate {
     pub fn merit(&self) -> f64 {
         0.5 * (self.train.merit() + self.unseen.merit())
     }
-    /// Near what a perfect model would leave, on the records fitted and on those kept out.
+    /// Near what a perfect model would leave, on the records fitted and on those kept out: a search need not go on.
     ///
     /// The increments tell whether the physics is right; the error itself may be a few times its floor, not any times.
     pub fn explains(&self) -> bool {
-        const NEAR: f64 = 1.2;
-        [self.train, self.unseen].iter().all(|e| e.increments < NEAR && e.position < STEADY)
+        const NEAR: f64 = 1.3;
+        self.is_within(NEAR)
+    }
+    /// Nearer still: so a model that is believed to be all that there is must be.
+    pub fn explains_all(&self) -> bool {
+        const AT_THE_NOISE: f64 = 1.2;
+        self.is_within(AT_THE_NOISE)
+    }
+    fn is_within(&self, times: f64) -> bool {
+        [self.train, self.unseen].iter().all(|e| e.increments < times && e.position < STEADY)
     }
     /// How far above the floor the increments are: 0 at the floor.
     pub fn excess(&self) -> f64 {

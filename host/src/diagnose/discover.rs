@@ -287,7 +287,7 @@ pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
 }
 
 fn verdict(climb: &Climb) -> Verdict {
-    if climb.model().explains() { Verdict::Explained } else { Verdict::Unexplained }
+    if climb.model().explains_all() { Verdict::Explained } else { Verdict::Unexplained }
 }
 
 /// What a perfect model would leave: from a repeated programme where there is one, else from the counting.

@@ -17,7 +17,7 @@ const TO_THE_END: usize = 30;
 /// Where no search leads `truth` itself to the noise, nothing is excused.
 pub fn is_told(found: &Discovery, truth: &[Kind]) -> bool {
     let best = fitted(&found.evidence, &found.climb.rungs[0], truth);
-    !best.is_some_and(|truth| truth.explains() && as_good(found.climb.model(), &truth))
+    !best.is_some_and(|truth| truth.explains_all() && as_good(found.climb.model(), &truth))
 }
 
 /// The best fit of the laws `truth`, in whatever order they are added to `base`.
