@@ -9,6 +9,7 @@ pub mod excitation;
 extern crate std;
 
 pub mod base;
+mod brush;
 pub mod effects;
 pub mod fixed;
 mod friction;

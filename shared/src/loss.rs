@@ -10,6 +10,7 @@
 //! counts by the step's own times ([`Shares::ramp`] for the last current, one half in the mean).
 
 use crate::base::Coefficients;
+use crate::brush::{self, About};
 use crate::scalar::Scalar;
 use crate::step::{Drive, Laws};
 
@@ -30,19 +31,19 @@ pub struct Shares<S> {
 
 /// How the currents of a step share in a loss that grows with them; the last current has what is left of 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Behind<S> {
+pub(crate) struct Behind<S> {
     /// The first current, in what the loss takes from the last one: one half in short steps, none in long ones.
-    early: S,
+    pub early: S,
     /// The same, in the mean over the step.
-    early_in_mean: S,
+    pub early_in_mean: S,
     /// The first current, in the one at half the step's time.
-    half_way: S,
+    pub half_way: S,
     /// The first half of the step, in what a drop takes from the last current, with its second half at one half.
-    half: S,
+    pub half: S,
     /// The same, in the mean over the step.
-    half_in_mean: S,
+    pub half_in_mean: S,
     /// What a current is to the one without the loss: 1 / (1 + slope).
-    left: S,
+    pub left: S,
 }
 
 impl<S: Scalar> Shares<S> {
@@ -102,9 +103,6 @@ impl Shares<f64> {
 
 /// What is left of the current `u2` behind drops and a resistance in a step that began with `u` and in which the speed goes
 /// from `w` to `w2`, were it not for them; and the torque (V) by which the speed is better off than that current says.
-///
-/// A brush loses at current `u` the share u / sqrt(u^2 + knee^2) of its full drop. While a current goes evenly from a to b,
-/// that is in the mean (a + b) / (sqrt(a^2 + knee^2) + sqrt(b^2 + knee^2)), even where it passes zero.
 #[inline(always)]
 pub fn left<S: Scalar>(
     c: &Coefficients<S>,
@@ -120,7 +118,7 @@ pub fn left<S: Scalar>(
     }
     let series = if laws.series { drive.series } else { zero };
     let mut open = c.uv.mul_add(series, one);
-    let about = if laws.brush { guess(c, u, after, open, drive) } else { About::none(after) };
+    let about = if laws.brush { brush::guess(c, u, after, open, drive) } else { About::none(after) };
     let s = c.shares.behind(series + about.rise, [c.uv, c.inverse_uv]);
     let early = series * c.uv * s.early;
     after += -(early * u);
@@ -130,7 +128,7 @@ pub fn left<S: Scalar>(
     let mut closed = one / open;
     let mut taken = series * s.left;
     if laws.brush {
-        let end = behind_brush(c, &s, [u, after], &about, open, drive);
+        let end = brush::behind(c, &s, [u, after], &about, open, drive);
         after = end.current;
         late = drive.brush * (s.half - s.half_in_mean) * (end.first - end.share);
         let slope = drive.brush.mul_add(end.slope, series);
@@ -150,94 +148,6 @@ pub fn left<S: Scalar>(
     after += -(c.uv * sooner * closed);
     late += sooner - (S::lit(0.5) - s.early_in_mean) * ramp;
     (after, late)
-}
-
-/// What a brush leaves of a current if all of it is lost at the end.
-struct About<S> {
-    current: S,
-    /// What the drop rises by a volt of current from the step's first one to about that.
-    rise: S,
-    /// sqrt(u^2 + knee^2) of the first current.
-    size: S,
-}
-
-impl<S: Scalar> About<S> {
-    fn none(current: S) -> Self {
-        Self { current, rise: S::zero(), size: S::zero() }
-    }
-}
-
-/// About what a brush leaves of the current `free`.
-#[inline(always)]
-fn guess<S: Scalar>(c: &Coefficients<S>, u: S, free: S, open: S, drive: &Drive<S>) -> About<S> {
-    const SAME: f64 = 1e-3;
-    let (one, full, knee) = (S::one(), c.uv * drive.brush, drive.brush_knee);
-    // Newton's rounds from the sharp knee's current, which is the smaller, never pass the right one: the share bends down.
-    let mut current = free.shrink(full) / open;
-    let (mut last, mut share) = (current, S::zero());
-    for _ in 0..3 {
-        let per_size = one / current.hypot(knee);
-        (last, share) = (current, current * per_size);
-        let lack = free - open.mul_add(current, full * share);
-        current += lack / (full * per_size).mul_add(one - share * share, open);
-    }
-    let size = u.hypot(knee);
-    let per_size = one / size;
-    let first = u * per_size;
-    let (apart, near) = (last - u, S::lit(SAME) * knee);
-    let rise = S::pick_gt(apart.abs(), near, share - first, knee * per_size * (one - first * first));
-    About { current, rise: drive.brush * rise / S::pick_gt(apart.abs(), near, apart, knee), size }
-}
-
-/// What a brush leaves in a step.
-struct End<S> {
-    /// The last current.
-    current: S,
-    /// Shares of its full drop in the first half of the step, and at its end ...
-    first: S,
-    share: S,
-    /// ... where it rises by so much a volt of current.
-    slope: S,
-    /// By how much a volt before the last current must rise for a volt of it.
-    open: S,
-}
-
-/// What a brush leaves of the current `free`, of which a resistance leaves 1 / `open`.
-#[inline(always)]
-fn behind_brush<S: Scalar>(
-    c: &Coefficients<S>,
-    s: &Behind<S>,
-    [u, free]: [S; 2],
-    about: &About<S>,
-    open: S,
-    drive: &Drive<S>,
-) -> End<S> {
-    let (one, half) = (S::one(), S::lit(0.5));
-    let (full, knee) = (c.uv * drive.brush, drive.brush_knee);
-    let middle = s.half_way.mul_add(u - about.current, about.current);
-    let middle_size = middle.hypot(knee);
-    let first = (u + middle) / (about.size + middle_size);
-    let rest = without(free, full * s.half * first);
-    let last = half - s.half;
-    let mut end = End { current: about.current, first, share: S::zero(), slope: S::zero(), open };
-    for _ in 0..2 {
-        let (size, old) = (end.current.hypot(knee), end.current);
-        let (per_sum, per_size) = (one / (middle_size + size), one / size);
-        end.share = old * per_size;
-        end.slope = per_size * (one - end.share * end.share);
-        let second = (middle + old) * per_sum;
-        let lack = rest - open.mul_add(old, full * half.mul_add(second, last * end.share));
-        let slope = (half * per_sum).mul_add(one - second * end.share, last * end.slope);
-        end.open = full.mul_add(slope, open);
-        end.current += lack / end.open;
-    }
-    end
-}
-
-/// The current `free` after a loss before the step's end, which stops it and never turns it round.
-#[inline(always)]
-fn without<S: Scalar>(free: S, lost: S) -> S {
-    free - lost.clamp(-free.abs(), free.abs())
 }
 
 #[cfg(test)]
