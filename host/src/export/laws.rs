@@ -4,7 +4,7 @@
 //! `asked` what the bridge is told of it;
 //! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`.
 //! The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
-//! end of the step; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
+//! end of the step; `shown` the encoder's shaft as a disc off centre shows it; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
 
 use motorlens_shared::base::Base;
 use motorlens_shared::effects::{Kind, Rig, UserDefined};
@@ -162,17 +162,19 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Cogging => {
             // The mean over the step in angles of the motor shaft; `order` periods a turn. Where `passed`, in halves
             // of a period, comes to 1, a whole one goes by.
+            let mean = format!("(speed + m[{m}] / 3.0)");
             let wave = |times: f64, sine: &str, cosine: &str| {
                 let per_angle = times * p[4] * rig.gear_ratio;
-                let turn = format!("({per_angle:e} * (angle + {:e} * speed))", 0.5 * place.part_s);
+                let turn = format!("({per_angle:e} * (angle + {:e} * {mean}))", 0.5 * place.part_s);
                 let passed =
-                    format!("{:e} * fabs(speed)", 0.5 * place.part_s * per_angle / std::f64::consts::PI);
+                    format!("{:e} * fabs({mean})", 0.5 * place.part_s * per_angle / std::f64::consts::PI);
                 let q = format!("clamp({passed}, 0.0, 1.0)");
                 let q = format!("({q} * {q})");
                 let flat = format!("(1.0 + {q} * (-1.644934 + {q} * (0.811742 - 0.166808 * {q})))");
                 format!("{flat} * ({sine} * sin{turn} + {cosine} * cos{turn})")
             };
-            drive(format!("torque -= {} + {}", wave(1.0, n(0), n(1)), wave(2.0, n(2), n(3))))
+            let torque = format!("torque -= {} + {}", wave(1.0, n(0), n(1)), wave(2.0, n(2), n(3)));
+            Statements { settle: vec![change], ..drive(torque) }
         }
         Kind::Spring => {
             let middle = format!("(load_angle + {:e} * load_speed)", 0.5 * place.part_s);
@@ -182,12 +184,17 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::Compliance => Statements { couple: compliance(p, place), ..Statements::default() },
         Kind::Eccentricity => {
             let disc = Disc::new(p, if motor { rig.gear_ratio } else { 1.0 });
-            let turn = if motor { format!("{:e} * angle2", rig.gear_ratio) } else { "load_angle2".into() };
-            let at = format!("({turn} + {})", number(disc.phase));
-            let off = disc.off;
-            let shown = format!("atan2({off:e} * sin{at}, 1.0 - {off:e} * cos{at})");
+            let (off, turns, phase) = (disc.off, disc.turns, number(disc.phase));
+            let shows = |shaft: &str| {
+                let at = format!("({turns:e} * {shaft} + {phase})");
+                format!("atan2({off:e} * sin{at}, 1.0 - {off:e} * cos{at})")
+            };
+            let shaft = if motor { "angle2" } else { "load_angle2" };
+            let error = format!("({} - {}) / {turns:e}", shows(shaft), number(disc.at_zero));
+            let seen = |shaft: &str| format!("{shaft} += {} / {turns:e}", shows(shaft));
             Statements {
-                read: vec![format!("reading += ({shown} - {}) / {:e}", number(disc.at_zero), disc.turns)],
+                settle: vec![seen("shown"), seen("shown2")],
+                read: vec![format!("reading += {error}")],
                 ..Statements::default()
             }
         }
@@ -202,8 +209,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             ..Statements::default()
         },
         Kind::SensorLag if p[1] > 0.0 => {
-            let moved = if motor { "(angle2 - angle)" } else { "(load_angle2 - load_angle)" };
-            let (hold, part) = (n(1), place.part_s);
+            let (moved, hold, part) = ("(shown2 - shown)", n(1), place.part_s);
             Statements {
                 settle: vec![
                     format!("over = elapsed - {hold} * floor(elapsed / {hold})"),
@@ -215,9 +221,8 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         }
         Kind::SensorLag => {
             let (keep, ramp) = filter(p[0], place.part_s);
-            let moved = if motor { "(angle2 - angle)" } else { "(load_angle2 - load_angle)" };
             Statements {
-                settle: vec![format!("m[{m}] = {keep:e} * m[{m}] + {ramp:e} * {moved}")],
+                settle: vec![format!("m[{m}] = {keep:e} * m[{m}] + {ramp:e} * (shown2 - shown)")],
                 read: vec![format!("reading -= m[{m}]")],
                 ..Statements::default()
             }

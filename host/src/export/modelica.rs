@@ -30,6 +30,8 @@ struct Parts {
     field: String,
     /// What the sensor adds to the angle.
     error: String,
+    /// What a disc off centre adds of that, and how it grows with the angle.
+    disc: [String; 2],
     /// The variable that holds the voltage so far.
     voltage: String,
     /// The one that holds what the bridge is told of it.
@@ -155,7 +157,10 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             let disc = Disc::new(p, if rig.encoder_on_motor { rig.gear_ratio } else { 1.0 });
             let (off, at) = (disc.off, format!("{turn} + {}", number(disc.phase)));
             let shown = format!("atan2({off:e}*sin({at}), 1 - {off:e}*cos({at}))");
-            parts.error += &format!(" + ({shown} - {})/{:e}", number(disc.at_zero), disc.turns);
+            let more = format!(" + ({shown} - {})/{:e}", number(disc.at_zero), disc.turns);
+            parts.error += &more;
+            let way = format!("{off:e}*cos({at})");
+            parts.disc = [more, format!(" + ({way} - {0:e})/(1 - 2*{way} + {0:e})", off * off)];
         }
         Kind::LostCounts => {
             let width = 0.02 * rig.reference_speed_rad_s;
@@ -168,12 +173,13 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             let held =
                 "discrete Real held(unit=\"rad\", start=0, fixed=true) \"the shaft's angle when last read\"";
             parts.declared.push(held.into());
-            parts.equations.push(format!("when sample({0}, {0}) then held = {shaft}; end when", n(1)));
-            parts.error += &format!(" - ({shaft} - held)");
+            let shown = format!("{shaft}{}", parts.disc[0]);
+            parts.equations.push(format!("when sample({0}, {0}) then held = {shown}; end when", n(1)));
+            parts.error += &format!(" - ({shown} - held)");
         }
         Kind::SensorLag => {
             let w = if rig.encoder_on_motor { "w" } else { "load_w" };
-            let slope = format!("{w} - trail/{}", n(0));
+            let slope = format!("{w}*(1{}) - trail/{}", parts.disc[1], n(0));
             parts.state("trail", "rad", "by how much the reading trails", slope);
             parts.error += " - trail";
         }

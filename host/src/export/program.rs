@@ -97,6 +97,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         ("PAST", past(&effects, options.step_s).to_string()),
         ("MEMORIES", MAX_EFFECTS.to_string()),
         ("SHAFT", if rig.encoder_on_motor { "angle2" } else { "load_angle2" }.to_owned()),
+        ("SHAFT_BEFORE", if rig.encoder_on_motor { "angle" } else { "load_angle" }.to_owned()),
     ];
     for (name, word) in words {
         text = text.replace(&format!("@{name}@"), &word);

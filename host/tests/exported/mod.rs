@@ -55,6 +55,8 @@ pub fn sets() -> Vec<Model> {
         vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
         vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],
         vec![(Kind::LostCounts, &[0.05, 3.0]), (Kind::SensorLag, &[0.012, 0.0])],
+        vec![(Kind::Eccentricity, &[0.004, -0.002]), (Kind::SensorLag, &[0.012, 0.0])],
+        vec![(Kind::Eccentricity, &[0.004, -0.002]), (Kind::SensorLag, &[0.0, 0.013_773_1])],
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.013_773_1])],
         // Renewed several times in a step.
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.000_371_31])],

@@ -4,7 +4,7 @@ use super::spec::{Port, Scale, Spec, TORQUE, shown, strength};
 use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
-use crate::step::Drive;
+use crate::step::{Drive, State};
 
 pub(super) const SPEC: Spec = Spec {
     name: "cogging",
@@ -23,11 +23,12 @@ pub(super) const SPEC: Spec = Spec {
     // The order and the phase come from the data; these stand in where there is no angle to take them from.
     probes: &[&[0.2, 0.0, 0.0, 0.0, 3.0], &[0.0, 0.2, 0.0, 0.0, 3.0], &[0.2, 0.0, 0.0, 0.0, 6.0], &[0.0, 0.2, 0.0, 0.0, 6.0]],
     laws: TORQUE,
-    remembers: false,
+    remembers: true,
     contains: &[],
 };
 
-/// Torque of `order` periods per motor revolution: teeth are no pure sine, so the second harmonic belongs to it.
+/// Torque of `order` periods per motor revolution: teeth are no pure sine, so the second harmonic belongs to it. Memory holds
+/// what the last step added to the speed.
 #[derive(Debug, Clone, Copy)]
 pub struct Cogging<S> {
     ripple: Wave<S>,
@@ -49,17 +50,24 @@ impl<S: Scalar> Cogging<S> {
 
 impl<S: Scalar> Effect<S> for Cogging<S> {
     #[inline(always)]
-    fn drive(&self, now: &Now<S>, _memory: &Memory<S>, drive: &mut Drive<S>) {
-        // The mean over the step: a good part of a period may pass in one.
-        let half = now.state.speed * self.half_step * self.turns;
+    fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
+        // The mean over the step: a good part of a period may pass in one, and more or less than at its first speed.
+        let speed = memory.store.mul_add(S::lit(1.0 / 3.0), now.state.speed);
+        let half = speed * self.half_step * self.turns;
         let turn = now.state.angle.mul_add(self.turns, half);
         drive.torque -= self.ripple.mean(turn, half) + self.harmonic.mean(turn + turn, half + half);
+    }
+    #[inline(always)]
+    fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
+        memory.store = after.speed - now.state.speed;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Kind, testing::*};
+    use super::super::{Kind, Rig, testing::*};
+    use crate::simulator::Simulator;
+    use crate::step::State;
 
     /// A quarter of a ripple period away from balance the slots hold the shaft against a small voltage.
     #[test]
@@ -78,5 +86,33 @@ mod tests {
     #[test]
     fn at_speed_the_ripple_averages_out() {
         close(steady_speed(Kind::Cogging, &[0.3, 0.0, 0.1, 0.0, 4.0], 10.0), BASE.gain * 10.0, 0.05);
+    }
+
+    /// A shaft that gathers speed passes more of a tooth in a step than its first speed tells.
+    #[test]
+    fn a_shaft_that_gathers_speed_passes_the_teeth_as_in_short_steps() {
+        let angles = |teeth: f64, per_step: usize| {
+            let rig = Rig { step_s: per_step as f64 * 6.25e-5, ..RIG };
+            let parameters = [teeth, 0.0, 0.0, 0.0, 6.0];
+            let simulator = Simulator::new(&BASE, [(Kind::Cogging, &parameters[..])], &rig);
+            let volts = |k: usize| if (k * per_step / 16 / 40 * 7 + 3) % 11 < 6 { 5.0 } else { -4.0 };
+            let voltages: std::vec::Vec<f64> = (0..=16 * 2000 / per_step).map(|k| volts(k.max(1) - 1)).collect();
+            let mut motion = simulator.start(State::rest());
+            let step = |k: usize| {
+                simulator.advance(&mut motion, &voltages, k);
+                motion.state.angle
+            };
+            (1..voltages.len()).map(step).skip(16 / per_step - 1).step_by(16 / per_step).collect::<std::vec::Vec<f64>>()
+        };
+        let rms = |a: &[f64], b: &[f64]| {
+            let off: std::vec::Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+            let n = off.len() as f64;
+            let mean = off.iter().sum::<f64>() / n;
+            (off.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / n).sqrt()
+        };
+        let truth = angles(0.3, 1);
+        let done = rms(&truth, &angles(0.0, 1));
+        let off = rms(&angles(0.3, 16), &truth);
+        assert!(off < done / 4000.0, "off by 1/{:.0}", done / off);
     }
 }

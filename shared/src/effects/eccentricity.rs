@@ -82,6 +82,12 @@ impl<S: Scalar> Eccentricity<S> {
 }
 
 impl<S: Scalar> Effect<S> for Eccentricity<S> {
+    /// A filter behind the disc filters its error too, a held reading holds it.
+    #[inline(always)]
+    fn show(&self, state: &mut State<S>) {
+        let shaft = if self.on_motor { &mut state.angle } else { &mut state.load_angle };
+        *shaft += self.per_turn * self.error(*shaft * self.turns);
+    }
     #[inline(always)]
     fn read(&self, state: &State<S>, _memory: &Memory<S>, reading: &mut S) {
         let turn = (if self.on_motor { state.angle } else { state.load_angle }) * self.turns;
@@ -116,5 +122,31 @@ mod tests {
         let a = motion.state.angle * RIG.gear_ratio;
         let wave = 1e-5 * libm::sin(a) + 2e-5 * (libm::cos(a) - 1.0);
         close(angles[699] - motion.state.angle, wave, 1e-7);
+    }
+
+    /// What a filter behind the disc shows trails what the disc shows by the filter's time, to first order.
+    #[test]
+    fn a_filter_behind_the_disc_filters_its_error_too() {
+        use crate::simulator::Simulator;
+        use crate::step::State;
+        let (disc, lag) = ([0.3 / RIG.gear_ratio, 0.1 / RIG.gear_ratio], [0.004, 0.0]);
+        let readings = |effects: &[(Kind, &[f64])]| {
+            let simulator = Simulator::new(&BASE, effects.iter().copied(), &RIG);
+            let mut motion = simulator.start(State::rest());
+            let reading = |k: usize| {
+                simulator.advance(&mut motion, &[3.0; 3000], k);
+                simulator.read(&motion)
+            };
+            (0..3000).map(reading).collect::<std::vec::Vec<f64>>()
+        };
+        let shown = readings(&[(Kind::Eccentricity, &disc)]);
+        let filtered = readings(&[(Kind::Eccentricity, &disc), (Kind::SensorLag, &lag)]);
+        let keep = libm::exp(-0.25_f64);
+        let ramp = 4.0 * (1.0 - keep);
+        let mut trail = 0.0;
+        for k in 1..3000 {
+            trail = keep * trail + ramp * (shown[k] - shown[k - 1]);
+            close(filtered[k], shown[k] - trail, 2e-5);
+        }
     }
 }

@@ -131,6 +131,9 @@ pub trait Effect<S: Scalar> {
     /// Own memory, after the step from `now` to `after`.
     #[inline(always)]
     fn settle(&self, _now: &Now<S>, _after: &State<S>, _memory: &mut Memory<S>) {}
+    /// Where the shaft seems to be to what follows on the way of the reading and has a memory.
+    #[inline(always)]
+    fn show(&self, _state: &mut State<S>) {}
     /// What passes between rotor and load in `part` seconds.
     #[inline(always)]
     fn couple(&self, _part: S, _state: &mut State<S>) {}
@@ -228,6 +231,10 @@ macro_rules! registry {
             #[inline(always)]
             fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
                 match self { $(Self::$kind(e) => e.settle(now, after, memory),)+ Self::Formula(e) => e.settle(now, after, memory) }
+            }
+            #[inline(always)]
+            fn show(&self, state: &mut State<S>) {
+                match self { $(Self::$kind(e) => e.show(state),)+ Self::Formula(e) => e.show(state) }
             }
             #[inline(always)]
             fn couple(&self, part: S, state: &mut State<S>) {

@@ -71,7 +71,10 @@ impl<S: Scalar, A: Named<S>, R: Effects<S>> Effects<S> for With<A, R> {
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
         self.0.settle(now, after, &mut memories[0]);
-        self.1.settle(now, after, &mut memories[1..]);
+        let (mut seen, mut seen_after) = (*now, *after);
+        self.0.show(&mut seen.state);
+        self.0.show(&mut seen_after);
+        self.1.settle(&seen, &seen_after, &mut memories[1..]);
     }
     #[inline(always)]
     fn couple(&self, part: S, state: &mut State<S>) {
@@ -93,6 +96,8 @@ pub struct Several<S> {
     two_masses: bool,
     remembers: bool,
     senses: bool,
+    /// A sensor shows another one something else than the shaft.
+    chained: bool,
 }
 
 impl<S: Scalar> Several<S> {
@@ -107,6 +112,7 @@ impl<S: Scalar> Several<S> {
             remembers: any(|kind| kind.spec().remembers),
             // A user's formula may enter anywhere.
             senses: any(|kind| kind.spec().port == Port::Sensor || matches!(kind, Kind::Formula(_))),
+            chained: any(|kind| kind == Kind::Eccentricity) && any(|kind| kind == Kind::SensorLag),
         }
     }
 }
@@ -129,8 +135,13 @@ impl<S: Scalar> Effects<S> for Several<S> {
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
         if self.remembers {
+            let (mut seen, mut seen_after) = (*now, *after);
             for (effect, memory) in self.active.iter().zip(memories) {
-                effect.settle(now, after, memory);
+                effect.settle(&seen, &seen_after, memory);
+                if self.chained {
+                    effect.show(&mut seen.state);
+                    effect.show(&mut seen_after);
+                }
             }
         }
     }
