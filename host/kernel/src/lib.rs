@@ -54,8 +54,8 @@ pub struct Course<'a, S: Scalar> {
     /// What was measured at the start and at the end of every cell, rad: laws tied to an angle then act where the
     /// shaft was seen, whatever the model's has drifted to. Empty where the run is free.
     pub guide: &'a [S::Element],
-    /// Which of these are near a sample: what the shaft is ahead by there holds until the next, because between samples
-    /// the model knows better than any curve through them.
+    /// Which of these are near a sample: what the shaft is ahead by there holds until a later one is more than a count away,
+    /// because in between the model knows better than any curve through them.
     pub seen: &'a [bool],
     /// What a measured angle may lack, rad: within it the model's own shaft counts.
     pub count: f64,
@@ -123,7 +123,8 @@ pub fn run<S: Shown, E: Effects<S>>(
     sink.begin(start);
     let mut readings = [start; CHUNK];
     let guided = course.guide.len().min(course.seen.len()) > course.cells;
-    // Held at the reading itself, a spring would be driven away for as long as the run lasts by what a count lacks.
+    // Held at the reading itself, a spring would be driven away for as long as the run lasts by what a count lacks; held at the
+    // edge of a count, teeth would push a standing shaft that the model balances elsewhere in it.
     let lacking = S::lit(course.count);
     let mut first = 0;
     while first < course.cells {
@@ -132,7 +133,7 @@ pub fn run<S: Shown, E: Effects<S>>(
             simulator.advance_guided(&mut motion, course.voltages, first + k + 1, ahead);
             let reading = show(simulator, &motion, ahead, course.encoder_on_motor);
             if guided && course.seen[first + k + 1] {
-                ahead = (S::splat(course.guide[first + k + 1]) - reading[0]).shrink(lacking);
+                ahead += (S::splat(course.guide[first + k + 1]) - reading[0] - ahead).shrink(lacking);
             }
             readings[k] = plain(reading);
         }
