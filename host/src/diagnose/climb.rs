@@ -7,7 +7,8 @@ use super::candidate::{Candidate, Errors, STEADY};
 use super::contained;
 use super::evidence::Evidence;
 use super::stage::{self, Effort};
-use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, STANDS_OUT, as_good, rivals, simplest, worth};
+use super::teeth::settle_teeth;
+use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, STANDS_OUT, as_good, promises, rivals, simplest, worth};
 
 /// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
 const MOSTLY_THERE: f64 = 0.15;
@@ -99,7 +100,13 @@ pub fn run(
             found.extend(look(evidence, &rival, library, effort, &mut |k| tick(depth, k)));
         }
         found.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-        let worthy: Vec<Candidate> = found.iter().filter(|c| worth(c, &model)).cloned().collect();
+        let mut worthy: Vec<Candidate> = found.iter().filter(|c| worth(c, &model)).cloned().collect();
+        if let Some(best) = found.first().filter(|c| worthy.is_empty() && promises(c, &model)) {
+            // Teeth come down slowly: what they leave of the error itself goes last.
+            let finished = settle_teeth(evidence, evidence.fit(&best.values(), TO_THE_END));
+            let finished = evidence.finish(finished);
+            worthy.extend(Some(finished).filter(|c| worth(c, &model)));
+        }
         let mut next = next_rung(&worthy, &model).cloned();
         if next.is_none() && depth == 0 {
             next = leap(evidence, &model, &found, library, &mut |k| tick(depth, k));
@@ -208,7 +215,7 @@ fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candid
             next = longer;
         }
     }
-    let next = evidence.finish(next);
+    let next = evidence.finish(settle_teeth(evidence, next));
     let next = evidence.settle_starts(next);
     // At its end a first effect may be down to nothing.
     prune(evidence, next)
@@ -222,7 +229,7 @@ fn look(
     effort: Effort,
     tick: &mut dyn FnMut(Kind),
 ) -> Vec<Candidate> {
-    let model = contained::apart(evidence, model);
+    let model = evidence.straightened(&contained::apart(evidence, model));
     let mut found = Vec::new();
     let mut others = Vec::new();
     for kind in library.iter().copied().filter(|kind| contained::may_join(model.kinds(), *kind)) {

@@ -72,3 +72,30 @@ fn two_effects_are_found_where_neither_helps_without_the_other() {
     assert_eq!(found.effects, [Kind::Stribeck, Kind::Coast]);
     assert!(found.climb.model().excess() < MOSTLY_THERE * base.excess());
 }
+
+/// A gap bends the viscous share of a model without it to the end of its range, from where no search finds the gap.
+#[test]
+fn a_gap_is_found_beside_a_spring_once_the_viscous_share_stands_where_it_usually_does() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(26_200_062, &[Hidden::Backlash, Hidden::Spring], conditions);
+    let (mut evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+    let library = [Kind::Spring, Kind::Backlash];
+    let alone = evidence.fit(&base.values().with(Kind::Spring, vec![0.0164, 0.0]), TO_THE_END).values();
+    assert!(alone.base.viscous_share > 0.3, "the case no longer bends it: {alone:?}");
+    let climb = run(&mut evidence, base, &library, 2, &mut |_, _| (), &mut |_, _| ());
+    assert_eq!(climb.model().kinds(), library);
+}
+
+/// What a coarse search of teeth leaves of the error itself hides that they are worth their parameters.
+#[test]
+fn teeth_that_leave_noise_in_the_increments_are_searched_to_the_end_before_they_are_refused() {
+    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+    let case = Case::new(26_200_048, &[Hidden::Cogging, Hidden::CoulombAsymmetric], conditions);
+    let library = vec![Kind::CoulombAsymmetric, Kind::Cogging];
+    let options = Options { library, ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    assert_eq!(found.effects, [Kind::Cogging, Kind::CoulombAsymmetric]);
+    let (without, with) = (&found.climb.rungs[1], found.climb.model());
+    assert!(without.explains() || without.excess() < 0.1, "the case no longer is near the noise before");
+    assert!(with.drift() < 0.5 * without.drift());
+}

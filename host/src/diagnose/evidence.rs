@@ -178,6 +178,29 @@ impl Evidence {
         judged.swap_remove(0)
     }
 
+    /// `model` with the viscous share that is usual, where it fits no worse so: bent by what a model lacks, it would lead every
+    /// further effect astray.
+    ///
+    /// A plain motor shows tau_m + b tau_e and tau_m tau_e alone: these stay.
+    pub fn straightened(&self, model: &Candidate) -> Candidate {
+        const NO_WORSE: f64 = 0.01;
+        let mut values = model.values();
+        let (usual, width) = self.train.prior.viscous_share;
+        let base = &mut values.base;
+        let (sum, product) = (base.tau_m + base.viscous_share * base.tau_e, base.tau_m * base.tau_e);
+        let root = sum * sum - 4.0 * usual * product;
+        if (base.viscous_share - usual).abs() < width || root < 0.0 {
+            return model.clone();
+        }
+        base.viscous_share = usual;
+        base.tau_m = 0.5 * (sum + root.sqrt());
+        base.tau_e = product / base.tau_m;
+        let layout = model.layout.clone();
+        let found = self.train.search(&layout, Objective::Increments, &layout.pack(&values), 0, 1e-3);
+        let straight = self.judge(&layout, vec![found]).swap_remove(0);
+        if straight.merit() < model.merit() + NO_WORSE { straight } else { model.clone() }
+    }
+
     /// An accepted model's parameters, corrected by the error itself until it stops falling.
     ///
     /// The increments leave a slow drift undetermined, which the error of a long run shows. Where a disturbance
@@ -236,5 +259,35 @@ mod tests {
         let names = |problem: &Problem| problem.grids.iter().map(|g| g.name.clone()).collect::<Vec<_>>();
         let (all, once) = (names(&evidence.train), names(&evidence.programmes()));
         assert_eq!(once, all[..all.len() - 1], "the last record repeats the third one's programme");
+    }
+
+    #[test]
+    fn a_plain_motor_fits_as_well_with_the_usual_viscous_share_as_with_any() {
+        let case = Case::new(4, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
+        let (whole, start) = setup::problem(&case.records, &case.motor);
+        let evidence = Evidence::new(whole, &start, &case.records, &case.held_out, &case.motor);
+        let fitted = evidence.fit(&start, 10);
+        let judged = |values: &Values| {
+            let found = evidence.train.search(
+                &fitted.layout,
+                Objective::Increments,
+                &fitted.layout.pack(values),
+                0,
+                1e-3,
+            );
+            evidence.judge(&fitted.layout, vec![found]).swap_remove(0)
+        };
+        let mut bent = fitted.values();
+        let base = &mut bent.base;
+        let (sum, product) = (base.tau_m + base.viscous_share * base.tau_e, base.tau_m * base.tau_e);
+        base.viscous_share = 0.55;
+        base.tau_m = 0.5 * (sum + (sum * sum - 4.0 * 0.55 * product).sqrt());
+        base.tau_e = product / base.tau_m;
+        let straight = evidence.straightened(&judged(&bent));
+        assert_eq!(straight.values().base.viscous_share, evidence.train.prior.viscous_share.0);
+        assert!((straight.merit() - judged(&bent).merit()).abs() < 1e-6);
+        // The share alone, without the time constants that go with it, is another motor.
+        bent.base.viscous_share = 0.0;
+        assert!(judged(&bent).merit() > straight.merit() + 0.1);
     }
 }

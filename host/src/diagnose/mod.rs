@@ -11,4 +11,5 @@ pub mod plan;
 mod ripple;
 pub mod stage;
 mod tangent;
+mod teeth;
 pub mod worth;

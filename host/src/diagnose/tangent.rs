@@ -11,6 +11,9 @@ use crate::fit::simulate::{Block, LANES, predict_block};
 /// A new effect is not tried at less than this share of a probe.
 const LEAST_SHARE: f64 = 0.03;
 
+/// Its place among a layout's axes.
+const VISCOUS_SHARE: usize = 3;
+
 /// What a change of the model would come to, to first order.
 #[derive(Debug, Clone)]
 pub struct Projected {
@@ -40,7 +43,10 @@ pub struct Tangent {
 impl Tangent {
     /// At `model` on the records of `problem`.
     pub fn new(problem: &Problem, model: &Candidate) -> Self {
-        let axes = model.layout.free();
+        // What is missing would bend the viscous share, which a plain motor hardly shows.
+        let free = model.layout.free();
+        let kept: Vec<usize> = (0..free.len()).filter(|k| free[*k] != VISCOUS_SHARE).collect();
+        let axes: Vec<usize> = kept.iter().map(|k| free[*k]).collect();
         let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
         problem.neighbours(
             &model.layout,
@@ -62,10 +68,12 @@ impl Tangent {
                 *total += d * c;
             }
         }
-        let mut h = model.found.curvature.clone();
-        if h.nrows() != axes.len() {
-            h = DMatrix::identity(axes.len(), axes.len());
-        }
+        let whole = &model.found.curvature;
+        let mut h = if whole.nrows() == free.len() {
+            whole.select_rows(&kept).select_columns(&kept)
+        } else {
+            DMatrix::identity(axes.len(), axes.len())
+        };
         for k in 0..h.nrows() {
             h[(k, k)] = h[(k, k)] * 1.001 + 1e-9;
         }

@@ -54,11 +54,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     if slow && train.max(unseen) < NOT_WORSE {
         return true;
     }
-    if !less.kinds().is_empty() && more.merit() < less.merit() - OF_BOTH && left < NOISE && to_the_floor(more)
-    {
-        return true;
-    }
-    if shows_on_a_record(more, less) || shows_in_calm(more, less) {
+    if promises(more, less) && left < NOISE || shows_on_a_record(more, less) || shows_in_calm(more, less) {
         return true;
     }
     let mean = match less.kinds().len() {
@@ -73,6 +69,11 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         && (train * unseen).sqrt() < mean
         && (unseen_drift < NO_WORSE || train.max(unseen) < MUCH && drift * unseen_drift < 1.0)
         && more.merit() < less.merit() + WORTH.ln()
+}
+
+/// Whether `more`, at the noise in its increments, may come to be worth its parameters when its error itself is searched down.
+pub fn promises(more: &Candidate, less: &Candidate) -> bool {
+    !less.kinds().is_empty() && more.merit() < less.merit() - OF_BOTH && to_the_floor(more)
 }
 
 /// Whether a first effect lowers both errors on both sets of records where nothing disturbs the motor: nothing else would.
