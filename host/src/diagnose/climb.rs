@@ -229,7 +229,7 @@ fn look(
     effort: Effort,
     tick: &mut dyn FnMut(Kind),
 ) -> Vec<Candidate> {
-    let model = evidence.straightened(&contained::apart(evidence, model));
+    let model = contained::apart(evidence, model);
     let mut found = Vec::new();
     let mut others = Vec::new();
     for kind in library.iter().copied().filter(|kind| contained::may_join(model.kinds(), *kind)) {

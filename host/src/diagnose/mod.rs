@@ -9,6 +9,7 @@ pub mod evidence;
 pub mod floor;
 pub mod plan;
 mod ripple;
+mod shake;
 pub mod stage;
 mod tangent;
 mod teeth;

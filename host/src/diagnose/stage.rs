@@ -12,8 +12,9 @@ use motorlens_shared::effects::Kind;
 use super::candidate::Candidate;
 use super::evidence::Evidence;
 use super::ripple;
+use super::shake::shake;
 use super::tangent::{Projected, Tangent};
-use super::teeth::{settle_teeth, turn};
+use super::teeth::settle_teeth;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
@@ -96,11 +97,18 @@ pub fn run(
         !(has.contains(kind) || second_gap)
     };
     let programmes = evidence.programmes();
-    let tangent = Tangent::new(&programmes, model);
+    // What is missing bends the viscous share; what stands between two masses, and every further effect, is tried without that.
+    let straight = evidence.straightened(model);
+    let bent = model.kinds().is_empty().then(|| Tangent::new(&programmes, model, true));
+    let held = Tangent::new(&programmes, &straight, false);
     let mut starters: Vec<(Layout, Vec<Start>)> = Vec::new();
     for kind in library.iter().filter(lacking) {
         tick(*kind);
-        starters.push(probe(&programmes, model, &tangent, *kind));
+        let (from, tangent) = match &bent {
+            Some(bent) if kind.spec().load_share().is_none() => (model, bent),
+            _ => (&straight, &held),
+        };
+        starters.push(probe(&programmes, from, tangent, *kind));
     }
     starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
     let mut heat: Vec<(Layout, Start)> = Vec::new();
@@ -108,7 +116,7 @@ pub fn run(
     for (place, (layout, starts)) in starters.into_iter().enumerate() {
         late.extend(layout.kinds.last().filter(|_| place >= effort.promising));
         // On the base model, where no start is better than it, one shows as well as another where the way goes down.
-        let known = if model.kinds().is_empty() { tangent.own } else { f64::MAX };
+        let known = bent.as_ref().map_or(f64::MAX, |bent| bent.own);
         let second = (effort.as_cheap * starts[0].0).min(known);
         let near = starts.iter().take(effort.starts).enumerate().filter(|(k, s)| *k == 0 || s.0 <= second);
         let best = near
@@ -133,23 +141,35 @@ pub fn run(
         })
         .collect();
     raced.sort_by(cheapest_first);
-    let mut finals: Vec<Candidate> = Vec::new();
     let train = &evidence.train;
     train.simulations.set(train.simulations.get() + programmes.simulations.get());
+    finals(evidence, raced.into_iter().take(effort.finalists).collect(), effort.last)
+}
+
+/// The finalists, cheapest first as `raced`, searched on by at most `steps`; best first.
+///
+/// Where one explains what is seen, the others are only to be ranked behind it.
+fn finals(evidence: &Evidence, raced: Vec<(Layout, Start)>, steps: usize) -> Vec<Candidate> {
+    let train = &evidence.train;
+    let mut finals: Vec<Candidate> = Vec::new();
     let hopeless = HOPELESS * raced.first().map_or(0.0, |best| best.1.0);
-    for (layout, (cost, x)) in raced.into_iter().take(effort.finalists) {
-        let lost = cost > hopeless && finals.iter().any(Candidate::explains);
-        let steps = if lost { 1 } else { effort.last };
-        let found = train.search(&layout, Objective::Increments, &x, steps, 3e-4);
-        if lost {
-            finals.extend(evidence.judge(&layout, vec![found]));
-        } else {
-            finals.push(evidence.polish(layout, found));
-        }
+    for (layout, (cost, x)) in raced {
+        let best = finals.iter().filter(|c| c.explains()).map(|c| c.train.increments).reduce(f64::min);
+        let lost = best.is_some() && cost > hopeless;
+        let tolerance = if best.is_some() { ROUGHLY } else { CLOSELY };
+        let steps = if lost { 0 } else { steps };
+        let found = train.search(&layout, Objective::Increments, &x, steps, tolerance);
+        let beaten = best.and_then(|best| {
+            let rough = evidence.judge(&layout, vec![found.clone()]).swap_remove(0);
+            (lost || rough.train.increments > BEATEN * best).then_some(rough)
+        });
+        finals.push(beaten.unwrap_or_else(|| evidence.polish(layout, found)));
     }
     finals.sort_by(|a, b| a.merit().total_cmp(&b.merit()));
-    let settled = finals.first().is_some_and(Candidate::explains);
-    for leader in finals.iter_mut().take(WINNERS).filter(|_| !settled) {
+    if finals.first().is_some_and(Candidate::explains) {
+        return finals;
+    }
+    for leader in finals.iter_mut().take(WINNERS) {
         let (layout, x) = (leader.layout.clone(), &leader.found.x);
         let found = train.search(&layout, Objective::Increments, x, TO_THE_END, 3e-5);
         let settled = evidence.polish(layout, found);
@@ -165,6 +185,11 @@ pub fn run(
 
 /// In the final an effect that costs so many times more than one that explains what is seen is only shown.
 const HOPELESS: f64 = 10.0;
+/// ... and so many times more after the final: its error itself is not corrected.
+const BEATEN: f64 = 1.2;
+/// A search in the final ends where a step gains less than this share of the cost, beside one that explains and else.
+const ROUGHLY: f64 = 3e-3;
+const CLOSELY: f64 = 3e-4;
 /// So many leaders are searched on where the first does not explain what is seen: laws of many parameters come down slowly.
 const WINNERS: usize = 2;
 /// ... by so many steps.
@@ -172,46 +197,6 @@ const TO_THE_END: usize = 20;
 
 /// An electrical time constant that is further than this, as a logarithm, from the name plate's is also begun anew.
 const BENT: f64 = 0.5;
-
-/// Searches `leader` again from beside where it ended, where the cost of its last law has more than one lowest place.
-fn shake(evidence: &Evidence, leader: &mut Candidate) {
-    let values = leader.values();
-    let Some((kind, last)) = values.effects.last() else { return };
-    for beside in beside(*kind, last) {
-        if leader.explains() {
-            return;
-        }
-        let layout = leader.layout.clone();
-        let start = layout.pack(&values.without(*kind).with(*kind, beside));
-        let found = evidence.train.search(&layout, Objective::Increments, &start, SHAKES, 3e-4);
-        let again = evidence.polish(layout, found);
-        if again.merit() < leader.merit() {
-            *leader = again;
-        }
-    }
-}
-
-/// From where a law is searched again: kinks make valleys along the size, teeth along the phase.
-fn beside(kind: Kind, parameters: &[f64]) -> Vec<Vec<f64>> {
-    let with = |change: &dyn Fn(&mut [f64])| {
-        let mut changed = parameters.to_vec();
-        change(&mut changed);
-        changed
-    };
-    match kind {
-        Kind::Coast | Kind::DeadZone | Kind::Backlash => {
-            SHARES.iter().map(|share| with(&|p| p[0] *= share)).collect()
-        }
-        Kind::Cogging => ANGLES.iter().map(|angle| with(&|p| turn(p, *angle))).collect(),
-        _ => Vec::new(),
-    }
-}
-
-/// Shares of the first parameter, and angles (rad) of a ripple, from which a leader is searched again ...
-const SHARES: [f64; 4] = [0.85, 1.15, 0.7, 1.4];
-const ANGLES: [f64; 4] = [-0.3, 0.3, -0.6, 0.6];
-/// ... and the steps of each search.
-const SHAKES: usize = 10;
 
 /// Cost, and the search vector.
 type Start = (f64, Vec<f64>);
@@ -268,19 +253,4 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
         sizes.push(vec![0.0, time]);
     }
     sizes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gaps_are_searched_again_at_other_widths_teeth_at_other_phases_and_friction_not_at_all() {
-        assert_eq!(beside(Kind::Backlash, &[0.1, 0.3])[1], [0.1 * 1.15, 0.3]);
-        let turned = beside(Kind::Cogging, &[0.3, 0.0, 0.0, 0.0, 12.0]);
-        for (p, angle) in turned.iter().zip(ANGLES) {
-            assert!((p[1].atan2(p[0]) - angle).abs() < 1e-12 && p[4] == 12.0);
-        }
-        assert!(beside(Kind::Coulomb, &[0.3]).is_empty());
-    }
 }

@@ -41,11 +41,11 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// At `model` on the records of `problem`.
-    pub fn new(problem: &Problem, model: &Candidate) -> Self {
-        // What is missing would bend the viscous share, which a plain motor hardly shows.
+    /// At `model` on the records of `problem`; the viscous share, which a plain motor hardly shows, gives way only where it is
+    /// `loose`.
+    pub fn new(problem: &Problem, model: &Candidate, loose: bool) -> Self {
         let free = model.layout.free();
-        let kept: Vec<usize> = (0..free.len()).filter(|k| free[*k] != VISCOUS_SHARE).collect();
+        let kept: Vec<usize> = (0..free.len()).filter(|k| loose || free[*k] != VISCOUS_SHARE).collect();
         let axes: Vec<usize> = kept.iter().map(|k| free[*k]).collect();
         let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
         problem.neighbours(
@@ -213,7 +213,7 @@ mod tests {
         let found = evidence.fit(&start, 20).values().effects[0].1[0];
         let layout = evidence.train.layout(&[Kind::QuadraticDrag]);
         let probe = layout.pack(&base.values().with(Kind::QuadraticDrag, vec![4.0 * found]));
-        let tangent = Tangent::new(&evidence.train, &base);
+        let tangent = Tangent::new(&evidence.train, &base, true);
         let [whole, best] = &tangent.project(&evidence.train, &layout, std::slice::from_ref(&probe))[0];
         assert!((0.15..0.4).contains(&best.share), "{best:?}");
         assert!(whole.share == 1.0 && best.left < whole.left, "{whole:?} {best:?}");

@@ -28,6 +28,71 @@ pub(super) fn stride(interval_s: f64) -> usize {
     ((STRIDE_S / interval_s).round() as usize).max(1)
 }
 
+/// What a record's predictions are wrong by, as an objective counts it.
+struct Misfit<'a> {
+    measured: &'a [f64],
+    /// Samples that only lead in.
+    skip: usize,
+    scale: f64,
+    stride: usize,
+    /// Samples between the two of an increment; 0 where the error itself counts.
+    span: usize,
+    robust: bool,
+    mean: [f64; LANES],
+}
+
+impl<'a> Misfit<'a> {
+    #[inline(always)]
+    fn new(grid: &'a Grid, objective: Objective, predictions: &[Block]) -> Self {
+        let angle = grid.quantity == Quantity::Angle;
+        let robust = objective == Objective::Increments;
+        let mut misfit = Self {
+            measured: &grid.measured,
+            skip: grid.skip,
+            scale: 1.0 / grid.sigma,
+            stride: stride(grid.interval_s),
+            span: if robust && angle { ((SPAN_S / grid.interval_s).round() as usize).max(1) } else { 0 },
+            robust,
+            mean: [0.0; LANES],
+        };
+        if angle && !robust {
+            let mut mean = [0.0; LANES];
+            for k in grid.skip..predictions.len() {
+                let error = misfit.error(predictions, k);
+                for l in 0..LANES {
+                    mean[l] += error[l] / (predictions.len() - grid.skip) as f64;
+                }
+            }
+            misfit.mean = mean;
+        }
+        misfit
+    }
+
+    /// Residuals of so many samples.
+    fn len(&self, samples: usize) -> usize {
+        samples.saturating_sub(self.skip + self.span) / self.stride
+    }
+
+    /// The error of a sample in units of the record's noise.
+    #[inline(always)]
+    fn error(&self, predictions: &[Block], k: usize) -> [f64; LANES] {
+        let (y, p) = (self.measured[k], &predictions[k].0);
+        std::array::from_fn(|l| (y - p[l]) * self.scale - self.mean[l])
+    }
+
+    /// Residual `k`, before the loss.
+    #[inline(always)]
+    fn residual(&self, predictions: &[Block], k: usize) -> [f64; LANES] {
+        let first = self.skip + k * self.stride;
+        let end = self.error(predictions, first + self.span);
+        if self.span == 0 {
+            return end;
+        }
+        let start = self.error(predictions, first);
+        std::array::from_fn(|l| end[l] - start[l])
+    }
+}
+
 /// Turns predictions into residuals in units of the record's noise, in place.
 pub fn residuals(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     #[cfg(target_arch = "x86_64")]
@@ -47,47 +112,43 @@ fn residuals_avx2(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
 
 #[inline(always)]
 fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
-    let scale = 1.0 / grid.sigma;
-    series.drain(..grid.skip);
-    for (prediction, y) in series.iter_mut().zip(&grid.measured[grid.skip..]) {
-        for l in 0..LANES {
-            prediction.0[l] = (y - prediction.0[l]) * scale;
-        }
+    let misfit = Misfit::new(grid, objective, series);
+    let n = misfit.len(series.len());
+    for k in 0..n {
+        let d = misfit.residual(series, k);
+        series[k] = Lanes(if misfit.robust { d.map(robust) } else { d });
     }
-    let stride = stride(grid.interval_s);
-    match (objective, grid.quantity) {
-        (Objective::Increments, Quantity::Angle) => {
-            let span = ((SPAN_S / grid.interval_s).round() as usize).max(1);
-            let n = series.len().saturating_sub(span) / stride;
-            for k in 0..n {
-                let (a, b) = (series[k * stride], series[k * stride + span]);
-                series[k] = Lanes(std::array::from_fn(|l| robust(b.0[l] - a.0[l])));
-            }
-            series.truncate(n);
-        }
-        (Objective::Position, Quantity::Angle) => {
-            let n = series.len();
-            let mut mean = [0.0; LANES];
-            for r in series.iter() {
-                for l in 0..LANES {
-                    mean[l] += r.0[l] / n as f64;
-                }
-            }
-            thin(series, stride, |r, l| r - mean[l]);
-        }
-        (Objective::Increments, _) => thin(series, stride, |r, _| robust(r)),
-        (Objective::Position, _) => thin(series, stride, |r, _| r),
+    series.truncate(n);
+}
+
+/// Sums of the squares of the same residuals, and how many they are.
+pub fn squares(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+    #[cfg(target_arch = "x86_64")]
+    if motorlens_kernel::has_wide() {
+        // SAFETY: the processor has the features that the function was compiled for.
+        return unsafe { squares_avx2(grid, objective, predictions) };
     }
+    squares_body(grid, objective, predictions)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn squares_avx2(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+    squares_body(grid, objective, predictions)
 }
 
 #[inline(always)]
-fn thin(series: &mut Vec<Block>, stride: usize, map: impl Fn(f64, usize) -> f64) {
-    let n = series.len() / stride;
+fn squares_body(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+    let misfit = Misfit::new(grid, objective, predictions);
+    let n = misfit.len(predictions.len());
+    let mut sums = [0.0; LANES];
     for k in 0..n {
-        let r = series[k * stride];
-        series[k] = Lanes(std::array::from_fn(|l| map(r.0[l], l)));
+        let d = misfit.residual(predictions, k);
+        for l in 0..LANES {
+            sums[l] += if misfit.robust { loss(d[l]) } else { d[l] * d[l] };
+        }
     }
-    series.truncate(n);
+    (sums, n)
 }
 
 /// Square root of the pseudo-Huber loss, with the sign of `d`: its square is d^2 for small d, linear for large.
@@ -95,9 +156,23 @@ fn thin(series: &mut Vec<Block>, stride: usize, map: impl Fn(f64, usize) -> f64)
 /// d sqrt(2 / (1 + sqrt(1 + (d/D)^2))) is the same number without cancellation.
 #[inline(always)]
 pub fn robust(d: f64) -> f64 {
+    let (limited, share) = limit(d);
+    limited * share.sqrt()
+}
+
+/// Its square: the pseudo-Huber loss.
+#[inline(always)]
+fn loss(d: f64) -> f64 {
+    let (limited, share) = limit(d);
+    limited * limited * share
+}
+
+/// An error that can be squared, and the share of its square that counts.
+#[inline(always)]
+fn limit(d: f64) -> (f64, f64) {
     let limited = d.clamp(-1e7, 1e7);
     let x = limited * (1.0 / HUBER);
-    limited * (2.0 / (1.0 + (1.0 + x * x).sqrt())).sqrt()
+    (limited, 2.0 / (1.0 + (1.0 + x * x).sqrt()))
 }
 
 /// Sums over a record's residuals of centre (lane 0 of the first block) and neighbours.
@@ -159,6 +234,7 @@ fn accumulate_body(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::grid::tests::record;
 
     #[test]
     fn small_errors_count_squared_and_large_ones_linearly() {
@@ -166,5 +242,29 @@ mod tests {
         let (a, b) = (robust(1e3).powi(2), robust(2e3).powi(2));
         assert!((b / a - 2.0).abs() < 0.02);
         assert_eq!(robust(-3.0), -robust(3.0));
+    }
+
+    /// With samples that only lead in, at 1 kHz where every second one counts, of an angle and of a speed.
+    #[test]
+    fn sums_of_squares_are_those_of_the_residuals() {
+        let times: Vec<f64> = (0..3000).map(|k| f64::from(k) * 1e-3).collect();
+        let angle = Grid::new(&record(times, vec![1.0; 3000]), 0.01).rest(0.1);
+        let speed = Grid { quantity: Quantity::Speed, ..angle.clone() };
+        for grid in [angle, speed] {
+            assert!(grid.skip > 0);
+            let lane = |t: f64, l: usize| 3.0 * t + 0.2 * (t * (7.0 + l as f64)).sin();
+            let at = |t: &f64| Lanes(std::array::from_fn(|l| lane(*t, l)));
+            let predictions: Vec<Block> = grid.time_s.iter().map(at).collect();
+            for objective in [Objective::Increments, Objective::Position] {
+                let mut series = predictions.clone();
+                residuals(&grid, objective, &mut series);
+                let (sums, count) = squares(&grid, objective, &predictions);
+                assert_eq!(count, series.len());
+                for (l, sum) in sums.into_iter().enumerate() {
+                    let expected: f64 = series.iter().map(|r| r.0[l].powi(2)).sum();
+                    assert!((sum / expected - 1.0).abs() < 1e-12, "{objective:?} {sum} {expected}");
+                }
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Passes of candidates through all records: their costs, their errors, and what the neighbours of a point leave.
 
-use super::cost::{Objective, residuals};
+use super::cost::{Objective, residuals, squares};
 use super::grid::Grid;
 use super::layout::Layout;
 use super::search::{PRIOR_WEIGHT, Problem};
@@ -70,11 +70,8 @@ impl Problem {
         for grid in &self.grids {
             let series = &mut room[0];
             predict_block(layout, xs, &self.rig, grid, series);
-            residuals(grid, objective, series);
-            for r in series {
-                for (sum, v) in sums.iter_mut().zip(r.0) {
-                    *sum += v * v;
-                }
+            for (sum, own) in sums.iter_mut().zip(squares(grid, objective, series).0) {
+                *sum += own;
             }
         }
         self.keep(room);
@@ -89,38 +86,22 @@ impl Problem {
 
     /// For each candidate the same on every record.
     pub fn squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Vec<Squares>> {
-        let mut squares = vec![vec![Squares::default(); self.grids.len()]; xs.len()];
+        let mut all = vec![vec![Squares::default(); self.grids.len()]; xs.len()];
         self.count_passes(xs.len());
         let mut room = self.room.take();
-        room.resize_with(room.len().max(2), Vec::new);
+        room.resize_with(room.len().max(1), Vec::new);
         for (place, grid) in self.grids.iter().enumerate() {
-            let [run, copy, ..] = &mut room[..] else { continue };
-            // A long record runs twice: a copy of it would take memory that others want.
-            let long = grid.len() > MOST_KEPT;
+            predict_block(layout, xs, &self.rig, grid, &mut room[0]);
             for (which, objective) in [Objective::Increments, Objective::Position].into_iter().enumerate() {
-                if which == 0 || long {
-                    predict_block(layout, xs, &self.rig, grid, run);
-                } else {
-                    std::mem::swap(run, copy);
-                }
-                if which == 0 && !long {
-                    copy.clone_from(run);
-                }
-                residuals(grid, objective, run);
-                let mut sums = [0.0; LANES];
-                for r in &*run {
-                    for (sum, v) in sums.iter_mut().zip(r.0) {
-                        *sum += v * v;
-                    }
-                }
-                for (own, sum) in squares.iter_mut().zip(sums) {
+                let (sums, count) = squares(grid, objective, &room[0]);
+                for (own, sum) in all.iter_mut().zip(sums) {
                     own[place].sums[which] = sum;
-                    own[place].counts[which] = run.len();
+                    own[place].counts[which] = count;
                 }
             }
         }
         self.keep(room);
-        squares
+        all
     }
 
     /// `x` and its neighbours along `axes`, with the inverse of each one's distance.
