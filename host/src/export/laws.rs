@@ -122,12 +122,16 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             let (emf, z) = (place.base.back_emf(), place.part_s / place.base.tau_e);
             let gain = place.part_s * place.base.acceleration() * emf;
             let through = "1.0 / (1.0 + series)";
+            let braked = place.part_s * place.base.damping() * emf;
             let lacks = |of_torque| {
                 format!(
-                    "saturated({strength}, current, v, {emf:e} * speed, {through}, {z:e}, {gain:e}, {of_torque})"
+                    "saturated({strength}, current, v, {emf:e} * speed, {through}, {z:e}, {gain:e}, {gain:e} * others - \
+                     {braked:e} * speed, {of_torque})"
                 )
             };
-            let mut lines = drive(format!("torque -= {}", lacks(1)));
+            let dry = "up * fmax(sign(speed), 0.0) - down * fmax(-sign(speed), 0.0)";
+            let mut lines = drive(format!("others = torque + load_torque - ({dry})"));
+            lines.drive.push(format!("torque -= {}", lacks(1)));
             lines.drive.push(format!("v += {}", lacks(0)));
             lines
         }
@@ -256,6 +260,7 @@ fn compliance(p: &[f64], place: &Place) -> Vec<String> {
     let (rate, share, part_s) = (p[0] * std::f64::consts::TAU, p[1], place.part_s);
     let keep = 1.0 - part_s * place.base.damping() * p[3] / share;
     vec![
+        format!("load_angle2 += {part_s:e} * load_speed2"),
         format!(
             "closing = {part_s:e} * ({:e} * (speed2 - load_speed2) + {:e} * (angle2 - load_angle2))",
             2.0 * p[2] * rate,
@@ -263,7 +268,6 @@ fn compliance(p: &[f64], place: &Place) -> Vec<String> {
         ),
         format!("load_speed2 = {keep:e} * load_speed2 + closing"),
         format!("speed2 -= {:e} * closing", share / (1.0 - share)),
-        format!("load_angle2 += {part_s:e} * load_speed2"),
     ]
 }
 
