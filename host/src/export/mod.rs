@@ -55,9 +55,11 @@ pub fn export(model: &Model, format: Format, options: &Options) -> Exported {
     }
 }
 
-/// Parameters of an effect, by place.
+/// The effects with their parameters in the registry's order, in which they apply.
 fn effects(model: &Model) -> Vec<(Kind, Vec<f64>)> {
-    model.values().effects
+    let mut effects = model.values().effects;
+    effects.sort_by_key(|(kind, _)| *kind);
+    effects
 }
 
 /// The sentence for an effect that a target does not have.

@@ -53,6 +53,8 @@ pub fn sets() -> Vec<Model> {
             (Kind::Cogging, &[0.2, -0.1, 0.05, -0.02, 3.0]),
         ],
         vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
+        // Not in the order in which they apply.
+        vec![(Kind::Saturation, &[0.5]), (Kind::Coulomb, &[0.3]), (Kind::Gravity, &[0.4, -0.2])],
         vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],
         vec![(Kind::LostCounts, &[0.05, 3.0]), (Kind::SensorLag, &[0.012, 0.0])],
         vec![(Kind::Eccentricity, &[0.004, -0.002]), (Kind::SensorLag, &[0.012, 0.0])],
