@@ -7,7 +7,7 @@ use crate::log::{Record, check_usable};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
-/// The records as `model` sees them: its own rig and beliefs, first speeds found under it.
+/// The records as `model` sees them: its own rig and beliefs, first speeds found under it, and when the pulses of a bridge that coasts come.
 ///
 /// # Errors
 /// Records that say nothing about a motor; see [`check_usable`].
@@ -18,6 +18,8 @@ pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Resul
     let (mut problem, _) = setup::problem(records, motor);
     problem.rig = model.rig(problem.rig.step_s);
     problem.prior = model.prior();
-    problem.find_moving_starts(&model.values());
+    let values = model.values();
+    problem.find_moving_starts(&values);
+    problem.time_known_pulses(&values);
     Ok(problem)
 }

@@ -4,6 +4,7 @@ use motorlens_shared::effects::Kind;
 
 use crate::fit::fixed;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::pulses::FREQUENCY;
 use crate::fit::search::{Found, Problem};
 
 /// Two errors, each a root mean square; of a candidate in units of what a perfect model would leave.
@@ -107,10 +108,13 @@ impl Candidate {
 }
 
 impl Problem {
-    /// The search axes of a set of effects on this rig, with what the motor file fixes held.
+    /// The search axes of a set of effects on this rig, with what the motor file fixes held, and what pulses show.
     pub fn layout(&self, kinds: &[Kind]) -> Layout {
         let mut layout = Layout::new(kinds, &self.rig, &self.prior);
         fixed::hold(&mut layout, &self.fixed);
+        if let Some(hz) = self.pulse_hz {
+            fixed::hold(&mut layout, &[(FREQUENCY.to_owned(), hz)].into());
+        }
         layout
     }
 

@@ -4,7 +4,7 @@
 //! nobody knows which: how many is foretold from the model, and then a record counts for as much as it can tell.
 //!
 //! A PWM that coasts leaves its phase to chance in the same way. Allowed for, that made a coasting bridge of what is none, as the
-//! examination showed: its frequency is too free.
+//! examination showed: its frequency is too free. It is found instead (`slow_pwm`).
 
 use motorlens_shared::effects::Kind;
 

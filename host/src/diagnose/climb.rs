@@ -6,6 +6,7 @@ use motorlens_shared::simulator::MAX_EFFECTS;
 use super::candidate::{Candidate, Errors, STEADY};
 use super::contained;
 use super::evidence::Evidence;
+use super::slow_pwm;
 use super::stage::{self, Effort};
 use super::teeth::settle_teeth;
 use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, STANDS_OUT, as_good, promises, rivals, simplest, worth};
@@ -25,7 +26,7 @@ const BESIDE: usize = 5;
 const AT_THE_FLOOR: f64 = 1.02;
 
 /// Steps of the search of an accepted model.
-const TO_THE_END: usize = 20;
+pub(super) const TO_THE_END: usize = 20;
 
 /// What the climb found.
 #[derive(Debug)]
@@ -107,6 +108,9 @@ pub fn run(
             let finished = evidence.finish(finished);
             worthy.extend(Some(finished).filter(|c| worth(c, &model)));
         }
+        if worthy.is_empty() {
+            worthy.extend(slow_pwm::worthy(evidence, &found, &model));
+        }
         let mut next = next_rung(&worthy, &model).cloned();
         if next.is_none() && depth == 0 {
             next = leap(evidence, &model, &found, library, &mut |k| tick(depth, k));
@@ -123,6 +127,13 @@ pub fn run(
         let mut next = settled(evidence, next, library);
         if let Some(other) = swapped(evidence, &next, library, &mut |k| tick(depth, k)) {
             next = settled(evidence, other, library);
+        }
+        if let Some(timed) = evidence.time_pulses(&next).or_else(|| evidence.time_late_pulses(&next)) {
+            let timed = prune(evidence, timed);
+            let refit = |c: &mut Candidate| *c = evidence.fit(&c.values(), TO_THE_END);
+            climb.first.iter_mut().filter(|c| c.kinds().contains(&Kind::Coast)).for_each(refit);
+            rival = None;
+            next = timed;
         }
         if evidence.allow_for_chance(&next.values()) {
             let again = |candidate: &mut Candidate| *candidate = evidence.again(candidate);
@@ -254,7 +265,7 @@ fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candid
 }
 
 /// Leaves out every effect that the others made superfluous, and of every effect what is more than a simpler one.
-fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
+pub(super) fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
     let mut model = model;
     while model.kinds().len() > 1 {
         let mut fewer: Vec<Candidate> =

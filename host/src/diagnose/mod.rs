@@ -10,6 +10,7 @@ pub mod floor;
 pub mod plan;
 mod ripple;
 mod shake;
+mod slow_pwm;
 pub mod stage;
 mod tangent;
 mod teeth;

@@ -29,7 +29,8 @@ fn fitted(evidence: &Evidence, base: &Candidate, truth: &[Kind]) -> Option<Candi
             model = stage::run(evidence, &model, &[kind], Effort::LATER, &mut |_| ()).into_iter().next()?;
         }
         let longer = evidence.fit(&model.values(), TO_THE_END);
-        Some(evidence.finish(if longer.merit() < model.merit() { longer } else { model }))
+        let best = evidence.finish(if longer.merit() < model.merit() { longer } else { model });
+        Some(evidence.clone().time_pulses(&best).unwrap_or(best))
     };
     (0..truth.len()).filter_map(with).min_by(|a, b| a.merit().total_cmp(&b.merit()))
 }

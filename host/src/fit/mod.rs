@@ -11,6 +11,7 @@ mod guide;
 mod held;
 pub mod layout;
 pub mod passes;
+pub mod pulses;
 pub mod search;
 pub mod setup;
 pub mod simulate;

@@ -27,6 +27,8 @@ pub struct Problem {
     pub fixed: Fixed,
     /// For how long a reading is held, s, where the records show that.
     pub hold_s: Option<f64>,
+    /// Frequency of the PWM, Hz, where the records show when its pulses come.
+    pub pulse_hz: Option<f64>,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
     /// Room for runs, kept from pass to pass.

@@ -13,7 +13,8 @@
 //! u_b = ((V - E)(1 - e^(-dT/tau)) + E) e^(-(1-d-f)T/tau) - E, and the diodes conduct for the share
 //! min(f, tau/T ln(1 + |u_b| / (V + D +- E))) of the period, + where u_b > 0. That is exact for a current that ends
 //! within the period, and for one that never ends, where the share is f whatever the current began with. The mean
-//! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model.
+//! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model. Of a record
+//! that shows when the pulses of a slow PWM come, [`Now::pulses`] holds what they bring in each step beyond that mean.
 
 use super::decay::decay;
 use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
@@ -58,7 +59,8 @@ pub struct Coast<S> {
 }
 
 impl<S: Scalar> Coast<S> {
-    pub(super) fn new(parameters: &[S], setting: &Setting<S>) -> Self {
+    /// Fixes the parameters (in the order of the row).
+    pub fn new(parameters: &[S], setting: &Setting<S>) -> Self {
         let per_period = parameters[1] * setting.tau_e;
         Self {
             share: parameters[0],
@@ -72,7 +74,7 @@ impl<S: Scalar> Coast<S> {
 
     /// Mean voltage at the terminals under a `command` (0 or more) against `emf`, V.
     #[inline(always)]
-    fn mean(&self, command: S, emf: S) -> S {
+    pub fn mean(&self, command: S, emf: S) -> S {
         let (zero, one) = (S::zero(), S::one());
         let off = one - (command * self.per_supply).min(one);
         let floating = self.share * off;
@@ -102,7 +104,7 @@ impl<S: Scalar> Effect<S> for Coast<S> {
         let way = S::pick_gt(S::zero(), v, -S::one(), S::one());
         // The speed in the middle of the step, where a value from its beginning would leave an error of first order.
         let speed = memory.store.mul_add(S::lit(0.5), now.state.speed);
-        drive.voltage = way * self.mean(way * v, way * self.back_emf * speed);
+        drive.voltage = way.mul_add(self.mean(way * v, way * self.back_emf * speed), now.pulses);
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
@@ -115,8 +117,8 @@ mod tests {
     use super::super::{Kind, testing::*};
     use super::{Coast, DIODES_V, ln_one_and};
     use crate::base::Base;
-    use crate::effects::Setting;
-    use crate::step::State;
+    use crate::effects::{Effect, Memory, Now, Setting};
+    use crate::step::{Drive, State};
 
     /// Mean voltage at the terminals of a switched bridge after many periods, in fine steps.
     fn switched(command: f64, emf: f64, [share, frequency]: [f64; 2], tau: f64) -> f64 {
@@ -187,5 +189,19 @@ mod tests {
         let truth = 6.0 / (viscous + 0.5 * emf);
         close(steady_speed(Kind::Coast, &[1.0, 0.01], 6.0), truth, 1e-3);
         close(steady_speed(Kind::Coast, &[1.0, 0.01], -6.0), -truth, 1e-3);
+    }
+
+    #[test]
+    fn what_pulses_bring_is_added_to_the_mean_forward_and_backward() {
+        let coast = Coast::new(&[0.7, 400.0], &Setting::new(&BASE, &RIG, 1));
+        for command in [-5.0, 0.0, 5.0] {
+            let voltage = |pulses: f64| {
+                let now = Now { command, state: State::moving(0.0, 2.0, 0.0), voltages: &[], index: 0, pulses };
+                let mut drive = Drive::plain(command);
+                coast.drive(&now, &Memory::empty(0.0), &mut drive);
+                drive.voltage
+            };
+            close(voltage(0.5) - voltage(0.0), 0.5, 1e-12);
+        }
     }
 }

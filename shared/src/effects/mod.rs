@@ -103,6 +103,8 @@ pub struct Now<'a, S: Scalar> {
     pub voltages: &'a [S::Element],
     /// This cell's place in `voltages`: 1 for the first.
     pub index: usize,
+    /// What the pulses of a PWM bring in this cell beyond their mean, V, where a record shows when they come; else 0.
+    pub pulses: S,
 }
 
 /// What one effect remembers from step to step.

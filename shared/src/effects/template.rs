@@ -49,7 +49,7 @@ fn the_template_slows_the_motor_as_its_equation_says() {
     let setting = Setting::new(&BASE, &RIG, 1);
     let effect = Template::new(&[0.1], &setting);
     let state = crate::step::State::moving(0.0, 5.0, 0.0);
-    let now = Now { command: 0.0, state, voltages: &[0.0], index: 0 };
+    let now = Now { command: 0.0, state, voltages: &[0.0], index: 0, pulses: 0.0 };
     let mut drive = Drive::plain(0.0);
     effect.drive(&now, &Memory::empty(0.0), &mut drive);
     close(drive.torque, -0.5, 1e-12);
