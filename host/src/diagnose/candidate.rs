@@ -110,11 +110,18 @@ impl Candidate {
 impl Problem {
     /// The search axes of a set of effects on this rig, with what the motor file fixes held, and what pulses show.
     pub fn layout(&self, kinds: &[Kind]) -> Layout {
-        let mut layout = Layout::new(kinds, &self.rig, &self.prior);
-        fixed::hold(&mut layout, &self.fixed);
+        let mut layout = self.open_layout(kinds);
         if let Some(hz) = self.pulse_hz {
             fixed::hold(&mut layout, &[(FREQUENCY.to_owned(), hz)].into());
         }
+        layout
+    }
+
+    /// The same with the frequency of pulses open: where commands change at a beat of their own, its mirrors in that beat would do
+    /// nearly as well.
+    pub fn open_layout(&self, kinds: &[Kind]) -> Layout {
+        let mut layout = Layout::new(kinds, &self.rig, &self.prior);
+        fixed::hold(&mut layout, &self.fixed);
         layout
     }
 

@@ -44,7 +44,7 @@ impl Problem {
 
     /// Lets the pulses come of which a model of `values` knows the frequency, if it has such a bridge.
     pub fn time_known_pulses(&mut self, values: &Values) {
-        if let Some(hz) = frequency_of(values) {
+        if let Some(hz) = frequency_of(values).filter(|hz| *hz < RANGE_HZ.1) {
             self.time_pulses(values, hz, true, CLOSELY);
         }
     }
