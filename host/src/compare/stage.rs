@@ -7,7 +7,8 @@ use crate::log::{Record, check_usable};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
-/// The records as `model` sees them: its own rig and beliefs, first speeds found under it, and when the pulses of a bridge that coasts come.
+/// The records as `model` sees them: its own rig and beliefs, first speeds found under it, and when the pulses of a bridge that
+/// coasts come.
 ///
 /// # Errors
 /// Records that say nothing about a motor; see [`check_usable`].

@@ -9,7 +9,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::candidate::Errors;
-use crate::fit::cost::SPAN_S;
+use crate::fit::cost::{SPAN_S, increments};
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -63,8 +63,7 @@ fn steps(grid: &Grid, run: &[f64]) -> Vec<f64> {
     if grid.quantity != Quantity::Angle {
         return judged.iter().map(|y| y / grid.sigma).collect();
     }
-    let span = ((SPAN_S / grid.interval_s).round() as usize).max(1);
-    judged.windows(span + 1).map(|w| (w[span] - w[0]) / grid.sigma).collect()
+    increments(grid, judged)
 }
 
 #[cfg(test)]
@@ -72,6 +71,7 @@ mod tests {
     use super::*;
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
+    use crate::fit::cost::span;
     use crate::log::repeats::differences;
     use motorlens_virtual_motor::Kind as Hidden;
 
@@ -84,7 +84,7 @@ mod tests {
         let values = base.values().with(kind, parameters);
         let (second, last) = (2, case.records.len() - 1);
         let apart = differences(&case.records[second], &case.records[last]).expect("one programme");
-        let span = (SPAN_S / evidence.whole.grids[second].interval_s).round() as usize;
+        let span = span(evidence.whole.grids[second].interval_s);
         let sigma = evidence.whole.grids[second].sigma;
         let square = |w: &[f64]| ((w[span] - w[0]) / sigma).powi(2) / 2.0;
         let n = (apart.len() - span) as f64;

@@ -9,7 +9,6 @@ use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::passes::Squares;
-use crate::fit::pulses::CLOSELY;
 use crate::fit::search::{Found, Problem};
 use crate::log::repeats::find_repeats;
 use crate::log::{Record, losses};
@@ -63,8 +62,7 @@ impl Evidence {
         let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
         let mut kept_out = (!validation.is_empty()).then(|| whole.on(whole.lay_out(validation, motor)));
         if let Some((kept_out, hz)) = kept_out.as_mut().zip(whole.pulse_hz) {
-            kept_out.time_pulses(start, hz, false, CLOSELY);
-            kept_out.pulse_hz = Some(hz);
+            kept_out.pulse_at(start, hz);
         }
         let (train, unseen) = if let Some(kept_out) = &kept_out {
             (guided(whole.grids.clone()), guided(kept_out.grids.clone()))

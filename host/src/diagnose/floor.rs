@@ -3,7 +3,7 @@
 //! Counting alone leaves 1. What disturbs the motor leaves more, and only a repeated programme shows how much.
 
 use super::candidate::Errors;
-use crate::fit::cost::{SPAN_S, robust};
+use crate::fit::cost::{robust, span};
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -30,7 +30,7 @@ pub fn floor(
         // Half of the difference's variance is each run's.
         let scale = 1.0 / (grid.sigma * std::f64::consts::SQRT_2);
         let noise: Vec<f64> = difference.iter().map(|d| d * scale).collect();
-        let span = ((SPAN_S * noise.len() as f64 / records[first].duration_s()).round() as usize).max(1);
+        let span = span(records[first].duration_s() / noise.len() as f64);
         let angle = grid.quantity == Quantity::Angle;
         let mean = if angle { noise.iter().sum::<f64>() / noise.len().max(1) as f64 } else { 0.0 };
         let steps: Vec<f64> = if angle {

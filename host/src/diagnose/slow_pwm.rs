@@ -76,10 +76,7 @@ impl Evidence {
             return None;
         }
         let late = self.fit(&model.values().with(Kind::Delay, vec![0.0]), 0);
-        let mut trial = self.clone();
-        let timed = trial.gained(&late, |gained, timed| gained > EQUAL && timed.explains())?;
-        *self = trial;
-        Some(timed)
+        self.gained(&late, |gained, timed| gained > EQUAL && timed.explains())
     }
 
     fn timed(&mut self, values: &Values, model: &Candidate) -> Option<Candidate> {
@@ -109,8 +106,7 @@ impl Evidence {
         self.train.pulse_like(&self.whole);
         let Some(found) = self.whole.pulse_hz else { return };
         if let Some(kept_out) = &mut self.kept_out {
-            kept_out.time_pulses(values, found, false, CLOSELY);
-            kept_out.pulse_hz = Some(found);
+            kept_out.pulse_at(values, found);
         }
         self.unseen.pulse_like(self.kept_out.as_ref().unwrap_or(&self.whole));
     }

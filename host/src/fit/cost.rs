@@ -16,7 +16,7 @@ pub enum Objective {
     Position,
 }
 
-/// Span of an increment, s.
+/// Time that an increment takes, s.
 pub const SPAN_S: f64 = 0.05;
 /// Samples nearer than this repeat each other's increments.
 const STRIDE_S: f64 = 0.002;
@@ -26,6 +26,17 @@ pub const HUBER: f64 = 6.0;
 /// Every so many samples an increment begins, where samples come every `interval_s` seconds.
 pub(super) fn stride(interval_s: f64) -> usize {
     ((STRIDE_S / interval_s).round() as usize).max(1)
+}
+
+/// Samples between the two of an increment, where they come every `interval_s` seconds.
+pub fn span(interval_s: f64) -> usize {
+    ((SPAN_S / interval_s).round() as usize).max(1)
+}
+
+/// What `series` (rad) adds in the time of an increment, at every sample of `grid`, in units of its noise.
+pub fn increments(grid: &Grid, series: &[f64]) -> Vec<f64> {
+    let span = span(grid.interval_s);
+    series.windows(span + 1).map(|w| (w[span] - w[0]) / grid.sigma).collect()
 }
 
 /// What a record's predictions are wrong by, as an objective counts it.
@@ -51,7 +62,7 @@ impl<'a> Misfit<'a> {
             skip: grid.skip,
             scale: 1.0 / grid.sigma,
             stride: stride(grid.interval_s),
-            span: if robust && angle { ((SPAN_S / grid.interval_s).round() as usize).max(1) } else { 0 },
+            span: if robust && angle { span(grid.interval_s) } else { 0 },
             robust,
             mean: [0.0; LANES],
         };

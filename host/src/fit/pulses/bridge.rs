@@ -14,12 +14,13 @@ use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 
 /// A bridge that coasts, at work on one record.
-pub(super) struct Bridge<'a> {
-    grid: &'a Grid,
+pub(super) struct Bridge {
     coast: Coast<f64>,
     share: f64,
     supply_v: f64,
-    tau_e: f64,
+    /// The current's time constant, in periods of the PWM.
+    rise: f64,
+    step_s: f64,
     /// What the PWM is told in every cell, by the log's clock, V; the first was held before the start.
     commands: Vec<f64>,
     /// So long after the log, s.
@@ -28,6 +29,8 @@ pub(super) struct Bridge<'a> {
     emf: Vec<f64>,
     /// Mean voltage that the law gives every cell, V.
     laws: Vec<f64>,
+    /// How much more it gives for a back-EMF that is higher by one volt.
+    pub(super) slopes: Vec<f64>,
 }
 
 /// A period of the PWM: driven with so many `volts` to the share `driven`, shorted to `braked`, floating to its end.
@@ -37,18 +40,12 @@ struct Pulse {
     braked: f64,
 }
 
-impl<'a> Bridge<'a> {
+impl Bridge {
     /// The bridge of `values`, whose rotor turns at `speeds` (rad/s, at the start and at the end of every cell of `grid`); none
     /// without one.
-    pub(super) fn new(
-        values: &Values,
-        frequency: f64,
-        rig: &Rig,
-        grid: &'a Grid,
-        speeds: &[f64],
-    ) -> Option<Self> {
+    pub(super) fn new(values: &Values, rig: &Rig, grid: &Grid, speeds: &[f64]) -> Option<Self> {
         let of = |kind: Kind| values.effects.iter().find(|(k, _)| *k == kind).map(|(_, p)| p);
-        let [share, fitted] = of(Kind::Coast)?[..] else { return None };
+        let [share, frequency] = of(Kind::Coast)?[..] else { return None };
         let base: Base<f64> = values.base.base();
         let setting = Setting::new(&base, &Rig { step_s: grid.step_s, ..*rig }, 1);
         let dead = of(Kind::DeadZone).map(|p| Active::new(Kind::DeadZone, p, &setting));
@@ -61,17 +58,19 @@ impl<'a> Bridge<'a> {
             drive.voltage
         };
         let mut bridge = Self {
-            grid,
-            coast: Coast::new(&[share, fitted], &setting),
+            coast: Coast::new(&[share, frequency], &setting),
             share,
             supply_v: rig.supply_v,
-            tau_e: base.tau_e * fitted / frequency,
+            rise: base.tau_e * frequency,
+            step_s: grid.step_s,
             commands: grid.voltages.iter().map(told).collect(),
             late_s: of(Kind::Delay).map_or(0.0, |p| p[0]),
             emf: speeds.iter().map(|w| w * base.back_emf()).collect(),
             laws: Vec::new(),
+            slopes: Vec::new(),
         };
         bridge.laws = (0..bridge.cells()).map(|n| bridge.law(n, bridge.emf(n))).collect();
+        bridge.slopes = (0..bridge.cells()).map(|n| bridge.slope(n)).collect();
         Some(bridge)
     }
 
@@ -86,7 +85,7 @@ impl<'a> Bridge<'a> {
 
     /// Mean of what it is told in cell `n`, from 0, V.
     fn mean_command(&self, n: usize) -> f64 {
-        let late = self.late_s / self.grid.step_s;
+        let late = self.late_s / self.step_s;
         let (whole, part) = (late.floor(), late.fract());
         let at = |back: f64| {
             self.commands[((n as f64 + 1.0 - back).max(0.0) as usize).min(self.commands.len() - 1)]
@@ -101,8 +100,7 @@ impl<'a> Bridge<'a> {
         way * self.coast.mean(way * command, way * emf)
     }
 
-    /// How much the law gives cell `n` more for a back-EMF that is higher by one volt.
-    pub(super) fn slope(&self, n: usize) -> f64 {
+    fn slope(&self, n: usize) -> f64 {
         let delta = 0.01 * self.supply_v;
         let emf = self.emf(n);
         (self.law(n, emf + delta) - self.law(n, emf - delta)) / (2.0 * delta)
@@ -121,7 +119,7 @@ impl<'a> Bridge<'a> {
     /// What the pulses of `frequency`, Hz, that stand at `phase` of a period when the record begins bring in every cell beyond the
     /// law's mean, V; one number before the first.
     pub(super) fn beyond(&self, frequency: f64, phase: f64) -> Vec<f64> {
-        let (h, period) = (self.grid.step_s, 1.0 / frequency);
+        let (h, period, tau_e) = (self.step_s, 1.0 / frequency, self.rise / frequency);
         // Edges that are nearer than this are one.
         let moment = 1e-6 * h;
         // The cell whose command acts now, and when the next does.
@@ -156,10 +154,10 @@ impl<'a> Bridge<'a> {
                 let span = until - now;
                 now = until;
                 let target = volts - emf;
-                let left = target + (current - target) * (-span / self.tau_e).exp();
+                let left = target + (current - target) * (-span / tau_e).exp();
                 if floats && (current == 0.0 || left * current <= 0.0) {
                     // The diodes let nothing through the other way.
-                    let over = if current == 0.0 { 0.0 } else { self.tau_e * (-current / target).ln_1p() };
+                    let over = if current == 0.0 { 0.0 } else { tau_e * (-current / target).ln_1p() };
                     sum += volts * over + emf * (span - over);
                     current = 0.0;
                 } else {
@@ -172,14 +170,15 @@ impl<'a> Bridge<'a> {
         beyond
     }
 
-    /// First harmonic of a period at the command and back-EMF of cell `n`, V.
-    pub(super) fn harmonic(&self, n: usize, frequency: f64) -> Complex<f64> {
+    /// First harmonic of a period at the command and back-EMF of cell `n`, V. Of any frequency: how much of a period the current
+    /// needs to rise is what the records tell.
+    pub(super) fn harmonic(&self, n: usize) -> Complex<f64> {
         let (command, emf) = (self.mean_command(n), self.emf(n));
         let Pulse { volts, driven, braked } = self.pulse(command);
         // Up to phase p the integral of e^(-2 pi i p).
         let up_to = |p: f64| Complex::from_polar(1.0, -TAU * p) * Complex::new(0.0, 1.0 / TAU);
         let between = |from: f64, to: f64| up_to(to) - up_to(from);
-        let period = 1.0 / (frequency * self.tau_e);
+        let period = 1.0 / self.rise;
         let left = ((volts - emf) * (1.0 - (-driven * period).exp()) + emf)
             * (-(braked - driven) * period).exp()
             - emf;
@@ -232,7 +231,7 @@ mod tests {
         let speeds = vec![1.5; 2001];
         for frequency in [180.0, 437.0, 800.0] {
             let values = values(frequency, 0.0);
-            let bridge = Bridge::new(&values, frequency, &RIG, &grid, &speeds).expect("it coasts");
+            let bridge = Bridge::new(&values, &RIG, &grid, &speeds).expect("it coasts");
             let all: Vec<Vec<f64>> = (0..40).map(|k| bridge.beyond(frequency, f64::from(k) / 40.0)).collect();
             // Cells in which the command has been the same for a while.
             let settled = (1..2000).filter(|n| n % 50 > 30);
@@ -250,7 +249,7 @@ mod tests {
         // Four periods and ten cells are the same time.
         let of = |late_s: f64| {
             let values = values(400.0, late_s);
-            Bridge::new(&values, 400.0, &RIG, &grid, &speeds).expect("it coasts").beyond(400.0, 0.3)
+            Bridge::new(&values, &RIG, &grid, &speeds).expect("it coasts").beyond(400.0, 0.3)
         };
         let (prompt, late) = (of(0.0), of(0.01));
         let apart: Vec<f64> = prompt[100..1900].iter().zip(&late[110..1910]).map(|(a, b)| a - b).collect();

@@ -3,7 +3,7 @@
 use motorlens_shared::base::Coefficients;
 
 use super::bridge::Bridge;
-use crate::fit::cost::{SPAN_S, robust};
+use crate::fit::cost::{increments, robust};
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
@@ -11,84 +11,72 @@ use crate::fit::simulate::{predict_one, rotor_speeds};
 
 /// The records of a problem under a model with a bridge that coasts.
 pub(super) struct Ride<'a> {
-    layout: Layout,
-    plain: Vec<f64>,
-    values: &'a Values,
     problem: &'a Problem,
+    values: &'a Values,
+    layout: Layout,
+    /// `values`, as they are searched and as they are.
+    x: Vec<f64>,
+    plain: Vec<f64>,
 }
 
 /// One of them.
-pub(super) struct Leg<'a> {
-    ride: &'a Ride<'a>,
+pub(super) struct Leg {
     /// Without pulses, running free.
     pub(super) grid: Grid,
-    pub(super) speeds: Vec<f64>,
+    pub(super) bridge: Bridge,
+    /// The base model, a cell long.
+    motor: Coefficients<f64>,
+    run: Vec<f64>,
     /// What the run without pulses lacks: increments, noise units.
     pub(super) lacks: Vec<f64>,
     /// The same without what other parameters, or a delay, would make good: they follow the commands as the pulses do.
     pub(super) stripped: Vec<f64>,
-    run: Vec<f64>,
-    /// How much more voltage the law gives every cell for a back-EMF that is higher by one volt.
-    pub(super) slopes: Vec<f64>,
-    /// The base model, a cell long.
-    motor: Coefficients<f64>,
 }
 
 impl<'a> Ride<'a> {
     pub(super) fn new(problem: &'a Problem, values: &'a Values) -> Self {
         let layout = problem.layout(&values.kinds());
-        let plain = layout.all_plain(&layout.pack(values));
-        Self { layout, plain, values, problem }
+        let x = layout.pack(values);
+        let plain = layout.all_plain(&x);
+        Self { problem, values, layout, x, plain }
     }
 
-    fn run(&self, grid: &Grid) -> Vec<f64> {
-        predict_one(&self.layout.kinds, &self.plain, &self.problem.rig, grid)
+    fn run(&self, grid: &Grid, plain: &[f64]) -> Vec<f64> {
+        predict_one(&self.layout.kinds, plain, &self.problem.rig, grid)
     }
 
-    pub(super) fn leg(&'a self, grid: &Grid) -> Leg<'a> {
+    /// None without such a bridge.
+    pub(super) fn leg(&self, grid: &Grid) -> Option<Leg> {
         let grid = Grid { guide: Vec::new(), seen: Vec::new(), pulses: Vec::new(), ..grid.clone() };
-        let run = self.run(&grid);
-        let error: Vec<f64> = grid.measured.iter().zip(&run).map(|(y, p)| y - p).collect();
-        let lacks = increments(&grid, &error);
-        let mut leg = Leg {
-            ride: self,
-            speeds: rotor_speeds(&self.layout.kinds, &self.plain, &self.problem.rig, &grid),
-            stripped: Vec::new(),
-            slopes: Vec::new(),
-            motor: Coefficients::new(&self.values.base.base(), grid.step_s),
-            lacks,
-            run,
-            grid,
-        };
-        // Any frequency: the law's own stays what it is.
-        leg.slopes = leg
-            .bridge(1.0)
-            .map_or_else(Vec::new, |bridge| (0..bridge.cells()).map(|n| bridge.slope(n)).collect());
-        leg
+        let rig = &self.problem.rig;
+        let speeds = rotor_speeds(&self.layout.kinds, &self.plain, rig, &grid);
+        let bridge = Bridge::new(self.values, rig, &grid, &speeds)?;
+        let run = self.run(&grid, &self.plain);
+        let lacks = apart(&grid, &grid.measured, &run);
+        let motor = Coefficients::new(&self.values.base.base(), grid.step_s);
+        Some(Leg { grid, bridge, motor, run, lacks, stripped: Vec::new() })
     }
 
     /// The same, for a look at the spectrum.
-    pub(super) fn stripped(&'a self, grid: &Grid) -> Leg<'a> {
-        let leg = self.leg(grid);
-        let x = self.layout.pack(self.values);
-        let neighbour = |k: usize| -> Vec<f64> {
-            let mut x = x.clone();
+    pub(super) fn stripped(&self, grid: &Grid) -> Option<Leg> {
+        let leg = self.leg(grid)?;
+        let neighbour = |k: usize| {
+            let mut x = self.x.clone();
             x[k] += self.layout.step(k, x[k]);
-            let moved =
-                predict_one(&self.layout.kinds, &self.layout.all_plain(&x), &self.problem.rig, &leg.grid);
-            increments(&leg.grid, &moved.iter().zip(&leg.run).map(|(a, b)| a - b).collect::<Vec<f64>>())
+            apart(&leg.grid, &self.run(&leg.grid, &self.layout.all_plain(&x)), &leg.run)
         };
         let mut directions: Vec<Vec<f64>> = self.layout.free().into_iter().map(neighbour).collect();
-        let late: Vec<f64> =
-            (0..leg.run.len()).map(|k| leg.run[(k + 1).min(leg.run.len() - 1)] - leg.run[k]).collect();
-        directions.push(increments(&leg.grid, &late));
-        Leg { stripped: beside(leg.lacks.clone(), directions), ..leg }
+        let mut late = leg.run[1..].to_vec();
+        late.extend(leg.run.last());
+        directions.push(apart(&leg.grid, &late, &leg.run));
+        Some(Leg { stripped: beside(leg.lacks.clone(), directions), ..leg })
     }
 }
 
-fn increments(grid: &Grid, series: &[f64]) -> Vec<f64> {
-    let span = ((SPAN_S / grid.interval_s).round() as usize).max(1);
-    series.windows(span + 1).map(|w| (w[span] - w[0]) / grid.sigma).collect()
+/// What `series` adds more than `other` in the time of an increment, noise units.
+fn apart(grid: &Grid, series: &[f64], other: &[f64]) -> Vec<f64> {
+    let difference: Vec<f64> = series.iter().zip(other).map(|(a, b)| a - b).collect();
+    increments(grid, &difference)
 }
 
 /// What of `series` is at right angles to all `directions`.
@@ -123,23 +111,14 @@ pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl Leg<'_> {
-    pub(super) fn bridge(&self, frequency: f64) -> Option<Bridge<'_>> {
-        Bridge::new(self.ride.values, frequency, &self.ride.problem.rig, &self.grid, &self.speeds)
-    }
-
-    /// What pulses bring in every cell beyond their mean, V.
-    pub(super) fn beyond(&self, frequency: f64, phase: f64) -> Vec<f64> {
-        self.bridge(frequency).map_or_else(Vec::new, |bridge| bridge.beyond(frequency, phase))
-    }
-
+impl Leg {
     /// What pulses add to the run: increments, noise units. To first order, of the base model under the bridge.
     pub(super) fn adds(&self, frequency: f64, phase: f64) -> Vec<f64> {
-        let (c, beyond) = (&self.motor, self.beyond(frequency, phase));
+        let (c, beyond) = (&self.motor, self.bridge.beyond(frequency, phase));
         let (mut u, mut w, mut x) = (0.0, 0.0, 0.0);
         let mut angle = Vec::with_capacity(beyond.len());
         angle.push(0.0);
-        for (slope, volts) in self.slopes.iter().zip(&beyond[1..]) {
+        for (slope, volts) in self.bridge.slopes.iter().zip(&beyond[1..]) {
             let v = volts + slope * c.back_emf * w;
             let after = c.wu * u + c.ww * w + c.wv * v;
             x += c.half_step * (w + after) + c.xu * u + c.xw * w + c.xv * v;
@@ -153,7 +132,7 @@ impl Leg<'_> {
     /// The cell's end that is nearest to sample `k`.
     fn end(&self, k: usize) -> usize {
         let place = &self.grid.places[k];
-        ((place.cell as f64 + place.part).round() as usize).min(self.slopes.len())
+        ((place.cell as f64 + place.part).round() as usize).min(self.bridge.cells())
     }
 
     /// What the run lacks with these pulses.
@@ -177,7 +156,7 @@ impl Leg<'_> {
 
     /// What every cell's voltage would have to bring for the error to vanish: the adjoint of [`Self::adds`].
     pub(super) fn wanted(&self) -> Vec<f64> {
-        let (c, cells) = (&self.motor, self.slopes.len());
+        let (c, cells) = (&self.motor, self.bridge.cells());
         let span = self.grid.len() - self.stripped.len();
         let mut weights = vec![0.0; cells + 1];
         for (k, d) in self.stripped.iter().enumerate() {
@@ -190,7 +169,7 @@ impl Leg<'_> {
             // The speed after a step brings half of its way.
             let after = w + c.half_step * x;
             wanted[n] = c.uv * u + c.wv * after + c.xv * x;
-            let held = self.slopes[n] * c.back_emf * wanted[n];
+            let held = self.bridge.slopes[n] * c.back_emf * wanted[n];
             (u, w) = (
                 c.uu * u + c.wu * after + c.xu * x,
                 c.uw * u + c.ww * after + (c.half_step + c.xw) * x + held,
@@ -216,12 +195,12 @@ mod tests {
         let (evidence, base) = prepare(&case.records[3..4], &case.held_out, &case.motor).unwrap();
         let values = base.values().with(Kind::Coast, vec![0.6, 500.0]);
         let ride = Ride::new(&evidence.whole, &values);
-        let leg = ride.stripped(&evidence.whole.grids[0]);
+        let leg = ride.stripped(&evidence.whole.grids[0]).expect("it coasts");
         assert!(product(&leg.stripped, &leg.stripped) < product(&leg.lacks, &leg.lacks));
         for phase in [0.1, 0.6] {
             let seen = product(&leg.stripped, &leg.adds(437.0, phase));
             // Increments count in noise units.
-            let wanted = product(&leg.wanted(), &leg.beyond(437.0, phase)[1..]) / leg.grid.sigma;
+            let wanted = product(&leg.wanted(), &leg.bridge.beyond(437.0, phase)[1..]) / leg.grid.sigma;
             assert!((seen / wanted - 1.0).abs() < 1e-9, "{seen} {wanted}");
         }
     }

@@ -15,7 +15,7 @@ use refine::refined;
 use rustfft::FftPlanner;
 use spectrum::{Spectrum, peaks};
 
-use super::grid::Quantity;
+use super::grid::{Grid, Quantity};
 use super::layout::Values;
 use super::search::Problem;
 
@@ -54,14 +54,13 @@ impl Problem {
         if let Some(known) = self.fixed.get(FREQUENCY) {
             return vec![*known];
         }
-        let Some(law) = frequency_of(values) else { return Vec::new() };
         let ride = Ride::new(self, values);
-        let angles = self.grids.iter().filter(|g| g.quantity == Quantity::Angle);
-        let legs: Vec<Leg> = angles.map(|grid| ride.stripped(grid)).collect();
-        let longest = legs.iter().map(|leg| leg.speeds.len()).max().unwrap_or(1);
+        let angles = self.grids.iter().filter(|grid| shows_angle(grid));
+        let legs: Vec<Leg> = angles.filter_map(|grid| ride.stripped(grid)).collect();
+        let longest = legs.iter().map(|leg| leg.bridge.cells() + 1).max().unwrap_or(1);
         let n = (4 * longest).next_power_of_two();
         let mut planner = FftPlanner::new();
-        let spectra: Vec<_> = legs.iter().map(|leg| Spectrum::new(leg, law, n, &mut planner)).collect();
+        let spectra: Vec<_> = legs.iter().map(|leg| Spectrum::new(leg, n, &mut planner)).collect();
         // How large the pulses of a frequency are, the record tells best that is fitted worst.
         let each = legs.iter().zip(&spectra);
         let Some((leg, spectrum)) = each.max_by(|a, b| mean_cost(a.0).total_cmp(&mean_cost(b.0))) else {
@@ -77,14 +76,15 @@ impl Problem {
         peaks(&spectra, range).into_iter().filter(fits).take(MOST).collect()
     }
 
-    /// Lets the pulses of `frequency`, Hz, come in every record when they explain most of what `values` leave; the frequency is
-    /// refined where it is `free`, and every phase found by so many `tries`. Without any where they explain nothing.
+    /// Lets the pulses of `frequency`, Hz, come in every record of angles when they explain most of what `values` leave; the
+    /// frequency is refined where it is `free`, and every phase found by so many `tries`. Without any where they explain nothing.
     pub fn time_pulses(&mut self, values: &Values, frequency: f64, free: bool, tries: usize) {
         const ROUNDS: usize = 3;
         let mut frequency = frequency;
         self.forget_pulses();
         let ride = Ride::new(self, values);
-        let legs: Vec<Leg> = self.grids.iter().map(|grid| ride.leg(grid)).collect();
+        let angles = self.grids.iter().filter(|grid| shows_angle(grid));
+        let legs: Vec<Leg> = angles.filter_map(|grid| ride.leg(grid)).collect();
         let mut phases: Vec<f64> = legs.iter().map(|leg| leg.phase(frequency, tries)).collect();
         let mut step = refined(&legs, frequency, &phases, free);
         for _ in 1..ROUNDS {
@@ -97,14 +97,20 @@ impl Problem {
         }
         let least = step.cost;
         let pulses: Vec<Vec<f64>> =
-            legs.iter().zip(&phases).map(|(leg, phase)| leg.beyond(frequency, *phase)).collect();
+            legs.iter().zip(&phases).map(|(leg, phase)| leg.bridge.beyond(frequency, *phase)).collect();
         let without: f64 = legs.iter().map(|leg| cost(&leg.lacks)).sum();
         if least < WORTH * without {
             self.pulse_hz = Some(frequency);
-            for (grid, pulses) in self.grids.iter_mut().zip(pulses) {
+            for (grid, pulses) in self.grids.iter_mut().filter(|grid| shows_angle(grid)).zip(pulses) {
                 grid.pulses = pulses;
             }
         }
+    }
+
+    /// Lets the pulses of a frequency that is known, Hz, come: beside other records `values` showed it.
+    pub fn pulse_at(&mut self, values: &Values, frequency: f64) {
+        self.time_pulses(values, frequency, false, CLOSELY);
+        self.pulse_hz = Some(frequency);
     }
 
     /// Lets the pulses come as in `other`, whose records are the same.
@@ -114,6 +120,10 @@ impl Problem {
             grid.pulses.clone_from(&other.pulses);
         }
     }
+}
+
+fn shows_angle(grid: &Grid) -> bool {
+    grid.quantity == Quantity::Angle
 }
 
 /// Frequency of the PWM that `values` have, Hz, where they have a bridge that coasts.

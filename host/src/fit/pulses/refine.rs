@@ -25,7 +25,7 @@ pub(super) fn refined(legs: &[Leg], frequency: f64, phases: &[f64], free: bool) 
         .iter()
         .zip(phases)
         .map(|(leg, phase)| {
-            let middle = 0.5 * leg.grid.step_s * leg.slopes.len() as f64;
+            let middle = 0.5 * leg.grid.step_s * leg.bridge.cells() as f64;
             let change = TURN / middle;
             let lacks = |frequency: f64, phase: f64| -> Vec<f64> {
                 leg.lacks(frequency, phase).into_iter().map(robust).collect()

@@ -17,10 +17,10 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    pub(super) fn new(leg: &Leg, law: f64, n: usize, planner: &mut FftPlanner<f64>) -> Self {
-        let mut bins: Vec<Complex<f64>> = leg.bridge(law).map_or_else(Vec::new, |bridge| {
-            leg.wanted().iter().enumerate().map(|(n, v)| bridge.harmonic(n, law) * v).collect()
-        });
+    pub(super) fn new(leg: &Leg, n: usize, planner: &mut FftPlanner<f64>) -> Self {
+        let wanted = leg.wanted();
+        let mut bins: Vec<Complex<f64>> =
+            wanted.iter().enumerate().map(|(n, v)| leg.bridge.harmonic(n) * v).collect();
         bins.resize(n, Complex::default());
         planner.plan_fft_inverse(n).process(&mut bins);
         let mut up_to = vec![0.0];
