@@ -80,6 +80,31 @@ fn python_runs_like_the_model() {
     }
 }
 
+/// Without the trail a filtered reading would run ahead of the model for a few of its time constants.
+#[test]
+fn a_program_that_begins_in_motion_begins_with_the_trail_of_its_reading() {
+    if !there_is("python3") {
+        return;
+    }
+    let model = model(&[(Kind::SensorLag, &[0.02, 0.0])]);
+    let values = model.values();
+    let (speed, volts) = (3.0, 3.0 * values.base.base().back_emf());
+    let directory = tempfile::tempdir().unwrap();
+    write(directory.path(), "motor.py", &model, Format::Python);
+    let says = format!(
+        "import motor; m = motor.Motor(0.5, {speed}); first = m.reading; print(first, m.step({volts}) - first)"
+    );
+    let ran = Command::new("python3").current_dir(directory.path()).args(["-c", &says]).output().unwrap();
+    let said = String::from_utf8(ran.stdout).unwrap();
+    let [first, way] = said.split_whitespace().map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()[..]
+    else {
+        panic!("{said}{}", String::from_utf8_lossy(&ran.stderr))
+    };
+    assert!((first - (0.5 - 0.02 * speed)).abs() < 1e-12, "{first}");
+    // What friction takes in the first step is little.
+    assert!((way / (OPTIONS.step_s * speed) - 1.0).abs() < 0.01, "{way}");
+}
+
 #[test]
 fn mujoco_gets_armature_damping_friction_and_gear_in_one_scale() {
     let model = model(&[(Kind::Coulomb, &[0.2]), (Kind::Backlash, &[0.01, 0.3, 0.3, 150.0, 0.3])]);

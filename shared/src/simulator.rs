@@ -89,16 +89,6 @@ pub struct Motion<S> {
     memories: [Memory<S>; MAX_EFFECTS],
 }
 
-impl<S: Scalar> Motion<S> {
-    /// The same with a reading that was taken `age` seconds before the start, where a sensor holds it.
-    #[must_use]
-    #[inline(always)]
-    pub fn aged(mut self, age: S) -> Self {
-        self.memories.iter_mut().for_each(|memory| memory.age = age);
-        self
-    }
-}
-
 impl<S: Scalar> Simulator<S> {
     /// Prepares `base` with `effects` (kind and parameters in the registry's order) on `rig`.
     ///
@@ -118,10 +108,18 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         Self { prepared, effects }
     }
 
-    /// Starts from `state`, with every effect's own memory empty.
+    /// Starts from `state`, in which the motor has been for long.
     #[inline(always)]
     pub fn start(&self, state: State<S>) -> Motion<S> {
-        Motion { state, memories: [Memory::empty(state.angle); MAX_EFFECTS] }
+        self.start_aged(state, S::zero())
+    }
+
+    /// The same with a reading that was taken `age` seconds before the start, where a sensor holds it.
+    #[inline(always)]
+    pub fn start_aged(&self, state: State<S>, age: S) -> Motion<S> {
+        let mut memories = [Memory { age, ..Memory::empty(state.angle) }; MAX_EFFECTS];
+        self.effects.begin(&state, &mut memories);
+        Motion { state, memories }
     }
 
     /// Advances over cell `index` (from 1) of the grid, whose mean voltages are `voltages[1..]`; `voltages[0]` was

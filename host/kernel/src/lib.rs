@@ -120,7 +120,7 @@ pub fn run<S: Shown, E: Effects<S>>(
     course: &Course<S>,
     sink: &mut dyn Sink<S::Plain>,
 ) {
-    let mut motion = simulator.start(course.start).aged(S::lit(course.reading_age_s));
+    let mut motion = simulator.start_aged(course.start, S::lit(course.reading_age_s));
     let mut ahead = S::zero();
     let start = plain(show(simulator, &motion, ahead, course.encoder_on_motor));
     sink.begin(start);

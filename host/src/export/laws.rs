@@ -14,6 +14,8 @@ use super::formula;
 /// The statements of an effect, by the moment at which they run.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Statements {
+    /// What is remembered at the start, where the shaft has long been turning at `speed`, and what the sensor makes of that.
+    pub begin: Vec<String>,
     /// Voltage and torque of the coming step.
     pub drive: Vec<String>,
     /// Between rotor and load.
@@ -226,6 +228,7 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
         Kind::SensorLag => {
             let (keep, ramp) = filter(p[0], place.part_s);
             Statements {
+                begin: vec![format!("m[{m}] = {} * speed", n(0)), format!("reading -= m[{m}]")],
                 settle: vec![format!("m[{m}] = {keep:e} * m[{m}] + {ramp:e} * (shown2 - shown)")],
                 read: vec![format!("reading -= m[{m}]")],
                 ..Statements::default()

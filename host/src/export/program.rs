@@ -53,6 +53,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     drive +=
         &rigid.iter().map(|line| format!("{}{line}{}\n", language.indent, language.end)).collect::<String>();
     let blocks = [
+        ("BEGIN", lines(|s| &s.begin, &[], outside)),
         ("DRIVE", drive),
         ("COUPLE", lines(|s| &s.couple, &load, language.indent)),
         ("SETTLE", lines(|s| &s.settle, &[], language.indent)),

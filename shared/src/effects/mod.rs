@@ -130,6 +130,9 @@ pub trait Effect<S: Scalar> {
     /// Voltage or torque during the coming step.
     #[inline(always)]
     fn drive(&self, _now: &Now<S>, _memory: &Memory<S>, _drive: &mut Drive<S>) {}
+    /// Own memory at the start of a record, where the shaft has long been turning as in `state`.
+    #[inline(always)]
+    fn begin(&self, _state: &State<S>, _memory: &mut Memory<S>) {}
     /// Own memory, after the step from `now` to `after`.
     #[inline(always)]
     fn settle(&self, _now: &Now<S>, _after: &State<S>, _memory: &mut Memory<S>) {}
@@ -229,6 +232,10 @@ macro_rules! registry {
             #[inline(always)]
             fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
                 match self { $(Self::$kind(e) => e.drive(now, memory, drive),)+ Self::Formula(e) => e.drive(now, memory, drive) }
+            }
+            #[inline(always)]
+            fn begin(&self, state: &State<S>, memory: &mut Memory<S>) {
+                match self { $(Self::$kind(e) => e.begin(state, memory),)+ Self::Formula(e) => e.begin(state, memory) }
             }
             #[inline(always)]
             fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {

@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
 /// First-order filter or hold; memory holds how far the reading trails, and how old a held one is.
 #[derive(Debug, Clone, Copy)]
 pub struct SensorLag<S> {
+    time: S,
     keep: S,
     ramp: S,
     step: S,
@@ -49,6 +50,7 @@ impl<S: Scalar> SensorLag<S> {
         let ramp = time * (S::one() - keep) / h;
         let hold = parameters[1];
         Self {
+            time,
             keep,
             ramp,
             step: h,
@@ -66,6 +68,11 @@ impl<S: Scalar> SensorLag<S> {
 }
 
 impl<S: Scalar> Effect<S> for SensorLag<S> {
+    #[inline(always)]
+    fn begin(&self, state: &State<S>, memory: &mut Memory<S>) {
+        let speed = if self.on_motor { state.speed } else { state.load_speed };
+        memory.store = speed * S::pick_gt(self.hold, S::zero(), memory.age, self.time);
+    }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
         let moved = if self.on_motor {
@@ -97,6 +104,21 @@ mod tests {
     fn steady_speed_trails_by_time_times_speed() {
         let (angles, motion) = run(Kind::SensorLag, &[0.02, 0.0], &[6.0; 2000]);
         close(motion.state.angle - angles[1999], 0.02 * motion.state.speed, 1e-9);
+    }
+
+    #[test]
+    fn a_record_that_begins_in_motion_begins_with_the_trail() {
+        use crate::simulator::Simulator;
+        use crate::step::State;
+        let speed = BASE.gain * 6.0;
+        for (parameters, age, trail) in [([0.02, 0.0], 0.0, 0.02), ([0.0, 0.03], 0.012, 0.012)] {
+            let simulator = Simulator::new(&BASE, [(Kind::SensorLag, &parameters[..])], &RIG);
+            let mut motion = simulator.start_aged(State::moving(6.0 - BASE.back_emf() * speed, speed, 0.5), age);
+            close(simulator.read(&motion), 0.5 - trail * speed, 1e-9);
+            simulator.advance(&mut motion, &[6.0, 6.0], 1);
+            let moved = if age > 0.0 { 0.0 } else { speed * RIG.step_s };
+            close(simulator.read(&motion), 0.5 - trail * speed + moved, 1e-6);
+        }
     }
 
     #[test]

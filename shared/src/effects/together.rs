@@ -19,6 +19,8 @@ pub trait Effects<S: Scalar> {
     fn two_masses(&self) -> bool;
     /// See [`Effect::drive`].
     fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>);
+    /// See [`Effect::begin`].
+    fn begin(&self, state: &State<S>, memories: &mut [Memory<S>]);
     /// See [`Effect::settle`].
     fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]);
     /// See [`Effect::couple`].
@@ -42,6 +44,8 @@ impl<S: Scalar> Effects<S> for Nothing {
     }
     #[inline(always)]
     fn drive(&self, _now: &Now<S>, _memories: &[Memory<S>], _drive: &mut Drive<S>) {}
+    #[inline(always)]
+    fn begin(&self, _state: &State<S>, _memories: &mut [Memory<S>]) {}
     #[inline(always)]
     fn settle(&self, _now: &Now<S>, _after: &State<S>, _memories: &mut [Memory<S>]) {}
     #[inline(always)]
@@ -67,6 +71,11 @@ impl<S: Scalar, A: Named<S>, R: Effects<S>> Effects<S> for With<A, R> {
     fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
         self.0.drive(now, &memories[0], drive);
         self.1.drive(now, &memories[1..], drive);
+    }
+    #[inline(always)]
+    fn begin(&self, state: &State<S>, memories: &mut [Memory<S>]) {
+        self.0.begin(state, &mut memories[0]);
+        self.1.begin(state, &mut memories[1..]);
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
@@ -130,6 +139,12 @@ impl<S: Scalar> Effects<S> for Several<S> {
     fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
         for (effect, memory) in self.active.iter().zip(memories) {
             effect.drive(now, memory, drive);
+        }
+    }
+    #[inline(always)]
+    fn begin(&self, state: &State<S>, memories: &mut [Memory<S>]) {
+        for (effect, memory) in self.active.iter().zip(memories) {
+            effect.begin(state, memory);
         }
     }
     #[inline(always)]
