@@ -23,8 +23,6 @@ use crate::fit::simulate::LANES;
 /// How much work a stage does.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Effects whose probes promise most: the others stay only where the first heat makes leaders of them.
-    pub promising: usize,
     /// Starts of an effect in the first heat ...
     pub starts: usize,
     /// ... which cost at most so many times more than its best, ...
@@ -43,38 +41,14 @@ pub struct Effort {
 
 impl Effort {
     /// On the base model.
-    pub const FIRST: Self = Self {
-        starts: 2,
-        as_cheap: 1.25,
-        heat: 1,
-        promising: 18,
-        leaders: 9,
-        race: 2,
-        finalists: 6,
-        last: 8,
-    };
+    pub const FIRST: Self =
+        Self { starts: 2, as_cheap: 1.25, heat: 1, leaders: 9, race: 2, finalists: 6, last: 8 };
     /// On a model with effects.
-    pub const LATER: Self = Self {
-        starts: 2,
-        as_cheap: 1.25,
-        heat: 1,
-        promising: 16,
-        leaders: 8,
-        race: 2,
-        finalists: 6,
-        last: 8,
-    };
+    pub const LATER: Self =
+        Self { starts: 2, as_cheap: 1.25, heat: 1, leaders: 8, race: 2, finalists: 6, last: 8 };
     /// On a model that is far from explaining what is seen, where the usual work finds nothing more.
-    pub const DEEP: Self = Self {
-        starts: 4,
-        as_cheap: 4.0,
-        heat: 3,
-        promising: 20,
-        leaders: 10,
-        race: 3,
-        finalists: 6,
-        last: 12,
-    };
+    pub const DEEP: Self =
+        Self { starts: 4, as_cheap: 4.0, heat: 3, leaders: 10, race: 3, finalists: 6, last: 12 };
 }
 
 /// After the first heat an effect that costs so many times more than the best has lost ...
@@ -101,20 +75,14 @@ pub fn run(
     let straight = evidence.straightened(model);
     let bent = model.kinds().is_empty().then(|| Tangent::new(&programmes, model, true));
     let held = Tangent::new(&programmes, &straight, false);
-    let mut starters: Vec<(Layout, Vec<Start>)> = Vec::new();
+    let mut heat: Vec<(Layout, Start)> = Vec::new();
     for kind in library.iter().filter(lacking) {
         tick(*kind);
         let (from, tangent) = match &bent {
             Some(bent) if kind.spec().load_share().is_none() => (model, bent),
             _ => (&straight, &held),
         };
-        starters.push(probe(&programmes, from, tangent, *kind));
-    }
-    starters.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
-    let mut heat: Vec<(Layout, Start)> = Vec::new();
-    let mut late: Vec<Kind> = Vec::new();
-    for (place, (layout, starts)) in starters.into_iter().enumerate() {
-        late.extend(layout.kinds.last().filter(|_| place >= effort.promising));
+        let (layout, starts) = probe(&programmes, from, tangent, *kind);
         // On the base model, where no start is better than it, one shows as well as another where the way goes down.
         let known = bent.as_ref().map_or(f64::MAX, |bent| bent.own);
         let second = (effort.as_cheap * starts[0].0).min(known);
@@ -130,9 +98,6 @@ pub fn run(
     let mut raced: Vec<(Layout, Start)> = heat
         .into_iter()
         .enumerate()
-        .filter(|(place, (layout, _))| {
-            *place < SHOWN || !layout.kinds.last().is_some_and(|k| late.contains(k))
-        })
         .take(effort.leaders)
         .filter(|(place, (_, (cost, _)))| *place < SHOWN || *cost < reach)
         .map(|(_, (layout, (_, x)))| {
@@ -223,9 +188,11 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
     let run = |which: usize| -> Vec<Start> {
         let mut best: Vec<_> = foreseen.iter().map(|(x, projected)| (*x, &projected[which])).collect();
         best.sort_by(|a, b| a.1.left.total_cmp(&b.1.left));
+        let most = if kind == Kind::Cogging { 2 * LANES } else { LANES };
         let xs: Vec<Vec<f64>> =
-            best.into_iter().take(LANES).map(|(x, projected)| tangent.moved(&layout, x, projected)).collect();
-        problem.costs(&layout, Objective::Increments, &xs).into_iter().zip(xs).collect()
+            best.into_iter().take(most).map(|(x, projected)| tangent.moved(&layout, x, projected)).collect();
+        let costs = xs.chunks(LANES).flat_map(|xs| problem.costs(&layout, Objective::Increments, xs));
+        costs.zip(xs.iter().cloned()).collect()
     };
     let mut starts = run(0);
     if starts.iter().all(|(cost, _)| *cost > tangent.own) {
@@ -245,7 +212,8 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
     let mut sizes: Vec<Vec<f64>> = spec.probes.iter().map(scaled).collect();
     if kind == Kind::Cogging {
         // The order cannot be searched downhill.
-        sizes.extend(ripple::starts(problem, tangent, values));
+        sizes.extend(ripple::answering(problem, tangent, values));
+        sizes.extend(ripple::holding(problem, values));
     }
     if kind == Kind::SensorLag
         && let Some(time) = problem.hold_s
