@@ -6,7 +6,8 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use crate::diagnose::discover::{Discovery, Ranked, Rung, Verdict};
+use crate::diagnose::discover::{Discovery, Verdict};
+use crate::diagnose::ladder::{Ranked, Rung};
 use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;

@@ -5,7 +5,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Console, prose};
-use crate::diagnose::discover::{Progress, Rung};
+use crate::diagnose::discover::Progress;
+use crate::diagnose::ladder::Rung;
 
 /// A bar, or nothing where nobody watches.
 pub fn bar(console: &Console, length: u64, unit: &str) -> ProgressBar {

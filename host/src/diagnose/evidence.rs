@@ -215,36 +215,6 @@ impl Evidence {
             && fine.unseen.increments < accepted.unseen.increments * 1.05;
         if better { fine } else { accepted }
     }
-
-    /// Fits the first speeds of the records that begin in motion anew under `model`, then the model, until that gains no
-    /// more.
-    pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
-        const ROUNDS: usize = 4;
-        const GAIN: f64 = 0.02;
-        const NEAR: f64 = 0.3;
-        let mut model = model;
-        for _ in 0..ROUNDS {
-            // A start that is wrong shows in the error itself.
-            let (values, near, before) = (model.values(), model.excess() < NEAR, model.merit());
-            let mut moving = false;
-            let each = [&mut self.whole, &mut self.train, &mut self.unseen];
-            for problem in each.into_iter().chain(&mut self.kept_out) {
-                let slow = near && problem.find_slow_starts(&values);
-                if slow || problem.grids.iter().any(|grid| !grid.rests()) {
-                    problem.refine_starts(&values, near);
-                    moving = true;
-                }
-            }
-            if !moving {
-                break;
-            }
-            model = self.fit(&values, 6);
-            if model.merit() > before - GAIN {
-                break;
-            }
-        }
-        model
-    }
 }
 
 #[cfg(test)]

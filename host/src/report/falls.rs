@@ -2,7 +2,7 @@
 
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::measures::Measures;
-use crate::diagnose::discover::Rung;
+use crate::diagnose::ladder::Rung;
 
 /// The error that counts for a rung: on unseen records where there are any.
 pub fn judged(rung: &Rung) -> Measures {

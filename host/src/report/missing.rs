@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::falls::judged;
 use super::figure::{Figure, in_words};
 use super::story::Suspect;
-use crate::diagnose::discover::{Ranked, Rung};
+use crate::diagnose::ladder::{Ranked, Rung};
 
 /// A suspect as it is shown.
 #[derive(Debug, Clone, Serialize)]

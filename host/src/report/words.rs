@@ -6,7 +6,8 @@ use serde::Serialize;
 use super::falls::{judged, steps};
 use super::figure::in_words;
 use super::story::Story;
-use crate::diagnose::discover::{Rung, Verdict};
+use crate::diagnose::discover::Verdict;
+use crate::diagnose::ladder::Rung;
 use crate::fit::uncertainty::Estimate;
 use crate::report::decimate::rounded;
 

@@ -8,6 +8,7 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::climb::{Climb, best_first};
 use crate::diagnose::discover;
 use crate::diagnose::evidence::Evidence;
+use crate::diagnose::ladder;
 use crate::diagnose::plan::{self, Limits};
 use crate::diagnose::worth::{simplest, worth};
 use crate::report::{DRAWN, Suspect, evidence};
@@ -47,7 +48,7 @@ impl Diagnosis {
         let rungs = std::iter::once(model.clone()).chain(best).collect();
         let climb =
             Climb { rungs, first: best_first(&candidates), refused: Vec::new(), withdrawn: Vec::new() };
-        let ranked = discover::rank(&climb, evidence);
+        let ranked = ladder::rank(&climb, evidence);
         let rivals = discover::rivals(&climb);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {

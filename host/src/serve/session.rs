@@ -7,8 +7,9 @@ use motorlens_shared::effects::Kind;
 use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
 use crate::diagnose::candidate::Candidate;
-use crate::diagnose::discover::{self, Rung, prepare};
+use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
+use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
@@ -143,7 +144,7 @@ impl Session {
 
 /// `model` on all records of `evidence`.
 pub fn rung(evidence: &Evidence, model: &Candidate) -> Rung {
-    discover::rung(evidence, &model.values())
+    ladder::rung(evidence, &model.values())
 }
 
 impl Scene {
