@@ -169,7 +169,11 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
         if laws.meshing {
             // The mean current of the step is what the change of speed took, less the other torques.
             let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - drive.torque;
-            let loss = drive.meshing * (mean.hypot(drive.meshing_knee) - drive.meshing_knee);
+            // Simpson's rule: a current that turns within the step is lost on both sides of zero.
+            let size = |current: S| current.hypot(drive.meshing_knee);
+            let half = S::lit(0.5) * (u2 - u);
+            let even = (size(mean - half) + size(mean + half) + S::lit(4.0) * size(mean)) * S::lit(1.0 / 6.0);
+            let loss = drive.meshing * (even - drive.meshing_knee);
             (forward, backward) = (forward + loss, backward + loss);
         }
         let g = if laws.turning {

@@ -45,7 +45,7 @@ impl<S: Scalar> Effect<S> for LoadFriction<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Kind, testing::*};
+    use super::super::{Kind, Rig, testing::*};
 
     /// Steady, far above the knee: (1 - share) u + share knee = b w / c and u = v - k w.
     #[test]
@@ -55,5 +55,29 @@ mod tests {
         let emf = (1.0 - BASE.viscous_share) / BASE.gain;
         let truth = ((1.0 - share) * v + share * knee) / (viscous + (1.0 - share) * emf);
         close(steady_speed(Kind::LoadFriction, &[share, knee], v), truth, 1e-4);
+    }
+
+    /// A motor that reverses every 10 ms is where short steps take it: the current that turns within a step is lost on both
+    /// sides of zero.
+    #[test]
+    fn a_reversing_current_is_lost_as_in_short_steps() {
+        use crate::base::Base;
+        use crate::simulator::Simulator;
+        let end = |tau_e: f64, share: f64, parts: usize| {
+            let rig = Rig { step_s: 1e-3 / parts as f64, ..RIG };
+            let base = Base { tau_e, ..BASE };
+            let simulator = Simulator::new(&base, [(Kind::LoadFriction, &[share, 0.2][..])], &rig);
+            let volts: std::vec::Vec<f64> =
+                (0..400 * parts).map(|k| if k / (10 * parts) * 7 % 11 < 6 { 9.0 } else { -9.0 }).collect();
+            let mut motion = simulator.start(crate::step::State::rest());
+            (0..volts.len()).for_each(|k| simulator.advance(&mut motion, &volts, k));
+            motion.state.angle
+        };
+        for tau_e in [2e-3, 3e-3] {
+            let truth = end(tau_e, 0.3, 32);
+            let done = (truth - end(tau_e, 0.0, 32)).abs();
+            let off = (end(tau_e, 0.3, 1) - truth).abs();
+            assert!(off < done / 2000.0, "off by 1/{:.0}", done / off);
+        }
     }
 }
