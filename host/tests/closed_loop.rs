@@ -52,7 +52,7 @@ impl fmt::Display for Closed {
 
 /// What the data leave open: the rivals, or the one effect that was found.
 fn open(found: &Discovery) -> Vec<effects::Kind> {
-    found.rivals.first().unwrap_or(&found.effects).clone()
+    found.open_sets().into_iter().next().unwrap_or_else(|| found.effects.clone())
 }
 
 fn diagnosed(records: &[Record]) -> Discovery {

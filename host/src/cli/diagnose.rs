@@ -53,7 +53,7 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
         ([], _) => "\nNo effect of the library is worth adding.\n",
         _ => "\nThe first is worth adding.\n",
     };
-    for set in &found.rivals {
+    for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("These data cannot tell apart: {}.\n", names.join(", "));
     }

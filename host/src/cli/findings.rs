@@ -78,7 +78,7 @@ impl Findings {
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: found.candidates.clone(),
-            rivals: found.rivals.clone(),
+            rivals: found.open_sets(),
             next_experiment: next_experiment(found),
             data_faults: of_logs.iter().cloned().chain(later).collect(),
             of_logs: of_logs.len(),

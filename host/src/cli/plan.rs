@@ -45,7 +45,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
     let answer =
-        Answer { schema: 1, rivals: found.rivals.clone(), next_experiment: plan.map(NextExperiment::from) };
+        Answer { schema: 1, rivals: found.open_sets(), next_experiment: plan.map(NextExperiment::from) };
     if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {
         let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
         atomic_file::write(path, text + "\n")?;

@@ -233,7 +233,7 @@ fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candid
 }
 
 /// Everything that one more effect of `library` makes of `model`.
-fn look(
+pub(super) fn look(
     evidence: &Evidence,
     model: &Candidate,
     library: &[Kind],

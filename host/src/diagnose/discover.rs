@@ -10,6 +10,7 @@ use super::climb::{self, Climb};
 use super::evidence::Evidence;
 use super::ladder::{Ranked, Rung, rank, rung};
 use super::plan::{self, Limits, Plan};
+use super::rivals::{Rivals, rivals};
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::search::Problem;
@@ -72,8 +73,8 @@ pub struct Discovery {
     pub ladder: Vec<Rung>,
     /// First diagnosis, best first.
     pub candidates: Vec<Ranked>,
-    /// Sets that this data cannot tell apart.
-    pub rivals: Vec<Vec<Kind>>,
+    /// What this data cannot tell from the accepted effects, for each that has such.
+    pub rivals: Vec<Rivals>,
     /// The model on all records.
     pub model: Model,
     /// Time taken, s.
@@ -161,7 +162,7 @@ fn explore(
     let model = Model::new(&climb.model().values(), &evidence.whole.rig, &evidence.whole.prior, origin);
     Discovery {
         verdict: verdict(&climb),
-        rivals: rivals(&climb),
+        rivals: rivals(&evidence, &climb, &options.library),
         effects,
         noise_floor,
         ladder,
@@ -197,28 +198,16 @@ pub fn prepare(
 }
 
 impl Discovery {
-    /// The programme that would best tell the rivals of the first diagnosis apart.
+    /// The programme that would best tell the rivals of the first effect that has any apart.
     pub fn plan(&self, limits: Limits) -> Option<Plan> {
-        let set = self.rivals.first()?;
-        let rivals: Vec<&Candidate> =
-            self.climb.first.iter().filter(|c| c.kinds().last().is_some_and(|k| set.contains(k))).collect();
-        plan::choose(&self.evidence.whole, &rivals, limits)
+        let models: Vec<&Candidate> = self.rivals.first()?.models.iter().collect();
+        plan::choose(&self.evidence.whole, &models, limits)
     }
-}
 
-/// Effects of the first stage within this much merit of the accepted one are its rivals.
-const RIVAL: f64 = 0.10;
-
-pub(crate) fn rivals(climb: &Climb) -> Vec<Vec<Kind>> {
-    let Some(best) = climb.first.first() else { return Vec::new() };
-    if climb.rungs.len() < 2 {
-        return Vec::new();
+    /// Sets of effects that this data cannot tell apart, the accepted one of each first.
+    pub fn open_sets(&self) -> Vec<Vec<Kind>> {
+        self.rivals.iter().map(Rivals::kinds).collect()
     }
-    let near = |c: &&Candidate| c.merit() <= best.merit() + RIVAL && c.foretold == best.foretold;
-    let mut set: Vec<Kind> =
-        climb.first.iter().filter(near).map(|c| c.kinds()[c.kinds().len() - 1]).collect();
-    set.sort_by_key(|k| Some(k) != best.kinds().last());
-    if set.len() > 1 { vec![set] } else { Vec::new() }
 }
 
 fn verdict(climb: &Climb) -> Verdict {

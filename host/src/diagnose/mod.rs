@@ -10,6 +10,7 @@ pub mod floor;
 pub mod ladder;
 pub mod plan;
 mod ripple;
+pub mod rivals;
 mod shake;
 mod slow_pwm;
 pub mod stage;

@@ -52,6 +52,8 @@ pub struct Marks {
     pub false_alarms: Part,
     /// Of the answers that claim to explain a motor by effects and name no rivals: every one of them is hidden there.
     pub claims_right: Part,
+    /// ... where the library has what is hidden.
+    pub claims_right_inside: Part,
     /// ... or the data do not tell what is hidden.
     pub claims_tenable: Part,
     /// Of those that name rivals which the data cannot exclude: the effects, or one of the rivals, are hidden there.
@@ -88,6 +90,7 @@ impl Marks {
         let disturbed = |group| all(group).filter(|a| a.disturbance > 0.0);
         let explained = |a: &Answer| a.verdict == Verdict::Explained;
         let claims = || answers.iter().filter(|a| explained(a) && !a.found.is_empty());
+        let firm = || claims().filter(|a| a.rivals.is_empty());
         let after = sorted(all(Group::Single).filter(|a| a.exact()).map(|a| a.after));
         let seconds = sorted(answers.iter().map(|a| a.seconds));
         let first_seconds = sorted(answers.iter().map(|a| a.first_seconds));
@@ -100,10 +103,11 @@ impl Marks {
             disturbed_first: Part::of(disturbed(Group::Single), |a| a.among_first(1)),
             disturbed_exact: Part::of(disturbed(Group::Single), Answer::exact),
             false_alarms: Part::of(all(Group::Nothing), |a| !a.found.is_empty()),
-            claims_right: Part::of(claims().filter(|a| a.rivals.is_empty()), |a| !a.names_a_stranger()),
-            claims_tenable: Part::of(claims().filter(|a| a.rivals.is_empty()), |a| {
-                !(a.names_a_stranger() && a.told)
+            claims_right: Part::of(firm(), |a| !a.names_a_stranger()),
+            claims_right_inside: Part::of(firm().filter(|a| a.group != Group::Outside), |a| {
+                !a.names_a_stranger()
             }),
+            claims_tenable: Part::of(firm(), |a| !(a.names_a_stranger() && a.told)),
             open_claims_right: Part::of(claims().filter(|a| !a.rivals.is_empty()), |a| {
                 !a.names_a_stranger() || a.names_the_truth_a_rival()
             }),

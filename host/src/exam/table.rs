@@ -23,6 +23,7 @@ pub fn table(answers: &[Answer]) -> String {
     row("... exactly that one accepted", share(m.disturbed_exact), "");
     row("nothing missing, yet something accepted", share(m.false_alarms), "at most 1 %");
     row("claims to explain, without a rival: every effect named is there", share(m.claims_right), "99 %");
+    row("... where the library has what is hidden", share(m.claims_right_inside), "");
     row("... or the data do not tell what is hidden", share(m.claims_tenable), "");
     row(
         "... with rivals that the data cannot exclude: so, or one of these is",

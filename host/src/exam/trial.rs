@@ -39,8 +39,8 @@ pub struct Answer {
     pub errors: Vec<[f64; 4]>,
     /// The same of the accepted model.
     pub reached: [f64; 4],
-    /// Rivals of the first diagnosis.
-    pub rivals: Vec<&'static str>,
+    /// What the data could not tell from the accepted effects, a set for each that has such.
+    pub rivals: Vec<Vec<&'static str>>,
     /// Verdict.
     pub verdict: Verdict,
     /// False where the hidden laws themselves explain these data and fit no better than the answer.
@@ -73,9 +73,11 @@ impl Answer {
         self.found.iter().any(|name| !self.is_hidden(name))
     }
 
-    /// One of the rivals that the data could not exclude is hidden here.
+    /// Of every accepted effect it, or a rival that the data could not exclude, is hidden here.
     pub fn names_the_truth_a_rival(&self) -> bool {
-        self.rivals.iter().any(|name| self.is_hidden(name))
+        let hidden = |names: &[&'static str]| names.iter().any(|name| self.is_hidden(name));
+        let open = |name| self.rivals.iter().any(|set| set[0] == name && hidden(set));
+        self.found.iter().all(|name| self.is_hidden(name) || open(*name))
     }
 
     /// Alone, as a part, or as the sum of several.
@@ -171,7 +173,7 @@ pub fn answer(question: &Question) -> Result<Answer> {
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
         errors: errors.collect(),
         reached: of_candidate(found.climb.model()),
-        rivals: names(found.rivals.first().map_or(&[], Vec::as_slice)),
+        rivals: found.open_sets().iter().map(|set| names(set)).collect(),
         verdict: found.verdict,
         told: true,
         before: over_floor(0),

@@ -50,9 +50,9 @@ pub fn missing_effect(data: &Data, progress: &mut dyn FnMut(&str)) -> Result<Mis
     let (all, _) = setup::problem(&data.records, &data.motor);
     let runs = free_runs(&all, &found.climb.model().values());
     Ok(Missing {
+        rivals: found.open_sets(),
         effects: found.effects,
         verdict: found.verdict,
-        rivals: found.rivals,
         unseen: names,
         table_2: runs.iter().map(|run| run.measures().into()).collect(),
         model: found.model,

@@ -103,7 +103,7 @@ impl Story {
             floor: discovery.noise_floor,
             ladder: discovery.ladder.clone(),
             suspects: suspects(discovery),
-            rivals: discovery.rivals.clone(),
+            rivals: discovery.open_sets(),
             next: next.map(|plan| plan.why()),
             withdrawn: discovery.climb.withdrawn.clone(),
             verdict: Some(discovery.verdict),

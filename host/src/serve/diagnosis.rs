@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::climb::{Climb, best_first};
-use crate::diagnose::discover;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
 use crate::diagnose::plan::{self, Limits};
+use crate::diagnose::rivals::{self, Rivals};
 use crate::diagnose::worth::{simplest, worth};
 use crate::report::{DRAWN, Suspect, evidence};
 
@@ -49,7 +49,7 @@ impl Diagnosis {
         let climb =
             Climb { rungs, first: best_first(&candidates), refused: Vec::new(), withdrawn: Vec::new() };
         let ranked = ladder::rank(&climb, evidence);
-        let rivals = discover::rivals(&climb);
+        let found = rivals::rivals(evidence, &climb, &[]);
         let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
             let tried = of(ranked.effect).filter(|_| place < DRAWN);
@@ -57,11 +57,11 @@ impl Diagnosis {
             Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
         let suspects = suspects.collect();
-        let among: Vec<&Candidate> =
-            rivals.first().into_iter().flatten().filter_map(|kind| of(*kind)).collect();
+        let among: Vec<&Candidate> = found.first().into_iter().flat_map(|set| &set.models).collect();
         let limits = Limits { volts: evidence.highest_voltage(), seconds: LONGEST_S };
         let next = plan::choose(&evidence.whole, &among, limits);
         let next = next.map(|plan| Next { why: plan.why(), programme: plan.programme });
+        let rivals = found.iter().map(Rivals::kinds).collect();
         Self { suspects, rivals, next, worth, candidates: climb.first }
     }
 }
