@@ -16,7 +16,7 @@ const MOSTLY_THERE: f64 = 0.15;
 const MOST_OF_THE_DRIFT: f64 = 0.55;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
 const NONE_OF_THE_DRIFT: f64 = 0.01;
-/// Two effects are tried at once where the base model leaves so much more than the floor ...
+/// More work is done, and two effects are tried at once, where the base model leaves so much more than the floor ...
 const FAR: f64 = 1.0;
 /// ... beside so many of the first.
 const LEAPS: usize = 2;
@@ -94,6 +94,11 @@ pub fn run(
             break;
         }
         let mut found = look(evidence, &model, library, effort, &mut |k| tick(depth, k));
+        let leads = |found: &[Candidate]| found.iter().any(|c| worth(c, &model));
+        if depth == 0 && model.excess() > FAR && !leads(&found) {
+            let deep = look(evidence, &model, library, Effort::DEEP, &mut |k| tick(depth, k));
+            found = if leads(&deep) { deep } else { found };
+        }
         if depth == 0 {
             climb.first = best_first(&found);
         }
@@ -115,9 +120,10 @@ pub fn run(
         if next.is_none() && depth == 0 {
             next = leap(evidence, &model, &found, library, &mut |k| tick(depth, k));
         }
-        let astray = evidence.repeated && depth < 2 && is_far(&model, &climb.rungs[0]);
-        if next.is_none() && most > 1 && astray {
-            next = deeper(evidence, &climb, library, &mut |k| tick(depth, k));
+        let unsolved = evidence.repeated && depth < 2 && !model.explains();
+        if next.is_none() && most > 1 && unsolved {
+            let beside = if is_far(&model, &climb.rungs[0]) { BESIDE } else { 1 };
+            next = deeper(evidence, &climb, beside, library, &mut |k| tick(depth, k));
         }
         let Some(next) = next else {
             climb.refused = found;
@@ -175,16 +181,17 @@ fn leap(
     simplest(&pairs).cloned()
 }
 
-/// Two effects that leave no more than noise, where the usual work found no way on: beside each that led at first, with
-/// more starts and steps beside the best.
+/// Two effects that leave no more than noise, where the usual work found no way on: beside so many of those that led at first,
+/// with more starts and steps beside the best.
 fn deeper(
     evidence: &mut Evidence,
     climb: &Climb,
+    beside: usize,
     library: &[Kind],
     tick: &mut dyn FnMut(Kind),
 ) -> Option<Candidate> {
     let base = &climb.rungs[0];
-    for (place, first) in climb.first.iter().take(BESIDE).enumerate() {
+    for (place, first) in climb.first.iter().take(beside).enumerate() {
         let effort = if place == 0 { Effort::DEEP } else { Effort::LATER };
         let mut pairs = look(evidence, first, library, effort, tick);
         pairs.retain(|pair| worth(pair, base) && !is_far(pair, base));

@@ -57,7 +57,9 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     if promises(more, less) && left < NOISE || shows_on_a_record(more, less) || shows_in_calm(more, less) {
         return true;
     }
-    let mean = match less.kinds().len() {
+    // A richer law in the place of one that was there is no further effect.
+    let beside = less.kinds().len().min(more.kinds().len().saturating_sub(1));
+    let mean = match beside {
         0 => WORTH_A_FIRST,
         1 => WORTH_MORE,
         _ => WORTH_A_THIRD,
