@@ -6,8 +6,12 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use motorlens::diagnose::discover::{Options, discover};
+use motorlens::estimate::{self, Method, fit};
 use motorlens::log::quantum::quantum;
 use motorlens::log::{Format, ReadOptions, Record, check_usable, content_faults, read, suspicions};
+use motorlens::motor_file::MotorFile;
+use motorlens_shared::effects::Kind;
 
 fn data(directory: &str) -> Option<PathBuf> {
     let root = std::env::var_os("MOTORLENS_DATA")
@@ -149,5 +153,79 @@ fn faults_of_real_data_are_told_and_none_is_made_up() {
         let told = told(&[record]);
         println!("bam-sts3250: {told:#?}");
         assert!(told.iter().any(|t| t.contains("commanded_voltage") && t.contains("inferred")), "{told:#?}");
+    }
+}
+
+/// A motor's logs, the effects that its owners name, and the share of the error of the usual model (kS-kV-kA) on an unseen
+/// record that may be left with them.
+struct Owned {
+    directory: &'static str,
+    fitted: &'static [&'static str],
+    unseen: &'static str,
+    options: ReadOptions,
+    named: &'static [Kind],
+    share: f64,
+}
+
+fn owned() -> [Owned; 3] {
+    let map = |map: &str| ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
+    [
+        Owned {
+            directory: "undcmotor-jl",
+            fitted: &["DCmotor_prbs_open_exp.csv"],
+            unseen: "DCmotor_step_open_exp.csv",
+            options: map("time=t,voltage=u,speed=y:deg/s"),
+            named: &[Kind::Coulomb, Kind::Delay],
+            share: 0.5,
+        },
+        Owned {
+            directory: "micromouse",
+            fitted: &[
+                "controllerDelayImpact1ms.csv",
+                "controllerDelayImpact2ms.csv",
+                "controllerDelayImpact10ms.csv",
+            ],
+            unseen: "controllerDelayImpact5ms.csv",
+            options: ReadOptions {
+                supply_volts: Some(7.9),
+                ..map("time=time:ms,duty=leftCommand:255,speed=leftSpeed:rpm")
+            },
+            // Wheels that stick before they turn.
+            named: &[Kind::Stribeck],
+            share: 0.7,
+        },
+        Owned {
+            directory: "bam-sts3250",
+            fitted: &["2024-10-26_12h23m27.json", "2024-10-26_12h23m42.json", "2024-10-26_12h24m55.json"],
+            unseen: "2024-10-26_12h27m27.json",
+            options: ReadOptions { format: Format::BamJson, ..ReadOptions::default() },
+            named: &[Kind::Gravity, Kind::LoadFriction],
+            share: 0.1,
+        },
+    ]
+}
+
+#[test]
+fn the_effects_that_owners_name_are_found_and_unseen_runs_follow_better_than_the_usual_model() {
+    for case in owned() {
+        let Some(directory) = data(case.directory) else { continue };
+        let read = |file: &&str| {
+            read(&directory.join(file), &case.options).unwrap_or_else(|error| panic!("{error}")).remove(0)
+        };
+        let (fitted, unseen) = (case.fitted.iter().map(read).collect::<Vec<_>>(), [read(&case.unseen)]);
+        let motor = MotorFile::default();
+        let found = discover(&fitted, &unseen, &motor, &Options::default(), &mut |_| ()).unwrap();
+        let usual = estimate::Options {
+            method: Method::Feedforward,
+            effects: Vec::new(),
+            population: 80,
+            generations: 800,
+            seed: 1,
+        };
+        let usual = fit(&fitted, &unseen, &motor, &usual, &mut |_, _| ()).unwrap().validation.unwrap().rmse;
+        let left = found.ladder.last().unwrap().validation.unwrap().rmse;
+        let name = case.directory;
+        assert!(case.named.iter().all(|kind| found.effects.contains(kind)), "{name}: {:?}", found.effects);
+        assert!(left < case.share * usual, "{name}: {left:.4} with {:?}, kS-kV-kA {usual:.4}", found.effects);
     }
 }
