@@ -30,7 +30,9 @@ pub fn tests() -> Result<Count> {
     // As the host's own tests have built it already.
     process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
     let program = process::root().join("target/debug/motorlens");
-    process::run_tests(bench_cargo("test").env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program))
+    process::run_tests(
+        bench_cargo("test").arg("--locked").env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program),
+    )
 }
 
 /// Instructions on the emulated core, by name.
