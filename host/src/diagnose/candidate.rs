@@ -42,6 +42,10 @@ impl Errors {
 /// An error itself below this many times its floor is no drift: it sums up every small fault of the parameters.
 pub const STEADY: f64 = 3.0;
 
+/// Times the floor that a record's increments leave where something shows on it: a lag after quick changes of voltage, a ripple
+/// at low speed, of which the mean over all records shows little.
+pub const STANDS_OUT: f64 = 1.35;
+
 /// A model with its fit.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -55,13 +59,20 @@ pub struct Candidate {
     pub unseen: Errors,
     /// Of the increments on every record fitted, then on every one kept out.
     pub records: Vec<f64>,
-    /// Whether a repeated programme shows that nothing disturbs the motor.
-    pub calm: bool,
+    /// Whether nothing disturbs the motor, where a repeated programme tells.
+    pub calm: Option<bool>,
     /// Whether it has an effect that two runs of a programme show without any model.
     pub foretold: bool,
 }
 
 impl Candidate {
+    /// The same where its errors were counted in units of `old` and are now in units of `new`.
+    #[must_use]
+    pub fn over(&self, old: &Errors, new: &Errors) -> Self {
+        let unit = new.over(old);
+        let records = self.records.iter().map(|increments| increments / unit.increments).collect();
+        Self { train: self.train.over(&unit), unseen: self.unseen.over(&unit), records, ..self.clone() }
+    }
     /// Effects in order.
     pub fn kinds(&self) -> &[Kind] {
         &self.layout.kinds
@@ -81,10 +92,10 @@ impl Candidate {
         const NEAR: f64 = 1.3;
         self.is_within(NEAR)
     }
-    /// Nearer still: so a model that is believed to be all that there is must be.
+    /// Nearer still, and on every record: so a model that is believed to be all that there is must be.
     pub fn explains_all(&self) -> bool {
         const AT_THE_NOISE: f64 = 1.2;
-        self.is_within(AT_THE_NOISE)
+        self.is_within(AT_THE_NOISE) && self.worst() < STANDS_OUT
     }
     fn is_within(&self, times: f64) -> bool {
         [self.train, self.unseen].iter().all(|e| e.increments < times && e.position < STEADY)

@@ -3,13 +3,13 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::candidate::{Candidate, Errors, STEADY};
+use super::candidate::{Candidate, Errors, STANDS_OUT, STEADY};
 use super::contained;
 use super::evidence::Evidence;
 use super::slow_pwm;
 use super::stage::{self, Effort};
 use super::teeth::settle_teeth;
-use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, STANDS_OUT, as_good, promises, rivals, simplest, worth};
+use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, as_good, promises, rivals, simplest, worth};
 
 /// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
 const MOSTLY_THERE: f64 = 0.15;
@@ -24,6 +24,9 @@ const LEAPS: usize = 2;
 const BESIDE: usize = 5;
 /// Nothing is left to find below this many noise units in a steady base model.
 const AT_THE_FLOOR: f64 = 1.02;
+
+/// ... nor beside a first effect below these, of the increments and of the error itself.
+const BESIDE_A_FIRST: (f64, f64) = (1.05, 1.3);
 
 /// Steps of the search of an accepted model.
 pub(super) const TO_THE_END: usize = 20;
@@ -50,6 +53,25 @@ impl Climb {
             self.withdrawn = self.model().kinds().to_vec();
             self.rungs.truncate(1);
         }
+    }
+
+    /// Lets `better` stand in the accepted model's place, and lead the first stage where it is of that.
+    pub fn believe(&mut self, better: Candidate) {
+        if let Some(place) = self.first.iter().position(|c| c.kinds() == better.kinds()) {
+            self.first.remove(place);
+            self.first.insert(0, better.clone());
+        }
+        self.rungs.pop();
+        self.rungs.push(better);
+    }
+
+    /// Whether the accepted model is all that there is: it leaves noise, and where nothing disturbs the motor its effects end the
+    /// drift, but for what is next to nothing of it.
+    pub fn explains_all(&self) -> bool {
+        const STILL: f64 = 1.5;
+        let (model, base) = (self.model(), &self.rungs[0]);
+        let drifts = model.drift() > STILL.max(NONE_OF_THE_DRIFT * base.drift());
+        model.explains_all() && !(drifts && self.rungs.len() > 1 && model.calm == Some(true))
     }
 
     /// The accepted model.
@@ -83,10 +105,14 @@ pub fn run(
     while climb.rungs.len() <= most.min(MAX_EFFECTS) {
         let depth = climb.rungs.len() - 1;
         let model = climb.model().clone();
-        let (floor, effort) =
-            if depth == 0 { (AT_THE_FLOOR, Effort::FIRST) } else { (NEAR_THE_FLOOR, Effort::LATER) };
+        let unit = evidence.floor;
+        let effort = if depth == 0 { Effort::FIRST } else { Effort::LATER };
         // Beside a first effect a slow second one shows in the drift alone; two laws leave a drift of their own.
-        let drift = if depth < 2 { SLOW } else { STEADY };
+        let (floor, drift) = match depth {
+            0 => (AT_THE_FLOOR, SLOW),
+            1 => BESIDE_A_FIRST,
+            _ => (NEAR_THE_FLOOR, STEADY),
+        };
         let quiet = |e: &Errors| e.increments < floor && e.position < drift;
         let told = evidence.loses_counts && !model.foretold && library.contains(&Kind::LostCounts);
         let shows = depth == 1 && model.worst() > STANDS_OUT;
@@ -141,7 +167,7 @@ pub fn run(
             rival = None;
             next = timed;
         }
-        if evidence.allow_for_chance(&next.values()) {
+        if evidence.allow_for_chance(&next.values()) || evidence.floor != unit {
             let again = |candidate: &mut Candidate| *candidate = evidence.again(candidate);
             climb.rungs.iter_mut().chain(&mut climb.first).chain(&mut rival).for_each(again);
             next = evidence.fit(&next.values(), TO_THE_END);

@@ -99,3 +99,31 @@ fn teeth_that_leave_noise_in_the_increments_are_searched_to_the_end_before_they_
     assert!(without.explains() || without.excess() < 0.1, "the case no longer is near the noise before");
     assert!(with.drift() < 0.5 * without.drift());
 }
+
+/// Dry friction of 0.56 V under a disturbance of 4.6 % of stall: a dead zone would take away a seventh of what shows above it, and
+/// is not there.
+#[test]
+fn what_hardly_shows_above_a_disturbance_gets_no_name() {
+    let case = Case::new(33_300_000, &[Hidden::Coulomb], Conditions { disturbed: 0.25, spoilt: 0.15 });
+    let options = Options { library: vec![Kind::DeadZone, Kind::Delay], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    assert!(found.effects.is_empty(), "{:?}", found.effects);
+    let (first, base) = (&found.climb.first[0], &found.climb.rungs[0]);
+    assert_eq!((first.kinds(), first.calm), (&[Kind::DeadZone][..], Some(false)));
+    let left = (first.train.increments * first.unseen.increments
+        / (base.train.increments * base.unseen.increments))
+        .sqrt();
+    assert!((0.8..0.93).contains(&left), "the case no longer would be named on a calm rig: {left}");
+}
+
+/// Stribeck's fall shows in the slow record alone; the mean of all is at the noise without it.
+#[test]
+fn a_model_that_leaves_one_record_does_not_explain_them_all() {
+    let case = Case::new(33_300_021, &[Hidden::Stribeck], Conditions { disturbed: 0.25, spoilt: 0.15 });
+    let options = Options { library: vec![Kind::Coulomb], ..Options::default() };
+    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let model = found.climb.model();
+    assert_eq!(model.kinds(), [Kind::Coulomb]);
+    assert!(model.train.increments.max(model.unseen.increments) < 1.2, "the mean no longer hides it");
+    assert!(model.worst() > STANDS_OUT && !model.explains_all(), "{:?}", model.records);
+}

@@ -1,16 +1,17 @@
 //! The evidence: records to fit, records to judge by, and how models are fitted and judged on them.
 
+use std::sync::Arc;
+
 use motorlens_shared::effects::Kind;
 
 use super::candidate::{Candidate, Errors};
 use super::chance;
-use super::floor::floor;
+use super::floor::{Repeat, floor, repeats_of};
 use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::passes::Squares;
 use crate::fit::search::{Found, Problem};
-use crate::log::repeats::find_repeats;
 use crate::log::{Record, losses};
 use crate::motor_file::MotorFile;
 
@@ -39,6 +40,7 @@ pub struct Evidence {
     pub loses_counts: bool,
     /// Records that run the programme of an earlier one.
     pub second_runs: Vec<usize>,
+    repeats: Arc<Vec<Repeat>>,
     /// By how much a reading's noise was raised on each record fitted and on each kept out.
     allowed: [Vec<f64>; 2],
 }
@@ -52,12 +54,12 @@ impl Evidence {
         validation: &[Record],
         motor: &MotorFile,
     ) -> Self {
-        let repeats = find_repeats(records);
-        let measured = floor(records, &repeats, &whole, start);
-        let second_runs = repeats.iter().map(|(_, second)| *second).collect();
-        let loses_counts = repeats.iter().any(|&(first, second)| {
-            let quantum = whole.grids[first].quantum;
-            losses::loses_counts(&records[first], &records[second], quantum, whole.rig.reference_speed)
+        let repeats = repeats_of(records);
+        let measured = floor(&repeats, &whole, start);
+        let second_runs = repeats.iter().map(|repeat| repeat.places[1]).collect();
+        let loses_counts = repeats.iter().any(|Repeat { places, runs: [first, second] }| {
+            let quantum = whole.grids[places[0]].quantum;
+            losses::loses_counts(first, second, quantum, whole.rig.reference_speed)
         });
         let guided = |grids: Vec<Grid>| whole.on(grids.into_iter().map(Grid::guided).collect());
         let mut kept_out = (!validation.is_empty()).then(|| whole.on(whole.lay_out(validation, motor)));
@@ -73,7 +75,17 @@ impl Evidence {
         };
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
         let allowed = [&train, &unseen].map(|problem| vec![1.0; problem.grids.len()]);
-        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs, allowed }
+        let repeats = Arc::new(repeats);
+        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs, repeats, allowed }
+    }
+
+    /// Measures the floor anew under `model`, where it is lower so: what two runs differ by may be in the model.
+    pub fn lower_floor(&mut self, model: &Values) {
+        if let Some(floor) = floor(&self.repeats, &self.whole, model)
+            && floor.increments < self.floor.increments
+        {
+            self.floor = floor;
+        }
     }
 
     /// Lets every record count for as much as it can tell where `model` leaves something to chance. Whether that changed
@@ -121,6 +133,7 @@ impl Evidence {
             repeated: false,
             loses_counts: false,
             second_runs: Vec::new(),
+            repeats: Arc::default(),
             allowed: [allowed.clone(), allowed],
         }
     }
@@ -150,13 +163,14 @@ impl Evidence {
         let xs: Vec<Vec<f64>> = found.iter().map(|found| found.x.clone()).collect();
         let [train, unseen] = [&self.train, &self.unseen].map(|problem| problem.squares(layout, &xs));
         let over = |squares: Squares| Errors::of(squares.mean()).over(&self.floor);
+        let calm = self.floor.increments < CALM && self.floor.position < CALM;
         let candidate = |((found, train), unseen): ((Found, Vec<Squares>), Vec<Squares>)| Candidate {
             layout: layout.clone(),
             found,
             train: over(train.iter().copied().sum()),
             unseen: over(unseen.iter().copied().sum()),
             records: train.into_iter().chain(unseen).map(|squares| over(squares).increments).collect(),
-            calm: self.repeated && self.floor.increments < CALM && self.floor.position < CALM,
+            calm: self.repeated.then_some(calm),
             foretold: self.loses_counts && layout.kinds.contains(&Kind::LostCounts),
         };
         found.into_iter().zip(train).zip(unseen).map(candidate).collect()

@@ -9,28 +9,41 @@ use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 use crate::log::Record;
-use crate::log::repeats::differences;
+use crate::log::repeats::{differences, find_repeats};
 
-/// The floor under `records`, which `problem` has laid out, by the pairs that repeat a programme; none without.
+/// Two runs of one programme.
+#[derive(Debug, Clone)]
+pub struct Repeat {
+    /// Their places among the records, the earlier first.
+    pub places: [usize; 2],
+    /// What was recorded.
+    pub runs: [Record; 2],
+}
+
+/// Every two of `records` that run one programme.
+pub fn repeats_of(records: &[Record]) -> Vec<Repeat> {
+    let repeat = |(first, second): (usize, usize)| Repeat {
+        places: [first, second],
+        runs: [records[first].clone(), records[second].clone()],
+    };
+    find_repeats(records).into_iter().map(repeat).collect()
+}
+
+/// The floor under the records that `problem` has laid out, by those that repeat a programme; none without.
 ///
-/// The same command may be logged as different voltages, by a noisy measurement or a tired battery. So the runs of the
-/// model `values` are taken off both first: what it lacks, it lacks in both.
-pub fn floor(
-    records: &[Record],
-    repeats: &[(usize, usize)],
-    problem: &Problem,
-    values: &Values,
-) -> Option<Errors> {
+/// The same command may be logged as different voltages, by a noisy measurement or a tired battery, and a PWM stands elsewhere
+/// in its period when it comes. So the runs of the model `values` are taken off both first: what it lacks, it lacks in both.
+pub fn floor(repeats: &[Repeat], problem: &Problem, values: &Values) -> Option<Errors> {
     let mut squares = Errors { increments: 0.0, position: 0.0 };
     let mut pairs = 0.0;
-    for &(first, second) in repeats {
-        let grid = &problem.grids[first];
-        let left = |k: usize| left_by(problem, values, &problem.grids[k], &records[k]);
-        let Some(difference) = differences(&left(first), &left(second)) else { continue };
+    for Repeat { places, runs } in repeats {
+        let grid = &problem.grids[places[0]];
+        let left = |k: usize| left_by(problem, values, &problem.grids[places[k]], &runs[k]);
+        let Some(difference) = differences(&left(0), &left(1)) else { continue };
         // Half of the difference's variance is each run's.
         let scale = 1.0 / (grid.sigma * std::f64::consts::SQRT_2);
         let noise: Vec<f64> = difference.iter().map(|d| d * scale).collect();
-        let span = span(records[first].duration_s() / noise.len() as f64);
+        let span = span(runs[0].duration_s() / noise.len() as f64);
         let angle = grid.quantity == Quantity::Angle;
         let mean = if angle { noise.iter().sum::<f64>() / noise.len().max(1) as f64 } else { 0.0 };
         let steps: Vec<f64> = if angle {
@@ -69,7 +82,6 @@ mod tests {
     use super::*;
     use crate::exam::case::{Case, Conditions};
     use crate::fit::setup;
-    use crate::log::repeats::find_repeats;
 
     /// A disturbance lifts the floor of the increments to what the true model leaves; without one it is counting's.
     #[test]
@@ -77,8 +89,8 @@ mod tests {
         for (disturbed, low, high) in [(0.0, 1.0, 1.1), (1.0, 1.2, 1e3)] {
             let case = Case::new(12, &[], Conditions { disturbed, spoilt: 0.0 });
             let (problem, start) = setup::problem(&case.records, &case.motor);
-            let repeats = find_repeats(&case.records);
-            let floor = floor(&case.records, &repeats, &problem, &start).expect("the multisine runs twice");
+            let floor =
+                floor(&repeats_of(&case.records), &problem, &start).expect("the multisine runs twice");
             assert!((low..high).contains(&floor.increments), "{disturbed}: {floor:?}");
         }
     }

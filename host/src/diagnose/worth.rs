@@ -2,12 +2,15 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::candidate::{Candidate, Errors, STEADY};
+use super::candidate::{Candidate, Errors, STANDS_OUT, STEADY};
 
 /// An effect must lower the increments' error to this share, on the records fitted and on those kept out ...
 const WORTH: f64 = 0.97;
 /// ... and a first one to this on the mean of both: torque that disturbs the motor lends itself to one or another for less.
 const WORTH_A_FIRST: f64 = 0.93;
+/// ... and to this where two runs of a programme show such a torque: what little shows above it could be one law as well as
+/// another.
+const WORTH_IN_UNREST: f64 = 0.8;
 /// A further effect must do more: what a slightly wrong law leaves over looks like a small effect.
 const WORTH_MORE: f64 = 0.85;
 /// ... and a third one still more: where two were found, what is left is mostly what their laws are wrong by.
@@ -60,6 +63,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     // A richer law in the place of one that was there is no further effect.
     let beside = less.kinds().len().min(more.kinds().len().saturating_sub(1));
     let mean = match beside {
+        0 if more.calm == Some(false) => WORTH_IN_UNREST,
         0 => WORTH_A_FIRST,
         1 => WORTH_MORE,
         _ => WORTH_A_THIRD,
@@ -85,7 +89,10 @@ fn shows_in_calm(more: &Candidate, less: &Candidate) -> bool {
         more.increments < WORTH * less.increments && more.position < less.position
     };
     let each = [(&more.train, &less.train), (&more.unseen, &less.unseen)];
-    more.calm && less.kinds().is_empty() && each.into_iter().all(lower) && more.merit() < less.merit() - BOTH
+    more.calm == Some(true)
+        && less.kinds().len() < 2
+        && each.into_iter().all(lower)
+        && more.merit() < less.merit() - BOTH
 }
 
 /// Whether `more` leaves noise alone on every record, where a second effect was missing on one that shows it: a gap of time
@@ -96,9 +103,6 @@ fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
     let kept = more.records.iter().zip(&less.records).all(|(more, less)| *more < less * NO_RECORD_WORSE);
     less.kinds().len() == 1 && less.worst() > STANDS_OUT && more.worst() < GONE && kept
 }
-
-/// Times the floor that a record's increments leave where something shows on it.
-pub const STANDS_OUT: f64 = 1.35;
 
 /// Whether the increments are at the noise on both sets of records.
 fn to_the_floor(c: &Candidate) -> bool {

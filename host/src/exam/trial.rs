@@ -39,8 +39,16 @@ pub struct Answer {
     pub errors: Vec<[f64; 4]>,
     /// The same of the accepted model.
     pub reached: [f64; 4],
+    /// The increments' errors of the accepted model on each record, the one kept out last.
+    pub records: Vec<f64>,
+    /// Effects that were taken back.
+    pub withdrawn: Vec<&'static str>,
     /// What the data could not tell from the accepted effects, a set for each that has such.
     pub rivals: Vec<Vec<&'static str>>,
+    /// Their errors, the accepted model's first in each set.
+    pub rival_errors: Vec<Vec<[f64; 4]>>,
+    /// What the hidden laws themselves leave, where the answer is another.
+    pub truth_errors: Option<[f64; 4]>,
     /// Verdict.
     pub verdict: Verdict,
     /// False where the hidden laws themselves explain these data and fit no better than the answer.
@@ -173,7 +181,11 @@ pub fn answer(question: &Question) -> Result<Answer> {
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
         errors: errors.collect(),
         reached: of_candidate(found.climb.model()),
+        withdrawn: names(&found.climb.withdrawn),
+        records: found.climb.model().records.clone(),
         rivals: found.open_sets().iter().map(|set| names(set)).collect(),
+        rival_errors: found.rivals.iter().map(|set| set.models.iter().map(of_candidate).collect()).collect(),
+        truth_errors: None,
         verdict: found.verdict,
         told: true,
         before: over_floor(0),
@@ -184,7 +196,9 @@ pub fn answer(question: &Question) -> Result<Answer> {
     };
     if !answer.exact() {
         let hidden: Vec<Kind> = case.truth.iter().filter_map(|name| Kind::by_name(name)).collect();
-        answer.told = truth::is_told(&found, &hidden);
+        let truth = truth::fitted(&found.evidence, &found.climb.rungs[0], &hidden);
+        answer.told = truth::is_told(&found, truth.as_ref());
+        answer.truth_errors = truth.as_ref().map(of_candidate);
     }
     Ok(answer)
 }

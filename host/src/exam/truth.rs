@@ -12,16 +12,15 @@ use crate::diagnose::worth::as_good;
 /// Steps of the last search.
 const TO_THE_END: usize = 30;
 
-/// Whether the records of `found` tell the laws `truth` from the accepted ones. They do not where a model of `truth`
+/// Whether the records of `found` tell the hidden laws, fitted as `truth`, from the accepted ones. They do not where `truth`
 /// leaves no more than noise and is not plainly better than the accepted one: no answer could know what does not show.
 /// Where no search leads `truth` itself to the noise, nothing is excused.
-pub fn is_told(found: &Discovery, truth: &[Kind]) -> bool {
-    let best = fitted(&found.evidence, &found.climb.rungs[0], truth);
-    !best.is_some_and(|truth| truth.explains_all() && as_good(found.climb.model(), &truth))
+pub fn is_told(found: &Discovery, truth: Option<&Candidate>) -> bool {
+    !truth.is_some_and(|truth| truth.explains_all() && as_good(found.climb.model(), truth))
 }
 
 /// The best fit of the laws `truth`, in whatever order they are added to `base`.
-fn fitted(evidence: &Evidence, base: &Candidate, truth: &[Kind]) -> Option<Candidate> {
+pub fn fitted(evidence: &Evidence, base: &Candidate, truth: &[Kind]) -> Option<Candidate> {
     let with = |first: usize| {
         let mut model = base.clone();
         for k in 0..truth.len() {
@@ -30,7 +29,10 @@ fn fitted(evidence: &Evidence, base: &Candidate, truth: &[Kind]) -> Option<Candi
         }
         let longer = evidence.fit(&model.values(), TO_THE_END);
         let best = evidence.finish(if longer.merit() < model.merit() { longer } else { model });
-        Some(evidence.clone().time_pulses(&best).unwrap_or(best))
+        let mut timed = evidence.clone();
+        let best =
+            timed.time_pulses(&best).map(|best| best.over(&timed.floor, &evidence.floor)).unwrap_or(best);
+        Some(best)
     };
     (0..truth.len()).filter_map(with).min_by(|a, b| a.merit().total_cmp(&b.merit()))
 }
@@ -51,7 +53,7 @@ mod tests {
         let answer = |library: Vec<Kind>, truth: Kind| {
             let options = Options { library, ..Options::default() };
             let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
-            is_told(&found, &[truth])
+            is_told(&found, fitted(&found.evidence, &found.climb.rungs[0], &[truth]).as_ref())
         };
         assert!(answer(vec![Kind::Delay, Kind::Cogging], Kind::QuadraticDrag));
         assert!(!answer(vec![Kind::Delay, Kind::QuadraticDrag], Kind::QuadraticDrag));
