@@ -10,7 +10,7 @@ use super::climb::{self, Climb};
 use super::evidence::Evidence;
 use super::ladder::{Ranked, Rung, rank, rung};
 use super::plan::{self, Limits, Plan};
-use super::rivals::{Rivals, rivals};
+use super::rivals::{Rivals, better, rivals};
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::search::Problem;
@@ -137,7 +137,7 @@ fn explore(
 ) -> Discovery {
     let mut ladder: Vec<Rung> = Vec::new();
     let told = std::cell::RefCell::new(progress);
-    let climb = climb::run(
+    let mut climb = climb::run(
         &mut evidence,
         base,
         &options.library,
@@ -150,6 +150,15 @@ fn explore(
         },
     );
     ladder.truncate(climb.rungs.len());
+    let mut found = rivals(&evidence, &climb, &options.library);
+    if let Some(better) = better(&evidence, &climb, &found) {
+        let rung = rung(&evidence, &better.values());
+        (told.borrow_mut())(Progress::Rung(rung.clone()));
+        ladder.pop();
+        ladder.push(rung);
+        climb.believe(better);
+        found = rivals(&evidence, &climb, &options.library);
+    }
     let effects = climb.model().kinds().to_vec();
     let candidates = rank(&climb, &evidence);
     let noise_floor = noise_floor(records, validation, &evidence.whole);
@@ -162,7 +171,7 @@ fn explore(
     let model = Model::new(&climb.model().values(), &evidence.whole.rig, &evidence.whole.prior, origin);
     Discovery {
         verdict: verdict(&climb),
-        rivals: rivals(&evidence, &climb, &options.library),
+        rivals: found,
         effects,
         noise_floor,
         ladder,
@@ -211,7 +220,7 @@ impl Discovery {
 }
 
 fn verdict(climb: &Climb) -> Verdict {
-    if climb.model().explains_all() { Verdict::Explained } else { Verdict::Unexplained }
+    if climb.explains_all() { Verdict::Explained } else { Verdict::Unexplained }
 }
 
 /// What a perfect model would leave: from a repeated programme where there is one, else from the counting.

@@ -39,6 +39,21 @@ pub fn rivals(evidence: &Evidence, climb: &Climb, library: &[Kind]) -> Vec<Rival
     accepted.filter_map(|kind| rivals_of(evidence, climb, kind, library)).collect()
 }
 
+/// Merit by which a rival is better than the accepted model, and not only as good.
+const BETTER: f64 = 0.05;
+
+/// The rival to be believed in the place of `climb`'s model, which was the simplest of those that were near while their searches
+/// had not come to an end: one that is plainly better then, by at most a parameter larger, and no richer name for the same.
+pub fn better(evidence: &Evidence, climb: &Climb, rivals: &[Rivals]) -> Option<Candidate> {
+    let model = climb.model();
+    let nested = |a: Kind, b: Kind| covers(&[a], b) || covers(&[b], a);
+    let others = rivals.iter().flat_map(|set| set.models[1..].iter().map(|c| (c, last(&set.models[0]))));
+    let others = others.filter(|(c, own)| !nested(last(c), *own) && c.size() <= model.size() + 1);
+    let best = others.map(|(c, _)| c).min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
+    let least = best.merit() + BETTER;
+    (least < model.merit() && least < to_its_end(evidence, model.clone()).merit()).then(|| best.clone())
+}
+
 fn rivals_of(evidence: &Evidence, climb: &Climb, kind: Kind, library: &[Kind]) -> Option<Rivals> {
     let model = climb.model();
     let tried = if model.kinds().len() == climb.rungs[0].kinds().len() + 1 {
@@ -131,5 +146,19 @@ mod tests {
                 model.kinds()
             );
         }
+    }
+
+    /// A delay explains what a filter does to the reading, with a parameter less; the filter leaves 5 % less.
+    #[test]
+    fn the_better_of_two_that_explain_is_believed_once_both_are_searched_to_their_end() {
+        let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
+        let case = Case::new(34_200_068, &[Hidden::Coulomb, Hidden::SensorLag], conditions);
+        let library = vec![Kind::Coulomb, Kind::Stribeck, Kind::Delay, Kind::SensorLag];
+        let options = Options { library, ..Options::default() };
+        let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+        assert_eq!(found.effects, [Kind::Coulomb, Kind::SensorLag]);
+        assert!(found.open_sets().contains(&vec![Kind::SensorLag, Kind::Delay]), "{:?}", found.open_sets());
+        let last = found.ladder.last().expect("a rung for the model");
+        assert_eq!(last.effects, found.effects);
     }
 }
