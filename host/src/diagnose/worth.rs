@@ -90,7 +90,7 @@ fn shows_in_calm(more: &Candidate, less: &Candidate) -> bool {
     };
     let each = [(&more.train, &less.train), (&more.unseen, &less.unseen)];
     more.calm == Some(true)
-        && less.kinds().len() < 2
+        && less.kinds().is_empty()
         && each.into_iter().all(lower)
         && more.merit() < less.merit() - BOTH
 }
