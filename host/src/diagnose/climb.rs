@@ -5,6 +5,7 @@ use motorlens_shared::simulator::MAX_EFFECTS;
 
 use super::candidate::{Candidate, Errors, STANDS_OUT, STEADY};
 use super::contained;
+use super::detours;
 use super::evidence::Evidence;
 use super::slow_pwm;
 use super::stage::{self, Effort};
@@ -16,12 +17,8 @@ const MOSTLY_THERE: f64 = 0.15;
 const MOST_OF_THE_DRIFT: f64 = 0.55;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
 const NONE_OF_THE_DRIFT: f64 = 0.01;
-/// More work is done, and two effects are tried at once, where the base model leaves so much more than the floor ...
-const FAR: f64 = 1.0;
-/// ... beside so many of the first.
-const LEAPS: usize = 2;
-/// ... and, where nothing else leads on, beside so many.
-const BESIDE: usize = 5;
+/// More work is done where the base model leaves so much more than the floor.
+pub(super) const FAR: f64 = 1.0;
 /// Nothing is left to find below this many noise units in a steady base model.
 const AT_THE_FLOOR: f64 = 1.02;
 
@@ -65,13 +62,18 @@ impl Climb {
         self.rungs.push(better);
     }
 
-    /// Whether the accepted model is all that there is: it leaves noise, and where nothing disturbs the motor its effects end the
-    /// drift, but for what is next to nothing of it.
+    /// Whether the accepted model is all that there is: it leaves noise, and its effects end the drift, but for what is next to
+    /// nothing of it. Where the motor is disturbed, one effect may leave some: two laws of which one stands for something else do.
     pub fn explains_all(&self) -> bool {
         const STILL: f64 = 1.5;
         let (model, base) = (self.model(), &self.rungs[0]);
         let drifts = model.drift() > STILL.max(NONE_OF_THE_DRIFT * base.drift());
-        model.explains_all() && !(drifts && self.rungs.len() > 1 && model.calm == Some(true))
+        let steady = match self.rungs.len() - 1 {
+            0 => true,
+            1 => !drifts || model.calm != Some(true),
+            _ => !drifts,
+        };
+        model.explains_all() && steady
     }
 
     /// The accepted model.
@@ -81,10 +83,14 @@ impl Climb {
 }
 
 /// Whether most of the way from `base` down to the floor is still before `model`.
-fn is_far(model: &Candidate, base: &Candidate) -> bool {
+pub(super) fn is_far(model: &Candidate, base: &Candidate) -> bool {
     let drifts = |share: f64| base.drift() > STEADY && model.drift() > share * base.drift();
     let steady = base.drift() > STEADY && !drifts(NONE_OF_THE_DRIFT);
-    let left = model.excess() > MOSTLY_THERE * base.excess() && !steady || drifts(MOST_OF_THE_DRIFT);
+    // Of two effects where little was left to begin with.
+    let several = model.kinds().len() > base.kinds().len() + 1;
+    let near = if several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
+    let little = near.max(MOSTLY_THERE * base.excess());
+    let left = model.excess() > little && !steady || drifts(MOST_OF_THE_DRIFT);
     left && !model.explains()
 }
 
@@ -144,12 +150,11 @@ pub fn run(
         }
         let mut next = next_rung(&worthy, &model).cloned();
         if next.is_none() && depth == 0 {
-            next = leap(evidence, &model, &found, library, &mut |k| tick(depth, k));
+            next = detours::leap(evidence, &model, &found, library, &mut |k| tick(depth, k));
         }
         let unsolved = evidence.repeated && depth < 2 && !model.explains();
         if next.is_none() && most > 1 && unsolved {
-            let beside = if is_far(&model, &climb.rungs[0]) { BESIDE } else { 1 };
-            next = deeper(evidence, &climb, beside, library, &mut |k| tick(depth, k));
+            next = detours::deeper(evidence, &climb, library, &mut |k| tick(depth, k));
         }
         let Some(next) = next else {
             climb.refused = found;
@@ -157,7 +162,7 @@ pub fn run(
         };
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
         let mut next = settled(evidence, next, library);
-        if let Some(other) = swapped(evidence, &next, library, &mut |k| tick(depth, k)) {
+        if let Some(other) = detours::swapped(evidence, &next, library, &mut |k| tick(depth, k)) {
             next = settled(evidence, other, library);
         }
         if let Some(timed) = evidence.time_pulses(&next).or_else(|| evidence.time_late_pulses(&next)) {
@@ -190,67 +195,8 @@ pub fn best_first(found: &[Candidate]) -> Vec<Candidate> {
     first.into_iter().cloned().collect()
 }
 
-/// Two effects at once, where neither helps on unseen records while the other is missing, but both lead to the floor.
-fn leap(
-    evidence: &Evidence,
-    base: &Candidate,
-    first: &[Candidate],
-    library: &[Kind],
-    tick: &mut dyn FnMut(Kind),
-) -> Option<Candidate> {
-    if base.excess() < FAR {
-        return None;
-    }
-    let beside = |first: &Candidate| look(evidence, first, library, Effort::LATER, tick);
-    let mut pairs: Vec<Candidate> = first.iter().take(LEAPS).flat_map(beside).collect();
-    pairs.retain(|pair| worth(pair, base) && !is_far(pair, base));
-    simplest(&pairs).cloned()
-}
-
-/// Two effects that leave no more than noise, where the usual work found no way on: beside so many of those that led at first,
-/// with more starts and steps beside the best.
-fn deeper(
-    evidence: &mut Evidence,
-    climb: &Climb,
-    beside: usize,
-    library: &[Kind],
-    tick: &mut dyn FnMut(Kind),
-) -> Option<Candidate> {
-    let base = &climb.rungs[0];
-    for (place, first) in climb.first.iter().take(beside).enumerate() {
-        let effort = if place == 0 { Effort::DEEP } else { Effort::LATER };
-        let mut pairs = look(evidence, first, library, effort, tick);
-        pairs.retain(|pair| worth(pair, base) && !is_far(pair, base));
-        let pair = simplest(&pairs).cloned().map(|pair| settled(evidence, pair, library));
-        if let Some(pair) = pair.filter(Candidate::explains) {
-            return Some(pair);
-        }
-    }
-    None
-}
-
-/// What is better than the first of `model`'s two effects beside the second: the first was chosen alone, and may have stood
-/// for something of both.
-fn swapped(
-    evidence: &Evidence,
-    model: &Candidate,
-    library: &[Kind],
-    tick: &mut dyn FnMut(Kind),
-) -> Option<Candidate> {
-    let [first, _] = model.kinds() else { return None };
-    if model.explains() {
-        return None;
-    }
-    let second = evidence.fit(&model.values().without(*first), TO_THE_END);
-    let mut found = look(evidence, &second, library, Effort::LATER, tick);
-    let better =
-        |c: &Candidate| c.merit() < model.merit() - EQUAL && (c.size() <= model.size() || worth(c, model));
-    found.retain(|c| worth(c, &second) && better(c) && c.foretold >= model.foretold);
-    simplest(&found).cloned()
-}
-
 /// An accepted model as it is believed: nothing in it that is superfluous, fitted to its end.
-fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candidate {
+pub(super) fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candidate {
     let mut next = contained::together(evidence, prune(evidence, next), library);
     if !next.explains() {
         // The stage's search may have ended early: gaps and teeth make a rough way down.

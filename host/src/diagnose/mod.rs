@@ -4,6 +4,7 @@ pub mod candidate;
 mod chance;
 pub mod climb;
 pub mod contained;
+mod detours;
 pub mod discover;
 pub mod evidence;
 pub mod floor;

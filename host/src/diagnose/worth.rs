@@ -20,6 +20,8 @@ const NO_WORSE: f64 = 1.1;
 /// ... unless they fall to this share on both sets, and it falls on their mean: of two large effects one alone may drift
 /// anywhere.
 const MUCH: f64 = 0.75;
+/// ... or it falls to this share on their mean: one record alone may drift by chance.
+const FALLS: f64 = 0.7;
 /// Where the unseen records do not show an effect: their increments' error must not rise by more than this, and that
 /// of the records fitted must fall to this share.
 const NOT_WORSE: f64 = 1.005;
@@ -73,7 +75,9 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     train < WORTH
         && (unseen < WORTH || silent)
         && (train * unseen).sqrt() < mean
-        && (unseen_drift < NO_WORSE || train.max(unseen) < MUCH && drift * unseen_drift < 1.0)
+        && (unseen_drift < NO_WORSE
+            || train.max(unseen) < MUCH && drift * unseen_drift < 1.0
+            || drift * unseen_drift < FALLS * FALLS)
         && more.merit() < less.merit() + WORTH.ln()
 }
 

@@ -14,9 +14,15 @@ const TO_THE_END: usize = 30;
 
 /// Whether the records of `found` tell the hidden laws, fitted as `truth`, from the accepted ones. They do not where `truth`
 /// leaves no more than noise and is not plainly better than the accepted one: no answer could know what does not show.
-/// Where no search leads `truth` itself to the noise, nothing is excused.
+/// Where no search leads `truth` itself to the noise, nothing is excused. What `truth` leaves to chance counts as it does in the
+/// diagnosis.
 pub fn is_told(found: &Discovery, truth: Option<&Candidate>) -> bool {
-    !truth.is_some_and(|truth| truth.explains_all() && as_good(found.climb.model(), truth))
+    let Some(truth) = truth else { return true };
+    let mut evidence = found.evidence.clone();
+    let other_units = evidence.allow_for_chance(&truth.values());
+    let judged = |model: &Candidate| if other_units { evidence.again(model) } else { model.clone() };
+    let [truth, answer] = [truth, found.climb.model()].map(judged);
+    !(truth.explains_all() && as_good(&answer, &truth))
 }
 
 /// The best fit of the laws `truth`, in whatever order they are added to `base`.

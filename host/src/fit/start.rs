@@ -15,12 +15,37 @@ use super::simulate::{Block, LANES, predict_block};
 const FIRST_LOOK_S: f64 = 8e-3;
 /// Displacements below this many counts are counting.
 const COUNTS: f64 = 3.0;
-/// Twice the time brings less than this times the way, if the motor was turning already.
+/// Twice the time brings less than this times the way, if the motor was turning already ...
 const STEADY: f64 = 2.6;
+/// ... and less than this times what goes beyond the way of a motor at rest.
+const STEADY_BEYOND: f64 = 2.2;
 /// The model may be wrong by this share of its own displacement.
 const MODEL_ERROR: f64 = 0.4;
 
+/// How the shaft of a record begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// rad/s.
+    pub speed: f64,
+    /// rad.
+    pub angle: f64,
+}
+
 impl Problem {
+    /// How its records begin.
+    pub fn starts(&self) -> Vec<Start> {
+        self.grids.iter().map(|grid| Start { speed: grid.start_speed, angle: grid.start_angle }).collect()
+    }
+
+    /// Lets its records begin so.
+    pub fn set_starts(&mut self, starts: &[Start]) {
+        let rig = self.rig;
+        for (grid, start) in self.grids.iter_mut().zip(starts) {
+            grid.begin_at(start.speed, held(&rig, start.speed));
+            grid.start_angle = start.angle;
+        }
+    }
+
     /// Finds the records that begin in motion, and their first speeds under `model`.
     pub fn find_moving_starts(&mut self, model: &Values) {
         let layout = self.layout(&model.kinds());
@@ -41,13 +66,10 @@ impl Problem {
         let x = layout.pack(model);
         for _ in 0..2 {
             let motion = |g: &Grid| first_motion(self, &layout, &x, &opening(&layout, &x, g), near);
-            let motions: Vec<Option<[f64; 2]>> =
-                self.grids.iter().map(|g| (!g.rests()).then(|| motion(g))).collect();
-            for (grid, motion) in self.grids.iter_mut().zip(motions) {
-                let [speed, angle] = motion.unwrap_or([0.0, grid.start_angle]);
-                grid.begin_at(speed, held(&self.rig, speed));
-                grid.start_angle = angle;
-            }
+            let still = |g: &Grid| Start { speed: 0.0, angle: g.start_angle };
+            let starts: Vec<Start> =
+                self.grids.iter().map(|g| if g.rests() { still(g) } else { motion(g) }).collect();
+            self.set_starts(&starts);
         }
     }
 }
@@ -70,40 +92,41 @@ impl Problem {
                 return None;
             }
             for _ in 0..2 {
-                let [speed, angle] = first_motion(self, &layout, &x, &opening, true);
-                opening.begin_at(speed, held(&self.rig, speed));
-                opening.start_angle = angle;
+                let start = first_motion(self, &layout, &x, &opening, true);
+                opening.begin_at(start.speed, held(&self.rig, start.speed));
+                opening.start_angle = start.angle;
             }
             let moving = distance(self, &layout, &x, &opening);
-            (moving < AS_COUNTED).then_some([opening.start_speed, opening.start_angle])
+            (moving < AS_COUNTED).then_some(Start { speed: opening.start_speed, angle: opening.start_angle })
         };
         // Of a record's rest the beginning is not at hand.
         let rests =
             |grid: &&Grid| grid.rests() && grid.quantity == Quantity::Angle && grid.places[0].part == 0.0;
-        let motions: Vec<Option<[f64; 2]>> =
+        let found: Vec<Option<Start>> =
             self.grids.iter().map(|grid| Some(grid).filter(rests).and_then(slow)).collect();
-        for (grid, motion) in self.grids.iter_mut().zip(&motions) {
-            if let Some([speed, angle]) = motion {
-                grid.begin_at(*speed, held(&self.rig, *speed));
-                grid.start_angle = *angle;
-            }
-        }
-        motions.iter().any(Option::is_some)
+        let starts: Vec<Start> =
+            self.starts().into_iter().zip(&found).map(|(old, new)| new.unwrap_or(old)).collect();
+        self.set_starts(&starts);
+        found.iter().any(Option::is_some)
     }
 }
 
 fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
     let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
-    let mut still = grid.first(k + 1);
+    let mut still = grid.first((2 * k + 1).min(grid.len()));
     still.begin_at(0.0, 0.0);
     let mut series = Vec::new();
     predict_block(layout, &[x.to_vec()], &problem.rig, &still, &mut series);
     let expected = series[k].0[0] - series[0].0[0];
     let moved = grid.measured[k] - grid.measured[0];
     let later = grid.measured.get(2 * k).map_or(moved, |y| y - grid.measured[0]);
-    // From rest the way grows with the square of time and more, in motion in proportion to it.
-    let steady = later.abs() < STEADY * moved.abs();
-    steady && (moved - expected).abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
+    let beyond = moved - expected;
+    let later_beyond = later - series.get(2 * k).map_or(expected, |block| block.0[0] - series[0].0[0]);
+    // From rest the way grows with the square of time and more, in motion in proportion to it. Where the voltage moves the motor
+    // on, what goes beyond that does so; what falls short of it is a friction's, or a delay's.
+    let steady = later.abs() < STEADY * moved.abs()
+        || beyond * moved > 0.0 && later_beyond.abs() < STEADY_BEYOND * beyond.abs();
+    steady && beyond.abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
 }
 
 /// The voltage under which a motor turns at `speed`: most that turn already have done so for a while.
@@ -129,8 +152,9 @@ fn distance(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
 const LATE_S: f64 = 0.2;
 
 /// Least squares over the `opening` of a record: speed and angle of the shaft at its start. The first reading is a count wide,
-/// and late where the sensor is; under a model that is not `near` the truth the angle would take up what it is wrong by.
-fn first_motion(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid, near: bool) -> [f64; 2] {
+/// and late where the sensor is. Under a model that is not `near` the truth the angle would take up what it is wrong by: there the
+/// first reading is met, which a late sensor takes from behind the shaft.
+fn first_motion(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid, near: bool) -> Start {
     let delta = 0.02 * problem.rig.reference_speed;
     let run = |speed: f64| -> Vec<f64> {
         let mut series: Vec<Block> = Vec::new();
@@ -142,9 +166,13 @@ fn first_motion(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid, n
     let (here, there) = (run(opening.start_speed), run(opening.start_speed + delta));
     let residual: Vec<f64> = opening.measured.iter().zip(&here).map(|(y, p)| y - p).collect();
     let slope: Vec<f64> = there.iter().zip(&here).map(|(a, b)| (a - b) / delta).collect();
-    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-    let angle = near && opening.quantity == Quantity::Angle;
-    let (r0, s0) = if angle { (mean(&residual), mean(&slope)) } else { (0.0, 0.0) };
+    let angle = opening.quantity == Quantity::Angle;
+    let anchor = |of: &[f64]| match (angle, near) {
+        (false, _) => 0.0,
+        (true, false) => of[0],
+        (true, true) => of.iter().sum::<f64>() / of.len() as f64,
+    };
+    let (r0, s0) = (anchor(&residual), anchor(&slope));
     let (mut above, mut below) = (0.0, 0.0);
     for (r, s) in residual.iter().zip(&slope) {
         above += (r - r0) * (s - s0);
@@ -156,7 +184,7 @@ fn first_motion(problem: &Problem, layout: &Layout, x: &[f64], opening: &Grid, n
     let read = opening.measured[0];
     let late = LATE_S * speed.abs() + opening.quantum;
     let ahead = opening.start_angle + r0 - s0 * (speed - opening.start_speed);
-    [speed, if angle { ahead.clamp(read - late, read + late) } else { opening.start_angle }]
+    Start { speed, angle: if angle { ahead.clamp(read - late, read + late) } else { opening.start_angle } }
 }
 
 #[cfg(test)]
