@@ -228,7 +228,8 @@ mod tests {
         }
     }
 
-    /// The angle of a moving shaft at the start is fitted with its speed, and only where the model can be trusted with it.
+    /// The angle of a moving shaft at the start is fitted with its speed where the model can be trusted with it; else the first
+    /// reading is met.
     #[test]
     fn a_moving_shaft_is_put_where_it_was_under_a_model_that_is_near() {
         let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
@@ -246,7 +247,7 @@ mod tests {
         }
         let put = |problem: &crate::fit::search::Problem| problem.grids[0].start_angle - first;
         problem.refine_starts(&values, false);
-        assert_eq!(put(&problem), 0.0);
+        assert!((put(&problem) / ahead - 1.0).abs() < 1e-6, "the first reading is met: {}", put(&problem));
         problem.refine_starts(&values, true);
         assert!((put(&problem) / ahead - 1.0).abs() < 0.1, "{} of {ahead}", put(&problem));
         assert!((problem.grids[0].start_speed / speed - 1.0).abs() < 0.02);
