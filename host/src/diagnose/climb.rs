@@ -8,25 +8,17 @@ use super::contained;
 use super::detours;
 use super::evidence::Evidence;
 use super::slow_pwm;
-use super::stage::{self, Effort};
+use super::stage::Effort;
+use super::step::{TO_THE_END, look, prune, settled};
 use super::teeth::settle_teeth;
-use super::worth::{EQUAL, NEAR_THE_FLOOR, SLOW, as_good, promises, rivals, simplest, worth};
+use super::worth::{
+    FAR, NEAR_THE_FLOOR, NONE_OF_THE_DRIFT, SLOW, as_good, is_far, promises, rivals, simplest, worth,
+};
 
-/// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
-const MOSTLY_THERE: f64 = 0.15;
-const MOST_OF_THE_DRIFT: f64 = 0.55;
-/// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
-const NONE_OF_THE_DRIFT: f64 = 0.01;
-/// More work is done where the base model leaves so much more than the floor.
-pub(super) const FAR: f64 = 1.0;
 /// Nothing is left to find below this many noise units in a steady base model.
 const AT_THE_FLOOR: f64 = 1.02;
-
 /// ... nor beside a first effect below these, of the increments and of the error itself.
 const BESIDE_A_FIRST: (f64, f64) = (1.05, 1.3);
-
-/// Steps of the search of an accepted model.
-pub(super) const TO_THE_END: usize = 20;
 
 /// What the climb found.
 #[derive(Debug)]
@@ -80,18 +72,6 @@ impl Climb {
     pub fn model(&self) -> &Candidate {
         &self.rungs[self.rungs.len() - 1]
     }
-}
-
-/// Whether most of the way from `base` down to the floor is still before `model`.
-pub(super) fn is_far(model: &Candidate, base: &Candidate) -> bool {
-    let drifts = |share: f64| base.drift() > STEADY && model.drift() > share * base.drift();
-    let steady = base.drift() > STEADY && !drifts(NONE_OF_THE_DRIFT);
-    // Of two effects where little was left to begin with.
-    let several = model.kinds().len() > base.kinds().len() + 1;
-    let near = if several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
-    let little = near.max(MOSTLY_THERE * base.excess());
-    let left = model.excess() > little && !steady || drifts(MOST_OF_THE_DRIFT);
-    left && !model.explains()
 }
 
 /// Climbs from `base` with at most `most` effects of `library`.
@@ -154,7 +134,9 @@ pub fn run(
         }
         let unsolved = evidence.repeated && depth < 2 && !model.explains();
         if next.is_none() && most > 1 && unsolved {
-            next = detours::deeper(evidence, &climb, library, &mut |k| tick(depth, k));
+            next = detours::deeper(evidence, &climb.rungs[0], &model, &climb.first, library, &mut |k| {
+                tick(depth, k)
+            });
         }
         let Some(next) = next else {
             climb.refused = found;
@@ -195,43 +177,6 @@ pub fn best_first(found: &[Candidate]) -> Vec<Candidate> {
     first.into_iter().cloned().collect()
 }
 
-/// An accepted model as it is believed: nothing in it that is superfluous, fitted to its end.
-pub(super) fn settled(evidence: &mut Evidence, next: Candidate, library: &[Kind]) -> Candidate {
-    let mut next = contained::together(evidence, prune(evidence, next), library);
-    if !next.explains() {
-        // The stage's search may have ended early: gaps and teeth make a rough way down.
-        let longer = evidence.fit(&next.values(), TO_THE_END);
-        if longer.merit() < next.merit() {
-            next = longer;
-        }
-    }
-    let next = evidence.finish(settle_teeth(evidence, next));
-    let next = evidence.settle_starts(next);
-    // At its end a first effect may be down to nothing.
-    prune(evidence, next)
-}
-
-/// Everything that one more effect of `library` makes of `model`.
-pub(super) fn look(
-    evidence: &Evidence,
-    model: &Candidate,
-    library: &[Kind],
-    effort: Effort,
-    tick: &mut dyn FnMut(Kind),
-) -> Vec<Candidate> {
-    let model = contained::apart(evidence, model);
-    let mut found = Vec::new();
-    let mut others = Vec::new();
-    for kind in library.iter().copied().filter(|kind| contained::may_join(model.kinds(), *kind)) {
-        match contained::richer(evidence, &model, kind) {
-            Some(richer) => found.push(richer),
-            None => others.push(kind),
-        }
-    }
-    found.extend(stage::run(evidence, &model, &others, effort, tick));
-    found
-}
-
 /// The simplest of the best; of equals, one that keeps what was accepted before.
 fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candidate> {
     let next = simplest(found)?;
@@ -241,24 +186,6 @@ fn next_rung<'a>(found: &'a [Candidate], model: &Candidate) -> Option<&'a Candid
     }
     let kept = found.iter().filter(keeps).find(|c| c.size() <= next.size() && as_good(c, next));
     Some(kept.unwrap_or(next))
-}
-
-/// Leaves out every effect that the others made superfluous, and of every effect what is more than a simpler one.
-pub(super) fn prune(evidence: &Evidence, model: Candidate) -> Candidate {
-    let mut model = model;
-    while model.kinds().len() > 1 {
-        let mut fewer: Vec<Candidate> =
-            model.kinds().iter().map(|k| evidence.fit(&model.values().without(*k), 10)).collect();
-        fewer.extend(contained::simpler(evidence, &model));
-        fewer.retain(|c| {
-            c.merit() <= model.merit() + EQUAL * 0.5 && as_good(c, &model) && c.foretold >= model.foretold
-        });
-        match simplest(&fewer) {
-            Some(c) => model = c.clone(),
-            None => break,
-        }
-    }
-    model
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::diagnose::discover::{Options, discover, prepare};
+use crate::diagnose::worth::MOSTLY_THERE;
 use crate::exam::case::{Case, Conditions};
 use motorlens_virtual_motor::Kind as Hidden;
 

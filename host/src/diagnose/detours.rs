@@ -3,10 +3,10 @@
 use motorlens_shared::effects::Kind;
 
 use super::candidate::Candidate;
-use super::climb::{Climb, FAR, TO_THE_END, is_far, look, settled};
 use super::evidence::Evidence;
 use super::stage::Effort;
-use super::worth::{EQUAL, simplest, worth};
+use super::step::{TO_THE_END, look, settled};
+use super::worth::{EQUAL, FAR, is_far, simplest, worth};
 
 /// Two effects are tried at once beside so many of the first ...
 const LEAPS: usize = 2;
@@ -30,17 +30,18 @@ pub(super) fn leap(
     simplest(&pairs).cloned()
 }
 
-/// Two effects that leave no more than noise, where the usual work found no way on: beside the first of those that led at first, or
-/// beside more of them where the accepted model is still far off, with more starts and steps beside the best.
+/// Two effects that leave no more than noise, where the usual work found no way on from `model`: beside the best of those that led at
+/// `first`, or beside more of them where `model` is still far off, with more starts and steps beside the best.
 pub(super) fn deeper(
     evidence: &mut Evidence,
-    climb: &Climb,
+    base: &Candidate,
+    model: &Candidate,
+    first: &[Candidate],
     library: &[Kind],
     tick: &mut dyn FnMut(Kind),
 ) -> Option<Candidate> {
-    let base = &climb.rungs[0];
-    let beside = if is_far(climb.model(), base) { BESIDE } else { 1 };
-    for (place, first) in climb.first.iter().take(beside).enumerate() {
+    let beside = if is_far(model, base) { BESIDE } else { 1 };
+    for (place, first) in first.iter().take(beside).enumerate() {
         let effort = if place == 0 { Effort::DEEP } else { Effort::LATER };
         let mut pairs = look(evidence, first, library, effort, tick);
         pairs.retain(|pair| worth(pair, base) && !is_far(pair, base));

@@ -16,6 +16,7 @@ mod shake;
 mod slow_pwm;
 pub mod stage;
 mod starts;
+mod step;
 mod tangent;
 mod teeth;
 pub mod worth;

@@ -6,10 +6,11 @@
 use motorlens_shared::effects::Kind;
 
 use super::candidate::Candidate;
-use super::climb::{Climb, TO_THE_END, look};
+use super::climb::Climb;
 use super::contained::covers;
 use super::evidence::Evidence;
 use super::stage::Effort;
+use super::step::{TO_THE_END, look};
 use super::teeth::settle_teeth;
 use super::worth::as_good;
 use crate::fit::cost::Objective;

@@ -3,9 +3,9 @@
 use motorlens_shared::effects::Kind;
 
 use super::candidate::Candidate;
-use super::climb::{TO_THE_END, prune};
 use super::evidence::Evidence;
 use super::stage::{self, Effort};
+use super::step::{TO_THE_END, prune};
 use super::worth::{EQUAL, worth};
 use crate::fit::cost::Objective;
 use crate::fit::layout::Values;

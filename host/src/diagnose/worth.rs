@@ -43,6 +43,14 @@ const DRIFT: f64 = 1.5;
 /// Nothing more is left to find below this many noise units in a model that explains already.
 pub const NEAR_THE_FLOOR: f64 = 1.15;
 
+/// Share of the way down to a measured floor that may be left, and of the error itself where that drifts.
+pub const MOSTLY_THERE: f64 = 0.15;
+const MOST_OF_THE_DRIFT: f64 = 0.55;
+/// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
+pub const NONE_OF_THE_DRIFT: f64 = 0.01;
+/// More work is done where the base model leaves so much more than the floor.
+pub const FAR: f64 = 1.0;
+
 /// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
 /// stay as they are, plainly in the error that they add up to.
 pub fn worth(more: &Candidate, less: &Candidate) -> bool {
@@ -111,6 +119,18 @@ fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
 /// Whether the increments are at the noise on both sets of records.
 fn to_the_floor(c: &Candidate) -> bool {
     c.train.increments.max(c.unseen.increments) < NEAR_THE_FLOOR
+}
+
+/// Whether most of the way from `base` down to the floor is still before `model`.
+pub fn is_far(model: &Candidate, base: &Candidate) -> bool {
+    let drifts = |share: f64| base.drift() > STEADY && model.drift() > share * base.drift();
+    let steady = base.drift() > STEADY && !drifts(NONE_OF_THE_DRIFT);
+    // Where little is missing, a share of it is less than noise: two effects that end in the noise have gone the way.
+    let several = model.kinds().len() > base.kinds().len() + 1;
+    let near = if several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
+    let little = near.max(MOSTLY_THERE * base.excess());
+    let left = model.excess() > little && !steady || drifts(MOST_OF_THE_DRIFT);
+    left && !model.explains()
 }
 
 /// The simplest of those that are as good as the best.

@@ -19,6 +19,7 @@ const TO_THE_END: usize = 30;
 pub fn is_told(found: &Discovery, truth: Option<&Candidate>) -> bool {
     let Some(truth) = truth else { return true };
     let mut evidence = found.evidence.clone();
+    // Both are run again only where their units change: pulses of a PWM that were timed for `truth` are not in this evidence.
     let other_units = evidence.allow_for_chance(&truth.values());
     let judged = |model: &Candidate| if other_units { evidence.again(model) } else { model.clone() };
     let [truth, answer] = [truth, found.climb.model()].map(judged);

@@ -31,18 +31,27 @@ pub struct Start {
     pub angle: f64,
 }
 
+impl Grid {
+    fn start(&self) -> Start {
+        Start { speed: self.start_speed, angle: self.start_angle }
+    }
+
+    fn set_start(&mut self, rig: &Rig, start: Start) {
+        self.begin_at(start.speed, held(rig, start.speed));
+        self.start_angle = start.angle;
+    }
+}
+
 impl Problem {
     /// How its records begin.
     pub fn starts(&self) -> Vec<Start> {
-        self.grids.iter().map(|grid| Start { speed: grid.start_speed, angle: grid.start_angle }).collect()
+        self.grids.iter().map(Grid::start).collect()
     }
 
     /// Lets its records begin so.
     pub fn set_starts(&mut self, starts: &[Start]) {
-        let rig = self.rig;
         for (grid, start) in self.grids.iter_mut().zip(starts) {
-            grid.begin_at(start.speed, held(&rig, start.speed));
-            grid.start_angle = start.angle;
+            grid.set_start(&self.rig, *start);
         }
     }
 
@@ -66,9 +75,8 @@ impl Problem {
         let x = layout.pack(model);
         for _ in 0..2 {
             let motion = |g: &Grid| first_motion(self, &layout, &x, &opening(&layout, &x, g), near);
-            let still = |g: &Grid| Start { speed: 0.0, angle: g.start_angle };
             let starts: Vec<Start> =
-                self.grids.iter().map(|g| if g.rests() { still(g) } else { motion(g) }).collect();
+                self.grids.iter().map(|g| if g.rests() { g.start() } else { motion(g) }).collect();
             self.set_starts(&starts);
         }
     }
@@ -93,11 +101,10 @@ impl Problem {
             }
             for _ in 0..2 {
                 let start = first_motion(self, &layout, &x, &opening, true);
-                opening.begin_at(start.speed, held(&self.rig, start.speed));
-                opening.start_angle = start.angle;
+                opening.set_start(&self.rig, start);
             }
             let moving = distance(self, &layout, &x, &opening);
-            (moving < AS_COUNTED).then_some(Start { speed: opening.start_speed, angle: opening.start_angle })
+            (moving < AS_COUNTED).then(|| opening.start())
         };
         // Of a record's rest the beginning is not at hand.
         let rests =
