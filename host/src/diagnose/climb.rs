@@ -12,7 +12,7 @@ use super::stage::Effort;
 use super::step::{TO_THE_END, look, prune, settled};
 use super::teeth::settle_teeth;
 use super::worth::{
-    FAR, NEAR_THE_FLOOR, NONE_OF_THE_DRIFT, SLOW, as_good, is_far, promises, rivals, simplest, worth,
+    FAR, NEAR_THE_FLOOR, NONE_OF_THE_DRIFT, SLOW, as_good, falls_short, promises, rivals, simplest, worth,
 };
 
 /// Nothing is left to find below this many noise units in a steady base model.
@@ -35,10 +35,11 @@ pub struct Climb {
 
 impl Climb {
     /// Takes the effects back where most of the way down to a measured floor was not gone: physics outside the library
-    /// lends itself to many effects in part, and is none of them.
-    fn withdraw(&mut self) {
+    /// lends itself to many effects in part, and is none of them. A climb that ended at its `most` effects is left as it is.
+    pub fn withdraw(&mut self, evidence: &Evidence, most: usize) {
+        let measured = evidence.repeated && self.rungs.len() <= most;
         // How many counts a record loses is chance, so that no second run tells another record's floor.
-        if is_far(self.model(), &self.rungs[0]) && !self.model().foretold {
+        if measured && falls_short(self.model(), &self.rungs[0]) && !self.model().foretold {
             self.withdrawn = self.model().kinds().to_vec();
             self.rungs.truncate(1);
         }
@@ -162,9 +163,7 @@ pub fn run(
         rung(evidence, &next);
         climb.rungs.push(next);
     }
-    if evidence.repeated && climb.rungs.len() <= most {
-        climb.withdraw();
-    }
+    climb.withdraw(evidence, most);
     climb
 }
 

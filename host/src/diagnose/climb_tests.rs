@@ -1,7 +1,7 @@
 //! The climb on hidden cases that each ask for one of its ways.
 
 use super::*;
-use crate::diagnose::discover::{Options, discover, prepare};
+use crate::diagnose::discover::{Discovery, Options, discover, prepare};
 use crate::diagnose::worth::MOSTLY_THERE;
 use crate::exam::case::{Case, Conditions};
 use motorlens_virtual_motor::Kind as Hidden;
@@ -127,4 +127,34 @@ fn a_model_that_leaves_one_record_does_not_explain_them_all() {
     assert_eq!(model.kinds(), [Kind::Coulomb]);
     assert!(model.train.increments.max(model.unseen.increments) < 1.2, "the mean no longer hides it");
     assert!(model.worst() > STANDS_OUT && !model.explains_all(), "{:?}", model.records);
+}
+
+/// A load that gravity imitates within a turn: a seventh of what was missing is left, and it is not gravity.
+#[test]
+fn an_effect_that_goes_part_of_the_way_is_taken_back() {
+    let found = spoilt(36_300_004, &[Hidden::ConstantLoad], &[Kind::Gravity]);
+    let [base, refused] = [&found.climb.rungs[0], &found.climb.first[0]];
+    assert!(refused.excess() < MOSTLY_THERE * base.excess(), "the case no longer goes most of the way");
+    assert_eq!((&found.climb.withdrawn[..], &found.effects[..]), (&[Kind::Gravity][..], &[][..]));
+}
+
+/// A late reading, by a spring between two masses and a filter: the mean of all records is at the noise, one is not.
+#[test]
+fn two_effects_that_leave_one_record_are_taken_back() {
+    let found = spoilt(37_300_016, &[Hidden::Delay], &[Kind::Compliance, Kind::SensorLag]);
+    assert_eq!(found.climb.withdrawn, [Kind::Compliance, Kind::SensorLag]);
+    assert!(found.effects.is_empty() && found.ladder.len() == 1);
+}
+
+/// A load under a disturbance of 2.6 % of stall: two effects lower the error as one of them would have to by itself.
+#[test]
+fn two_effects_at_once_must_do_what_they_would_one_after_the_other() {
+    let found = spoilt(36_300_024, &[Hidden::ConstantLoad], &[Kind::DeadZone, Kind::QuadraticDrag]);
+    assert!(found.effects.is_empty(), "{:?}", found.effects);
+}
+
+fn spoilt(seed: u64, hidden: &[Hidden], library: &[Kind]) -> Discovery {
+    let case = Case::new(seed, hidden, Conditions { disturbed: 0.25, spoilt: 0.15 });
+    let options = Options { library: library.to_vec(), ..Options::default() };
+    discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap()
 }

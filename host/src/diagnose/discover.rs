@@ -157,6 +157,8 @@ fn explore(
         ladder.pop();
         ladder.push(rung);
         climb.believe(better);
+        climb.withdraw(&evidence, options.most);
+        ladder.truncate(climb.rungs.len());
         found = rivals(&evidence, &climb, &options.library);
     }
     let effects = climb.model().kinds().to_vec();

@@ -38,8 +38,6 @@ pub struct Evidence {
     pub repeated: bool,
     /// Whether two runs of one programme show that counts are lost.
     pub loses_counts: bool,
-    /// Records that run the programme of an earlier one.
-    pub second_runs: Vec<usize>,
     repeats: Arc<Vec<Repeat>>,
     /// By how much a reading's noise was raised on each record fitted and on each kept out.
     allowed: [Vec<f64>; 2],
@@ -56,7 +54,6 @@ impl Evidence {
     ) -> Self {
         let repeats = repeats_of(records);
         let measured = floor(&repeats, &whole, start);
-        let second_runs = repeats.iter().map(|repeat| repeat.places[1]).collect();
         let loses_counts = repeats.iter().any(|Repeat { places, runs: [first, second] }| {
             let quantum = whole.grids[places[0]].quantum;
             losses::loses_counts(first, second, quantum, whole.rig.reference_speed)
@@ -76,7 +73,7 @@ impl Evidence {
         let (floor, repeated) = (measured.unwrap_or(Errors::COUNTING), measured.is_some());
         let allowed = [&train, &unseen].map(|problem| vec![1.0; problem.grids.len()]);
         let repeats = Arc::new(repeats);
-        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, second_runs, repeats, allowed }
+        Self { whole, kept_out, train, unseen, floor, repeated, loses_counts, repeats, allowed }
     }
 
     /// Measures the floor anew under `model`, where it is lower so: what two runs differ by may be in the model.
@@ -95,8 +92,8 @@ impl Evidence {
         let old = self.allowed.clone();
         self.set_allowed(old.each_ref().map(|shares| vec![1.0; shares.len()]));
         let scatter = [&self.train, &self.unseen].map(|problem| chance::scatter(problem, model));
-        let measured = self.second_runs.iter().map(|k| scatter[0][*k]).sum::<f64>();
-        let measured = measured / self.second_runs.len().max(1) as f64;
+        let measured = self.repeats.iter().map(|repeat| scatter[0][repeat.second()]).sum::<f64>();
+        let measured = measured / self.repeats.len().max(1) as f64;
         let new = scatter.map(|own| chance::allowances(&own, measured, &self.floor));
         let same = |(old, new): (&f64, &f64)| (old / new).max(new / old) < SAME;
         let changed = !old.iter().flatten().zip(new.iter().flatten()).all(same);
@@ -132,7 +129,6 @@ impl Evidence {
             floor: Errors::COUNTING,
             repeated: false,
             loses_counts: false,
-            second_runs: Vec::new(),
             repeats: Arc::default(),
             allowed: [allowed.clone(), allowed],
         }
@@ -143,8 +139,13 @@ impl Evidence {
     pub fn programmes(&self) -> Problem {
         let coarse = self.train.hold_s.is_none();
         let lay = |grid: &Grid| if coarse { grid.coarse() } else { grid.clone() };
-        let once = |(k, grid): (usize, &Grid)| (!self.second_runs.contains(&k)).then(|| lay(grid));
+        let once = |(k, grid): (usize, &Grid)| (!self.is_second_run(k)).then(|| lay(grid));
         self.train.on(self.train.grids.iter().enumerate().filter_map(once).collect())
+    }
+
+    /// Whether the record fitted at place `k` runs the programme of an earlier one.
+    pub fn is_second_run(&self, k: usize) -> bool {
+        self.repeats.iter().any(|repeat| repeat.second() == k)
     }
 
     /// Candidate passes so far.

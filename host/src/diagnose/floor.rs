@@ -20,6 +20,13 @@ pub struct Repeat {
     pub runs: [Record; 2],
 }
 
+impl Repeat {
+    /// The place of the later run.
+    pub fn second(&self) -> usize {
+        self.places[1]
+    }
+}
+
 /// Every two of `records` that run one programme.
 pub fn repeats_of(records: &[Record]) -> Vec<Repeat> {
     let repeat = |(first, second): (usize, usize)| Repeat {
