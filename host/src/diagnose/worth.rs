@@ -73,8 +73,10 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     let (drift, unseen_drift) = of(|e| e.position);
     let drifted = less.train.position.min(less.unseen.position);
     let left = more.train.position.max(more.unseen.position);
+    // A torque that disturbs the motor makes some drift of its own, which many a law can follow.
+    let calm = more.calm != Some(false);
     let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY.powi(steps)
-        || drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT.powi(steps);
+        || calm && drifted > SLOW && left < NOISE && drift.max(unseen_drift) < ALL_OF_IT.powi(steps);
     if slow && train.max(unseen) < NOT_WORSE {
         return true;
     }
@@ -82,7 +84,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         return true;
     }
     let asked = |beside: usize| match beside {
-        0 if more.calm == Some(false) => WORTH_IN_UNREST,
+        0 if !calm => WORTH_IN_UNREST,
         0 => WORTH_A_FIRST,
         1 => WORTH_MORE,
         _ => WORTH_A_THIRD,
