@@ -11,9 +11,8 @@ use super::slow_pwm;
 use super::stage::Effort;
 use super::step::{TO_THE_END, look, prune, settled};
 use super::teeth::settle_teeth;
-use super::worth::{
-    FAR, NEAR_THE_FLOOR, NONE_OF_THE_DRIFT, SLOW, as_good, falls_short, promises, rivals, simplest, worth,
-};
+use super::way::{FAR, NONE_OF_THE_DRIFT, falls_short};
+use super::worth::{NEAR_THE_FLOOR, SLOW, as_good, promises, rivals, simplest, worth};
 
 /// Nothing is left to find below this many noise units in a steady base model.
 const AT_THE_FLOOR: f64 = 1.02;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::diagnose::discover::{Discovery, Options, discover, prepare};
-use crate::diagnose::worth::MOSTLY_THERE;
+use crate::diagnose::way::MOSTLY_THERE;
 use crate::exam::case::{Case, Conditions};
 use motorlens_virtual_motor::Kind as Hidden;
 

@@ -6,7 +6,8 @@ use super::candidate::Candidate;
 use super::evidence::Evidence;
 use super::stage::Effort;
 use super::step::{TO_THE_END, look, settled};
-use super::worth::{EQUAL, FAR, is_far, simplest, worth};
+use super::way::{FAR, is_far};
+use super::worth::{EQUAL, simplest, worth};
 
 /// Two effects are tried at once beside so many of the first ...
 const LEAPS: usize = 2;

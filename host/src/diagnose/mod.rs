@@ -19,4 +19,5 @@ mod starts;
 mod step;
 mod tangent;
 mod teeth;
+pub mod way;
 pub mod worth;

@@ -43,22 +43,6 @@ const DRIFT: f64 = 1.5;
 /// Nothing more is left to find below this many noise units in a model that explains already.
 pub const NEAR_THE_FLOOR: f64 = 1.15;
 
-/// Share of the way down to a measured floor that may be left, and of the error itself where that drifts: by laws whose searches
-/// stop early, ...
-pub const MOSTLY_THERE: f64 = 0.15;
-const MOST_OF_THE_DRIFT: f64 = 0.55;
-/// ... and by those whose searches come to their end, ...
-const NEARLY_THERE: f64 = 0.05;
-const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
-/// ... but for so much of the floor, which a law of a slightly other shape leaves.
-const SHAPE: f64 = 0.1;
-/// Times the floor that two such laws may leave of one record: both being there, they leave no more.
-const SHOWS_STILL: f64 = 1.5;
-/// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
-pub const NONE_OF_THE_DRIFT: f64 = 0.01;
-/// More work is done where the base model leaves so much more than the floor.
-pub const FAR: f64 = 1.0;
-
 /// Whether `more` is worth its parameters over `less`: better on both sets of records, in the increments or, where these
 /// stay as they are, plainly in the error that they add up to.
 pub fn worth(more: &Candidate, less: &Candidate) -> bool {
@@ -131,58 +115,6 @@ fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
 /// Whether the increments are at the noise on both sets of records.
 fn to_the_floor(c: &Candidate) -> bool {
     c.train.increments.max(c.unseen.increments) < NEAR_THE_FLOOR
-}
-
-/// Whether most of the way from `base` down to the floor is still before `model`.
-pub fn is_far(model: &Candidate, base: &Candidate) -> bool {
-    let way = Way::new(model, base);
-    // Where little is missing, a share of it is less than noise: two effects that end in the noise have gone the way.
-    let near = if way.several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
-    let little = near.max(MOSTLY_THERE * base.excess());
-    !model.explains() && (model.excess() > little && !way.steady || way.drifts(MOST_OF_THE_DRIFT))
-}
-
-/// Whether `model` stops short of a measured floor that its laws, were they there, would come nearer to.
-pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
-    let way = Way::new(model, base);
-    if model.kinds().iter().any(|k| is_rough(*k)) {
-        return is_far(model, base);
-    }
-    let little = SHAPE.max(NEARLY_THERE * base.excess());
-    let drifts = model.drift() > STEADY && way.drifts(NEARLY_ALL_OF_THE_DRIFT);
-    let shows = way.several && !way.steady && model.worst() > SHOWS_STILL;
-    shows || !model.explains() && (model.excess() > little && !way.steady || drifts) || is_far(model, base)
-}
-
-/// From a base model down to the floor.
-struct Way {
-    /// What of the base model's drift is left, where it drifts.
-    left_of_the_drift: Option<f64>,
-    /// Whether next to nothing of it is.
-    steady: bool,
-    /// Whether two effects or more were added.
-    several: bool,
-}
-
-impl Way {
-    fn new(model: &Candidate, base: &Candidate) -> Self {
-        let left_of_the_drift = (base.drift() > STEADY).then(|| model.drift() / base.drift());
-        Self {
-            left_of_the_drift,
-            steady: left_of_the_drift.is_some_and(|left| left <= NONE_OF_THE_DRIFT),
-            several: model.kinds().len() > base.kinds().len() + 1,
-        }
-    }
-
-    fn drifts(&self, share: f64) -> bool {
-        self.left_of_the_drift.is_some_and(|left| left > share)
-    }
-}
-
-/// Whether a search of the effect may stop before its end, because teeth, gaps and chance make a rough way down; and whether its
-/// law may be a rough one, because a user wrote it.
-fn is_rough(kind: Kind) -> bool {
-    matches!(kind, Kind::Cogging | Kind::Eccentricity | Kind::Backlash | Kind::LostCounts | Kind::Formula(_))
 }
 
 /// The simplest of those that are as good as the best.
