@@ -138,14 +138,6 @@ fn an_effect_that_goes_part_of_the_way_is_taken_back() {
     assert_eq!((&found.climb.withdrawn[..], &found.effects[..]), (&[Kind::Gravity][..], &[][..]));
 }
 
-/// A late reading, by a spring between two masses and a filter: the mean of all records is at the noise, one is not.
-#[test]
-fn two_effects_that_leave_one_record_are_taken_back() {
-    let found = spoilt(37_300_016, &[Hidden::Delay], &[Kind::Compliance, Kind::SensorLag]);
-    assert_eq!(found.climb.withdrawn, [Kind::Compliance, Kind::SensorLag]);
-    assert!(found.effects.is_empty() && found.ladder.len() == 1);
-}
-
 /// A load under a disturbance of 2.6 % of stall: two effects lower the error as one of them would have to by itself.
 #[test]
 fn two_effects_at_once_must_do_what_they_would_one_after_the_other() {

@@ -15,8 +15,6 @@ const NEARLY_THERE: f64 = 0.05;
 const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
 /// ... but for so much of the floor, which a law of a slightly other shape leaves.
 const SHAPE: f64 = 0.1;
-/// Times the floor that two such laws may leave of one record: both being there, they leave no more.
-const SHOWS_STILL: f64 = 1.5;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
 pub const NONE_OF_THE_DRIFT: f64 = 0.01;
 /// More work is done where the base model leaves so much more than the floor.
@@ -39,8 +37,7 @@ pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
     }
     let little = SHAPE.max(NEARLY_THERE * base.excess());
     let drifts = model.drift() > STEADY && way.drifts(NEARLY_ALL_OF_THE_DRIFT);
-    let shows = way.several && !way.steady && model.worst() > SHOWS_STILL;
-    shows || !model.explains() && (model.excess() > little && !way.steady || drifts) || is_far(model, base)
+    !model.explains() && (model.excess() > little && !way.steady || drifts) || is_far(model, base)
 }
 
 /// From a base model down to the floor.
@@ -68,8 +65,9 @@ impl Way {
     }
 }
 
-/// Whether a search of the effect may stop before its end, because teeth, gaps and chance make a rough way down; and whether its
-/// law may be a rough one, because a user wrote it.
+/// Whether a search of the effect may stop before its end, because teeth, gaps and chance make a rough way down, or pulses and holds
+/// whose times are not found; and whether its law may be a rough one, because a user wrote it.
 fn is_rough(kind: Kind) -> bool {
-    matches!(kind, Kind::Cogging | Kind::Eccentricity | Kind::Backlash | Kind::LostCounts | Kind::Formula(_))
+    use Kind::{Backlash, Coast, Cogging, Eccentricity, Formula, LostCounts, SensorLag};
+    matches!(kind, Backlash | Coast | Cogging | Eccentricity | Formula(_) | LostCounts | SensorLag)
 }
