@@ -33,7 +33,7 @@ pub struct Climb {
 }
 
 impl Climb {
-    /// Takes the effects back where most of the way down to a measured floor was not gone: physics outside the library
+    /// Takes the effects back where they stop short of a measured floor: physics outside the library
     /// lends itself to many effects in part, and is none of them. A climb that ended at its `most` effects is left as it is.
     pub fn withdraw(&mut self, evidence: &Evidence, most: usize) {
         let measured = evidence.repeated && self.rungs.len() <= most;

@@ -24,10 +24,8 @@ fn what_two_runs_show_by_themselves_is_believed_before_what_is_simpler() {
 /// A delay fitted alone leaves teeth nothing to start from: they need more starts beside it than a stage gives them.
 #[test]
 fn a_second_effect_is_looked_for_deeper_where_the_first_leads_nowhere() {
-    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
-    let case = Case::new(22_200_059, &[Hidden::Backlash, Hidden::Delay], conditions);
-    let options = Options { library: vec![Kind::Backlash, Kind::Delay, Kind::Cogging], ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found =
+        spoilt(22_200_059, &[Hidden::Backlash, Hidden::Delay], &[Kind::Backlash, Kind::Delay, Kind::Cogging]);
     assert_eq!(found.effects, [Kind::Delay, Kind::Backlash]);
     assert!(found.climb.model().explains());
 }
@@ -35,10 +33,8 @@ fn a_second_effect_is_looked_for_deeper_where_the_first_leads_nowhere() {
 /// A gap of 3 ms shows after the quick changes of one record, and in the mean of all leaves them near the noise.
 #[test]
 fn a_second_effect_is_found_where_one_record_shows_it() {
-    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
-    let case = Case::new(23_200_069, &[Hidden::Delay, Hidden::ConstantLoad], conditions);
-    let options = Options { library: vec![Kind::Delay, Kind::ConstantLoad], ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found =
+        spoilt(23_200_069, &[Hidden::Delay, Hidden::ConstantLoad], &[Kind::Delay, Kind::ConstantLoad]);
     let first = &found.climb.rungs[1];
     assert!(first.explains() && first.worst() > STANDS_OUT, "the case no longer needs a record of its own");
     assert_eq!(found.effects, [Kind::ConstantLoad, Kind::Delay]);
@@ -49,10 +45,11 @@ fn a_second_effect_is_found_where_one_record_shows_it() {
 /// friction beside them is all that was missing.
 #[test]
 fn records_that_chance_scatters_count_for_less_once_a_law_foretells_it() {
-    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
-    let case = Case::new(23_200_060, &[Hidden::LostCounts, Hidden::CoulombAsymmetric], conditions);
-    let options = Options { library: vec![Kind::CoulombAsymmetric, Kind::LostCounts], ..Options::default() };
-    let mut found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let mut found = spoilt(
+        23_200_060,
+        &[Hidden::LostCounts, Hidden::CoulombAsymmetric],
+        &[Kind::CoulombAsymmetric, Kind::LostCounts],
+    );
     let with = found.climb.model().clone();
     assert!(with.kinds().contains(&Kind::LostCounts) && with.explains(), "{:?}", with.records);
     assert!(found.evidence.allow_for_chance(&with.values().without(Kind::LostCounts)), "nothing was allowed");
@@ -63,11 +60,11 @@ fn records_that_chance_scatters_count_for_less_once_a_law_foretells_it() {
 /// the floor.
 #[test]
 fn two_effects_are_found_where_neither_helps_without_the_other() {
-    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
-    let case = Case::new(16_200_060, &[Hidden::Stribeck, Hidden::Coast], conditions);
-    let options =
-        Options { library: vec![Kind::Stribeck, Kind::Coast, Kind::LostCounts], ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found = spoilt(
+        16_200_060,
+        &[Hidden::Stribeck, Hidden::Coast],
+        &[Kind::Stribeck, Kind::Coast, Kind::LostCounts],
+    );
     let base = &found.climb.rungs[0];
     assert!(!found.climb.first.iter().any(|c| worth(c, base)), "the case no longer asks for a leap");
     assert_eq!(found.effects, [Kind::Stribeck, Kind::Coast]);
@@ -90,11 +87,11 @@ fn a_gap_is_found_beside_a_spring_once_the_viscous_share_stands_where_it_usually
 /// What a coarse search of teeth leaves of the error itself hides that they are worth their parameters.
 #[test]
 fn teeth_that_leave_noise_in_the_increments_are_searched_to_the_end_before_they_are_refused() {
-    let conditions = Conditions { disturbed: 0.25, spoilt: 0.15 };
-    let case = Case::new(26_200_048, &[Hidden::Cogging, Hidden::CoulombAsymmetric], conditions);
-    let library = vec![Kind::CoulombAsymmetric, Kind::Cogging];
-    let options = Options { library, ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found = spoilt(
+        26_200_048,
+        &[Hidden::Cogging, Hidden::CoulombAsymmetric],
+        &[Kind::CoulombAsymmetric, Kind::Cogging],
+    );
     assert_eq!(found.effects, [Kind::Cogging, Kind::CoulombAsymmetric]);
     let (without, with) = (&found.climb.rungs[1], found.climb.model());
     assert!(without.explains() || without.excess() < 0.1, "the case no longer is near the noise before");
@@ -105,9 +102,7 @@ fn teeth_that_leave_noise_in_the_increments_are_searched_to_the_end_before_they_
 /// is not there.
 #[test]
 fn what_hardly_shows_above_a_disturbance_gets_no_name() {
-    let case = Case::new(33_300_000, &[Hidden::Coulomb], Conditions { disturbed: 0.25, spoilt: 0.15 });
-    let options = Options { library: vec![Kind::DeadZone, Kind::Delay], ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found = spoilt(33_300_000, &[Hidden::Coulomb], &[Kind::DeadZone, Kind::Delay]);
     assert!(found.effects.is_empty(), "{:?}", found.effects);
     let (first, base) = (&found.climb.first[0], &found.climb.rungs[0]);
     assert_eq!((first.kinds(), first.calm), (&[Kind::DeadZone][..], Some(false)));
@@ -120,9 +115,7 @@ fn what_hardly_shows_above_a_disturbance_gets_no_name() {
 /// Stribeck's fall shows in the slow record alone; the mean of all is at the noise without it.
 #[test]
 fn a_model_that_leaves_one_record_does_not_explain_them_all() {
-    let case = Case::new(33_300_021, &[Hidden::Stribeck], Conditions { disturbed: 0.25, spoilt: 0.15 });
-    let options = Options { library: vec![Kind::Coulomb], ..Options::default() };
-    let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
+    let found = spoilt(33_300_021, &[Hidden::Stribeck], &[Kind::Coulomb]);
     let model = found.climb.model();
     assert_eq!(model.kinds(), [Kind::Coulomb]);
     assert!(model.train.increments.max(model.unseen.increments) < 1.2, "the mean no longer hides it");
@@ -145,6 +138,7 @@ fn two_effects_at_once_must_do_what_they_would_one_after_the_other() {
     assert!(found.effects.is_empty(), "{:?}", found.effects);
 }
 
+/// What is found of `library` in a case that may be disturbed and spoilt.
 fn spoilt(seed: u64, hidden: &[Hidden], library: &[Kind]) -> Discovery {
     let case = Case::new(seed, hidden, Conditions { disturbed: 0.25, spoilt: 0.15 });
     let options = Options { library: library.to_vec(), ..Options::default() };

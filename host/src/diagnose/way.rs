@@ -22,47 +22,25 @@ pub const FAR: f64 = 1.0;
 
 /// Whether most of the way from `base` down to the floor is still before `model`.
 pub fn is_far(model: &Candidate, base: &Candidate) -> bool {
-    let way = Way::new(model, base);
     // Where little is missing, a share of it is less than noise: two effects that end in the noise have gone the way.
-    let near = if way.several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
-    let little = near.max(MOSTLY_THERE * base.excess());
-    !model.explains() && (model.excess() > little && !way.steady || way.drifts(MOST_OF_THE_DRIFT))
+    let several = model.kinds().len() > base.kinds().len() + 1;
+    let near = if several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
+    leaves(model, base, near.max(MOSTLY_THERE * base.excess()), MOST_OF_THE_DRIFT * base.drift())
 }
 
 /// Whether `model` stops short of a measured floor that its laws, were they there, would come nearer to.
 pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
-    let way = Way::new(model, base);
-    if model.kinds().iter().any(|k| is_rough(*k)) {
-        return is_far(model, base);
-    }
-    let little = SHAPE.max(NEARLY_THERE * base.excess());
-    let drifts = model.drift() > STEADY && way.drifts(NEARLY_ALL_OF_THE_DRIFT);
-    !model.explains() && (model.excess() > little && !way.steady || drifts) || is_far(model, base)
+    let smooth = !model.kinds().iter().any(|k| is_rough(*k));
+    let excess = SHAPE.max(NEARLY_THERE * base.excess());
+    let drift = STEADY.max(NEARLY_ALL_OF_THE_DRIFT * base.drift());
+    is_far(model, base) || smooth && leaves(model, base, excess, drift)
 }
 
-/// From a base model down to the floor.
-struct Way {
-    /// What of the base model's drift is left, where it drifts.
-    left_of_the_drift: Option<f64>,
-    /// Whether next to nothing of it is.
-    steady: bool,
-    /// Whether two effects or more were added.
-    several: bool,
-}
-
-impl Way {
-    fn new(model: &Candidate, base: &Candidate) -> Self {
-        let left_of_the_drift = (base.drift() > STEADY).then(|| model.drift() / base.drift());
-        Self {
-            left_of_the_drift,
-            steady: left_of_the_drift.is_some_and(|left| left <= NONE_OF_THE_DRIFT),
-            several: model.kinds().len() > base.kinds().len() + 1,
-        }
-    }
-
-    fn drifts(&self, share: f64) -> bool {
-        self.left_of_the_drift.is_some_and(|left| left > share)
-    }
+/// Whether `model` does not explain, and leaves more than `excess` above the floor or, where `base` drifts, more than `drift`.
+fn leaves(model: &Candidate, base: &Candidate, excess: f64, drift: f64) -> bool {
+    let drifted = base.drift() > STEADY;
+    let steady = drifted && model.drift() <= NONE_OF_THE_DRIFT * base.drift();
+    !model.explains() && (model.excess() > excess && !steady || drifted && model.drift() > drift)
 }
 
 /// Whether a search of the effect may stop before its end, because teeth, gaps and chance make a rough way down, or pulses and holds

@@ -51,7 +51,8 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     }
     // A richer law in the place of one that was there is no further effect; two at once must do what they would one after the other.
     let beside = less.kinds().len().min(more.kinds().len().saturating_sub(1));
-    let steps = more.kinds().len().saturating_sub(beside).max(1) as i32;
+    let places = beside..more.kinds().len().max(beside + 1);
+    let steps = places.len() as i32;
     let of = |e: fn(&Errors) -> f64| (e(&more.train) / e(&less.train), e(&more.unseen) / e(&less.unseen));
     let (train, unseen) = of(|e| e.increments);
     let (drift, unseen_drift) = of(|e| e.position);
@@ -73,7 +74,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
         1 => WORTH_MORE,
         _ => WORTH_A_THIRD,
     };
-    let mean: f64 = (beside..beside + steps as usize).map(asked).product();
+    let mean: f64 = places.map(asked).product();
     // Unseen records at the floor already cannot get better, only worse.
     let silent = less.unseen.increments < NEAR_THE_FLOOR && unseen < NOT_WORSE && train < CLEARLY;
     train < WORTH
