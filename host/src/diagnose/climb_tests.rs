@@ -138,6 +138,53 @@ fn two_effects_at_once_must_do_what_they_would_one_after_the_other() {
     assert!(found.effects.is_empty(), "{:?}", found.effects);
 }
 
+/// Coulomb friction under a disturbance of 2.8 % of stall: a dead zone leaves a fifth above the noise on the staircase, where the friction
+/// would leave nothing.
+#[test]
+fn where_two_runs_differ_one_record_that_stands_out_is_left_unexplained() {
+    let found = spoilt(41_300_000, &[Hidden::Coulomb], &[Kind::DeadZone]);
+    let model = found.climb.model();
+    assert_eq!((model.kinds(), model.calm), (&[Kind::DeadZone][..], Some(false)));
+    assert!(model.explains_all(), "the mean no longer hides it: {:?}", model.records);
+    assert!(!found.climb.explains_all(), "{:?}", model.records);
+}
+
+/// Friction and a voltage drop leave less than a hundredth of a dead zone's drift, and a twelfth of its increments.
+#[test]
+fn two_laws_that_stand_for_a_third_are_taken_back_however_little_they_drift() {
+    let found = spoilt(41_300_030, &[Hidden::DeadZone], &[Kind::Coulomb, Kind::VoltageDrop]);
+    assert_eq!(found.climb.withdrawn, [Kind::VoltageDrop, Kind::Coulomb]);
+}
+
+/// Teeth of 0.46 V beside a drag: the slow record shows them, and what the others show of them is chance.
+#[test]
+fn teeth_are_found_where_one_record_shows_them() {
+    let found = spoilt(
+        41_200_068,
+        &[Hidden::Cogging, Hidden::QuadraticDrag],
+        &[Kind::QuadraticDrag, Kind::Cogging, Kind::SupplySag],
+    );
+    assert_eq!(found.effects, [Kind::Cogging, Kind::QuadraticDrag]);
+    let (without, with) = (&found.climb.rungs[1], found.climb.model());
+    assert!(without.records[0] > 2.0 && with.records[0] < 1.2, "{:?}", with.records);
+    assert!(
+        with.unseen.increments > 0.85 * without.unseen.increments,
+        "the case no longer asks for a record"
+    );
+}
+
+/// Until it is known when the pulses come, friction beside them leaves twice the drift that a model which explains may leave.
+#[test]
+fn two_effects_that_drift_until_the_pulses_are_timed_are_searched_on() {
+    let found = spoilt(
+        39_200_015,
+        &[Hidden::Coast, Hidden::Stribeck],
+        &[Kind::Coast, Kind::Stribeck, Kind::QuadraticDrag, Kind::LoadFriction],
+    );
+    assert_eq!(found.effects, [Kind::Coast, Kind::Stribeck]);
+    assert!(found.climb.explains_all(), "{:?}", found.climb.model().records);
+}
+
 /// What is found of `library` in a case that may be disturbed and spoilt.
 fn spoilt(seed: u64, hidden: &[Hidden], library: &[Kind]) -> Discovery {
     let case = Case::new(seed, hidden, Conditions { disturbed: 0.25, spoilt: 0.15 });

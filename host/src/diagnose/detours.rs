@@ -6,7 +6,7 @@ use super::candidate::Candidate;
 use super::evidence::Evidence;
 use super::stage::Effort;
 use super::step::{TO_THE_END, look, settled};
-use super::way::{FAR, is_far};
+use super::way::{FAR, falls_short, is_far};
 use super::worth::{EQUAL, simplest, worth};
 
 /// Two effects are tried at once beside so many of the first ...
@@ -47,7 +47,9 @@ pub(super) fn deeper(
         let mut pairs = look(evidence, first, library, effort, tick);
         pairs.retain(|pair| worth(pair, base) && !is_far(pair, base));
         let pair = simplest(&pairs).cloned().map(|pair| settled(evidence, pair, library));
-        if let Some(pair) = pair.filter(Candidate::explains) {
+        // What pulses whose times are not yet known leave drifts.
+        let promises = |pair: &Candidate| pair.kinds().contains(&Kind::Coast) && !falls_short(pair, base);
+        if let Some(pair) = pair.filter(|pair| pair.explains() || promises(pair)) {
             return Some(pair);
         }
     }

@@ -134,13 +134,21 @@ impl Evidence {
         }
     }
 
-    /// The records fitted, one of each programme: a second run tells the floor, and little of the physics. In coarse cells,
-    /// for candidates that are only compared; not where readings are held for about the time of one.
+    /// The records fitted, one of each programme, sketched: a second run tells the floor, and little of the physics.
     pub fn programmes(&self) -> Problem {
-        let coarse = self.train.hold_s.is_none();
-        let lay = |grid: &Grid| if coarse { grid.coarse() } else { grid.clone() };
-        let once = |(k, grid): (usize, &Grid)| (!self.is_second_run(k)).then(|| lay(grid));
-        self.train.on(self.train.grids.iter().enumerate().filter_map(once).collect())
+        self.train.on(self.first_runs().map(|k| self.sketch(k)).collect())
+    }
+
+    /// The places of the records fitted that run no programme of an earlier one.
+    pub fn first_runs(&self) -> impl Iterator<Item = usize> {
+        (0..self.train.grids.len()).filter(|k| !self.is_second_run(*k))
+    }
+
+    /// The record fitted at place `k` in coarse cells, for candidates that are only compared; not where readings are held for about
+    /// the time of one.
+    pub fn sketch(&self, k: usize) -> Grid {
+        let grid = &self.train.grids[k];
+        if self.train.hold_s.is_none() { grid.coarse() } else { grid.clone() }
     }
 
     /// Whether the record fitted at place `k` runs the programme of an earlier one.

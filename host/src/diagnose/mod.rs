@@ -9,6 +9,7 @@ pub mod discover;
 pub mod evidence;
 pub mod floor;
 pub mod ladder;
+mod orders;
 pub mod plan;
 mod ripple;
 pub mod rivals;

@@ -5,7 +5,7 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, STANDS_OUT};
 use super::climb::Climb;
 use super::contained::covers;
 use super::evidence::Evidence;
@@ -50,6 +50,9 @@ pub fn better(evidence: &Evidence, climb: &Climb, rivals: &[Rivals]) -> Option<C
     let nested = |a: Kind, b: Kind| covers(&[a], b) || covers(&[b], a);
     let others = rivals.iter().flat_map(|set| set.models[1..].iter().map(|c| (c, last(&set.models[0]))));
     let others = others.filter(|(c, own)| !nested(last(c), *own) && c.size() <= model.size() + 1);
+    // What shows on one record weighs little in the mean of all.
+    let even = |c: &Candidate| c.worst() < model.worst().max(STANDS_OUT);
+    let others = others.filter(|(c, _)| even(c));
     let best = others.map(|(c, _)| c).min_by(|a, b| a.merit().total_cmp(&b.merit()))?;
     let least = best.merit() + BETTER;
     (least < model.merit() && least < to_its_end(evidence, model.clone()).merit()).then(|| best.clone())
@@ -147,6 +150,26 @@ mod tests {
                 model.kinds()
             );
         }
+    }
+
+    /// A model that is better in the mean of all records, and leaves one that the accepted one does not.
+    #[test]
+    fn a_rival_that_leaves_a_record_is_not_believed() {
+        let case = Case::new(11, &[Hidden::Coulomb], CALM);
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let with = |kind: Kind, size: f64| evidence.fit(&base.values().with(kind, vec![size]), 10);
+        let (model, friction) = (with(Kind::Delay, 0.002), with(Kind::Coulomb, 0.5));
+        let first = vec![model.clone()];
+        let climb =
+            Climb { rungs: vec![base, model.clone()], first, refused: Vec::new(), withdrawn: Vec::new() };
+        let believed = |rival: &Candidate| {
+            let models = vec![model.clone(), rival.clone()];
+            better(&evidence, &climb, &[Rivals { models }]).map(|c| c.kinds().to_vec())
+        };
+        assert_eq!(believed(&friction), Some(vec![Kind::Coulomb]));
+        let mut uneven = friction;
+        uneven.records[0] = model.worst().max(STANDS_OUT) + 0.1;
+        assert_eq!(believed(&uneven), None);
     }
 
     /// A delay explains what a filter does to the reading, with a parameter less; the filter leaves 5 % less.

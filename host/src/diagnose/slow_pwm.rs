@@ -119,7 +119,7 @@ impl Evidence {
     fn likeliest(&self, values: &Values, model: &Candidate) -> Option<f64> {
         let mut plain = self.whole.clone();
         plain.forget_pulses();
-        let mut worst: Vec<usize> = (0..plain.grids.len()).filter(|k| !self.is_second_run(*k)).collect();
+        let mut worst: Vec<usize> = self.first_runs().collect();
         worst.sort_by(|a, b| model.records[*b].total_cmp(&model.records[*a]));
         worst.truncate(FEW);
         let few = |problem: &Problem| problem.on(worst.iter().map(|k| problem.grids[*k].clone()).collect());

@@ -8,7 +8,10 @@ use motorlens_shared::effects::Kind;
 
 use super::candidate::{Candidate, STEADY};
 use super::evidence::Evidence;
+use super::orders;
 use crate::fit::cost::Objective;
+use crate::fit::layout::{Layout, Values};
+use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
 
 /// First steps: of the phase, rad, of the size, and of the harmonic against the size.
@@ -19,45 +22,114 @@ const ROUNDS: usize = 16;
 const THEN: usize = 10;
 /// Nothing is left to feel for below this many times the floor, in the increments and in the error itself ...
 const AT_THE_FLOOR: f64 = 1.1;
+/// ... or, where two runs differ, maybe by the teeth that they slipped over, below this many; ...
+const BELOW_CHANCE: f64 = 0.9;
 /// ... and above this many in the error itself something else is missing.
 const ASTRAY: f64 = 4.0 * STEADY;
 
 /// Sine and cosine, and those of the harmonic.
-type Ripple = [f64; 4];
+pub(super) type Ripple = [f64; 4];
 
-/// `candidate` with its teeth where the cost is least around them; itself where it has none, or nothing is gained.
-pub fn settle_teeth(evidence: &Evidence, candidate: Candidate) -> Candidate {
-    let values = candidate.values();
-    let Some(place) = values.effects.iter().position(|(kind, _)| *kind == Kind::Cogging) else {
-        return candidate;
-    };
-    let done = 1.0 + candidate.excess() < AT_THE_FLOOR && candidate.drift() < AT_THE_FLOOR;
-    if done || candidate.drift() > ASTRAY {
-        return candidate;
+/// Teeth of one order in a model, felt for on some records.
+pub(super) struct Feeler<'a> {
+    problem: &'a Problem,
+    layout: Layout,
+    values: Values,
+    place: usize,
+}
+
+impl<'a> Feeler<'a> {
+    /// The teeth of `values`; none where it has none.
+    pub(super) fn new(problem: &'a Problem, values: &Values) -> Option<Self> {
+        let place = values.effects.iter().position(|(kind, _)| *kind == Kind::Cogging)?;
+        Some(Self { problem, layout: problem.layout(&values.kinds()), values: values.clone(), place })
     }
-    let layout = candidate.layout.clone();
-    let with = |ripple: &Ripple| {
-        let mut values = values.clone();
-        values.effects[place].1[..4].copy_from_slice(ripple);
-        layout.pack(&values)
+
+    /// The same model with teeth of another order.
+    pub(super) fn set_order(&mut self, order: f64) {
+        self.values.effects[self.place].1[ORDER] = order;
+    }
+
+    /// The ripple that the model has.
+    pub(super) fn own(&self) -> Ripple {
+        std::array::from_fn(|k| self.values.effects[self.place].1[k])
+    }
+
+    /// The model with another ripple.
+    pub(super) fn with(&self, ripple: &Ripple) -> Values {
+        let mut values = self.values.clone();
+        values.effects[self.place].1[..ORDER].copy_from_slice(ripple);
+        values
+    }
+
+    /// The costs of `ripples`, least first.
+    pub(super) fn costs(&self, ripples: &[Ripple]) -> Vec<(f64, Ripple)> {
+        let costs = |ripples: &[Ripple]| {
+            let xs: Vec<Vec<f64>> = ripples.iter().map(|r| self.layout.pack(&self.with(r))).collect();
+            self.problem.costs(&self.layout, Objective::Increments, &xs)
+        };
+        let mut costs: Vec<(f64, Ripple)> = ripples
+            .chunks(LANES)
+            .flat_map(|ripples| costs(ripples).into_iter().zip(ripples.to_vec()))
+            .collect();
+        costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        costs
+    }
+
+    /// The ripple to which feeling around from `best`, a cost and its ripple, leads.
+    pub(super) fn feel(&self, mut best: (f64, Ripple)) -> (f64, Ripple) {
+        let mut scale = 1.0;
+        for _ in 0..ROUNDS {
+            let next = self.costs(&around(&best.1, scale))[0];
+            if next.0 < best.0 {
+                best = next;
+            } else {
+                scale *= 0.5;
+            }
+        }
+        best
+    }
+}
+
+/// Place of the order among a ripple's parameters.
+const ORDER: usize = 4;
+
+/// `candidate` with its teeth where the cost is least around them, or with teeth of another order where these fit better; itself
+/// where it has none, or nothing is gained.
+pub fn settle_teeth(evidence: &Evidence, candidate: Candidate) -> Candidate {
+    let done = |c: &Candidate| {
+        let floor = if c.calm == Some(false) { BELOW_CHANCE } else { AT_THE_FLOOR };
+        (c.train.increments * c.unseen.increments).sqrt() < floor && c.drift() < floor
     };
-    let least = |ripples: &[Ripple]| {
-        let xs: Vec<Vec<f64>> = ripples.iter().map(with).collect();
-        let costs = evidence.train.costs(&layout, Objective::Increments, &xs);
-        costs.into_iter().zip(ripples.iter().copied()).min_by(|a, b| a.0.total_cmp(&b.0))
+    let felt = |values: &Values| {
+        let feeler = Feeler::new(&evidence.train, values)?;
+        let own = feeler.costs(&[feeler.own()])[0];
+        let best = feeler.with(&feeler.feel(own).1);
+        let layout = feeler.layout.clone();
+        let found = evidence.train.search(&layout, Objective::Increments, &layout.pack(&best), THEN, 3e-5);
+        Some(evidence.judge(&layout, vec![found]).swap_remove(0))
     };
-    let own: Ripple = std::array::from_fn(|k| values.effects[place].1[k]);
-    let Some(mut best) = least(&[own]) else { return candidate };
-    let mut scale = 1.0;
-    for _ in 0..ROUNDS {
-        match least(&around(&best.1, scale)) {
-            Some(next) if next.0 < best.0 => best = next,
-            _ => scale *= 0.5,
+    // What a tooth that is slipped over or not makes of the error itself is chance.
+    let less = |a: &Candidate, b: &Candidate| {
+        a.train.increments * a.unseen.increments < b.train.increments * b.unseen.increments
+    };
+    let mut best = candidate;
+    if done(&best) || best.drift() > ASTRAY {
+        return best;
+    }
+    let Some(around) = felt(&best.values()) else { return best };
+    if less(&around, &best) {
+        best = around;
+    }
+    if !done(&best) {
+        let others = orders::likely(evidence, &best);
+        for other in others.iter().filter_map(felt) {
+            if less(&other, &best) {
+                best = other;
+            }
         }
     }
-    let found = evidence.train.search(&layout, Objective::Increments, &with(&best.1), THEN, 3e-5);
-    let again = evidence.polish(layout, found);
-    if again.merit() < candidate.merit() { again } else { candidate }
+    best
 }
 
 /// The neighbours of a ripple at `scale` of the first steps.

@@ -25,7 +25,9 @@ pub fn is_far(model: &Candidate, base: &Candidate) -> bool {
     // Where little is missing, a share of it is less than noise: two effects that end in the noise have gone the way.
     let several = model.kinds().len() > base.kinds().len() + 1;
     let near = if several { NEAR_THE_FLOOR - 1.0 } else { 0.0 };
-    leaves(model, base, near.max(MOSTLY_THERE * base.excess()), MOST_OF_THE_DRIFT * base.drift())
+    let steady = base.drift() > STEADY && model.drift() <= NONE_OF_THE_DRIFT * base.drift();
+    let excess = if steady { f64::INFINITY } else { near.max(MOSTLY_THERE * base.excess()) };
+    leaves(model, base, excess, MOST_OF_THE_DRIFT * base.drift())
 }
 
 /// Whether `model` stops short of a measured floor that its laws, were they there, would come nearer to.
@@ -38,9 +40,7 @@ pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
 
 /// Whether `model` does not explain, and leaves more than `excess` above the floor or, where `base` drifts, more than `drift`.
 fn leaves(model: &Candidate, base: &Candidate, excess: f64, drift: f64) -> bool {
-    let drifted = base.drift() > STEADY;
-    let steady = drifted && model.drift() <= NONE_OF_THE_DRIFT * base.drift();
-    !model.explains() && (model.excess() > excess && !steady || drifted && model.drift() > drift)
+    !model.explains() && (model.excess() > excess || base.drift() > STEADY && model.drift() > drift)
 }
 
 /// Whether a search of the effect may stop before its end, because teeth, gaps and chance make a rough way down, or pulses and holds

@@ -6,7 +6,7 @@ use plant::{Effect, EncoderShaft as Shaft, Kind, Motor, Run, VirtualMotor};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-use crate::log::repeats::noise_floor;
+use crate::log::repeats::differences;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::{MotorFile, Nameplate};
 
@@ -43,6 +43,8 @@ pub struct Case {
 
 /// Which training programme is run twice: the multisine.
 const REPEATED: usize = 2;
+/// Runs of the programme kept out from which the floor is measured.
+const SECOND_RUNS: [u64; 4] = [101, 102, 103, 104];
 /// Sampling rates of the cases, Hz.
 const RATES: [u32; 4] = [100, 200, 500, 1000];
 
@@ -87,13 +89,14 @@ impl Case {
             let mut plant = VirtualMotor::new(&motor, &effects, seed.wrapping_mul(31).wrapping_add(again));
             record(&mut plant, &protocol.held_out, rate, &even)
         };
-        let repeated = noise_floor(&noise(101), &noise(102)).unwrap_or(0.0);
+        let repeated = scatter(&SECOND_RUNS.map(noise), motor.count_rad());
         let counting = motor.count_rad() / 12.0_f64.sqrt();
         let would = |volts: &[f64]| VirtualMotor::new(&motor, &effects, seed).record(volts, &calm);
         let of_noise = if run.voltage_noise_v > 0.0 {
             let meant = would(&volts(&protocol.held_out, rate)).true_angle_rad;
             let logged = would(&held_out[0].voltage_v).true_angle_rad;
-            deviation(meant.iter().zip(&logged).map(|(a, b)| a - b).collect())
+            let apart: Vec<f64> = meant.iter().zip(&logged).map(|(a, b)| a - b).collect();
+            rms(&apart, motor.count_rad())
         } else {
             0.0
         };
@@ -127,10 +130,24 @@ fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run)
     }
 }
 
-/// Root mean square of `d` about its mean.
-fn deviation(d: Vec<f64>) -> f64 {
-    let mean = d.iter().sum::<f64>() / d.len() as f64;
-    (d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / d.len() as f64).sqrt()
+/// What a perfect model would leave of each of `runs` of one programme: rms(difference) / sqrt(2) over all pairs, judged as a free
+/// run is.
+fn scatter(runs: &[Record], count_rad: f64) -> f64 {
+    let pairs =
+        runs.iter().enumerate().flat_map(|(k, first)| runs[..k].iter().map(move |second| (first, second)));
+    let apart: Vec<f64> = pairs
+        .filter_map(|(first, second)| differences(first, second))
+        .map(|apart| rms(&apart, count_rad).powi(2))
+        .collect();
+    (0.5 * apart.iter().sum::<f64>() / apart.len().max(1) as f64).sqrt()
+}
+
+/// Root mean square of `d`, rad, as a free run is judged: begun anywhere within a count. An angle that walks further away keeps its
+/// mean.
+fn rms(d: &[f64], count_rad: f64) -> f64 {
+    let n = d.len() as f64;
+    let offset = (d.iter().sum::<f64>() / n).clamp(-count_rad, count_rad);
+    (d.iter().map(|d| (d - offset).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// A nameplate: true within 15 %.
@@ -154,5 +171,34 @@ fn known(motor: &Motor, rng: &mut ChaCha8Rng) -> MotorFile {
         encoder_shaft: Some(shaft),
         nameplate,
         ..MotorFile::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_that_begins_elsewhere_within_a_count_is_no_error_and_one_that_walks_away_is() {
+        assert!(rms(&[0.09; 5], 0.1) < 1e-12);
+        assert!((rms(&[0.3; 5], 0.1) - 0.2).abs() < 1e-12);
+        assert!((rms(&[-0.1, 0.1, -0.1, 0.1], 0.1) - 0.1).abs() < 1e-12);
+    }
+
+    /// Four runs that lag one another: six pairs, whose squares are 1, 1, 1, 4, 4 and 9 of a lag's.
+    #[test]
+    fn what_runs_differ_by_is_shared_by_both_of_each_pair() {
+        let run = |lag: f64| {
+            let time_s: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+            let voltage_v = time_s.iter().map(|t| (3.0 * t).sin()).collect();
+            let angle_rad = time_s.iter().map(|t| lag * (5.0 * t).sin()).collect();
+            Record { time_s, voltage_v, angle_rad: Some(angle_rad), ..Record::default() }
+        };
+        let runs = [0.0, 1.0, 2.0, 3.0].map(run);
+        let of_one = rms(runs[1].angle_rad.as_ref().unwrap(), 0.0);
+        let expected = of_one * (20.0_f64 / 6.0 / 2.0).sqrt();
+        let found = scatter(&runs, 0.0);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        assert_eq!(scatter(&runs[..1], 0.1), 0.0);
     }
 }
