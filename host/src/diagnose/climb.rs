@@ -55,20 +55,15 @@ impl Climb {
     }
 
     /// Whether the accepted model is all that there is: it leaves noise, and its effects end the drift, but for what is next to
-    /// nothing of it. Where the motor is disturbed, one effect may leave some: two laws of which one stands for something else do.
+    /// nothing of it.
     pub fn explains_all(&self) -> bool {
         const STILL: f64 = 1.5;
         const EVEN: f64 = 1.2;
         let (model, base) = (self.model(), &self.rungs[0]);
-        let drifts = model.drift() > STILL.max(NONE_OF_THE_DRIFT * base.drift());
-        let steady = match self.rungs.len() - 1 {
-            0 => true,
-            1 => !drifts || model.calm != Some(true),
-            _ => !drifts,
-        };
+        let steady = model.drift() <= STILL.max(NONE_OF_THE_DRIFT * base.drift());
         // What two runs differ by all records share: one that stands out is left by the wrong effect.
-        let even = model.calm != Some(false) || self.rungs.len() == 1 || model.worst() < EVEN;
-        model.explains_all() && steady && even
+        let even = model.calm != Some(false) || model.worst() < EVEN;
+        model.explains_all() && (self.rungs.len() == 1 || steady && even)
     }
 
     /// The accepted model.
@@ -150,7 +145,11 @@ pub fn run(
         };
         rival = found.iter().find(|c| rivals(c, &next)).cloned();
         let mut next = settled(evidence, next, library);
-        if let Some(other) = detours::swapped(evidence, &next, library, &mut |k| tick(depth, k)) {
+        // Each of the two was chosen beside another than it is left with.
+        for _ in 0..2 {
+            let Some(other) = detours::swapped(evidence, &next, library, &mut |k| tick(depth, k)) else {
+                break;
+            };
             next = settled(evidence, other, library);
         }
         if let Some(timed) = evidence.time_pulses(&next).or_else(|| evidence.time_late_pulses(&next)) {

@@ -185,6 +185,27 @@ fn two_effects_that_drift_until_the_pulses_are_timed_are_searched_on() {
     assert!(found.climb.explains_all(), "{:?}", found.climb.model().records);
 }
 
+/// Friction takes a dead zone's place first, then saturation that of a sagging supply beside it: both are put right, one after the other.
+#[test]
+fn each_of_two_effects_is_chosen_anew_beside_the_other() {
+    let found = spoilt(
+        42_200_025,
+        &[Hidden::DeadZone, Hidden::SupplySag],
+        &[Kind::Coulomb, Kind::DeadZone, Kind::Saturation, Kind::SupplySag],
+    );
+    assert_eq!(found.climb.rungs[1].kinds(), [Kind::Coulomb], "the case no longer begins elsewhere");
+    assert_eq!(found.effects, [Kind::DeadZone, Kind::SupplySag]);
+    assert!(found.climb.explains_all(), "{:?}", found.climb.model().records);
+}
+
+/// Left as they were under a model without them, the first speeds leave 1.3 x the floor on every record that begins in motion.
+#[test]
+fn first_speeds_are_fitted_anew_once_two_effects_stand() {
+    let found = spoilt(42_200_031, &[Hidden::Saturation, Hidden::Delay], &[Kind::Saturation, Kind::Delay]);
+    assert_eq!(found.effects, [Kind::Saturation, Kind::Delay]);
+    assert!(found.climb.explains_all(), "{:?}", found.climb.model().records);
+}
+
 /// What is found of `library` in a case that may be disturbed and spoilt.
 fn spoilt(seed: u64, hidden: &[Hidden], library: &[Kind]) -> Discovery {
     let case = Case::new(seed, hidden, Conditions { disturbed: 0.25, spoilt: 0.15 });

@@ -15,7 +15,7 @@ impl Evidence {
     pub fn settle_starts(&mut self, model: Candidate) -> Candidate {
         const ROUNDS: usize = 4;
         const GAIN: f64 = 0.02;
-        const NEAR: f64 = 0.3;
+        const NEAR: f64 = 0.5;
         let mut model = model;
         for _ in 0..ROUNDS {
             // A start that is wrong shows in the error itself.

@@ -27,8 +27,10 @@ const BELOW_CHANCE: f64 = 0.9;
 /// ... and above this many in the error itself something else is missing.
 const ASTRAY: f64 = 4.0 * STEADY;
 
-/// Sine and cosine, and those of the harmonic.
+/// Sine and cosine, and those of the harmonic; ...
 pub(super) type Ripple = [f64; 4];
+/// ... among a law's parameters the order follows them.
+const ORDER: usize = 4;
 
 /// Teeth of one order in a model, felt for on some records.
 pub(super) struct Feeler<'a> {
@@ -90,9 +92,6 @@ impl<'a> Feeler<'a> {
         best
     }
 }
-
-/// Place of the order among a ripple's parameters.
-const ORDER: usize = 4;
 
 /// `candidate` with its teeth where the cost is least around them, or with teeth of another order where these fit better; itself
 /// where it has none, or nothing is gained.
