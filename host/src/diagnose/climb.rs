@@ -58,11 +58,13 @@ impl Climb {
     /// nothing of it.
     pub fn explains_all(&self) -> bool {
         const STILL: f64 = 1.5;
+        const AT_THE_FLOOR_IN_UNREST: f64 = 1.1;
         const EVEN: f64 = 1.2;
         let (model, base) = (self.model(), &self.rungs[0]);
         let steady = model.drift() <= STILL.max(NONE_OF_THE_DRIFT * base.drift());
-        // What two runs differ by all records share: one that stands out is left by the wrong effect.
-        let even = model.calm != Some(false) || model.worst() < EVEN;
+        // What two runs differ by is in the floor, and all records share it: what is left above it is left by the wrong effect.
+        let at_the_floor = model.train.increments.max(model.unseen.increments) < AT_THE_FLOOR_IN_UNREST;
+        let even = model.calm != Some(false) || at_the_floor && model.worst() < EVEN;
         model.explains_all() && (self.rungs.len() == 1 || steady && even)
     }
 

@@ -3,7 +3,7 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::candidate::{Candidate, STEADY};
+use super::candidate::{Candidate, STANDS_OUT, STEADY};
 use super::worth::NEAR_THE_FLOOR;
 
 /// Share of the way down to a measured floor that may be left, and of the error itself where that drifts: by laws whose searches
@@ -13,6 +13,8 @@ const MOST_OF_THE_DRIFT: f64 = 0.55;
 /// ... and by those whose searches come to their end, ...
 const NEARLY_THERE: f64 = 0.05;
 const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
+/// ... or where a record stands out besides, ...
+const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
 /// ... but for so much of the floor, which a law of a slightly other shape leaves.
 const SHAPE: f64 = 0.1;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
@@ -32,10 +34,18 @@ pub fn is_far(model: &Candidate, base: &Candidate) -> bool {
 
 /// Whether `model` stops short of a measured floor that its laws, were they there, would come nearer to.
 pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
-    let smooth = !model.kinds().iter().any(|k| is_rough(*k));
+    let all = |is: fn(Kind) -> bool| model.kinds().iter().all(|kind| is(*kind));
     let excess = SHAPE.max(NEARLY_THERE * base.excess());
     let drift = STEADY.max(NEARLY_ALL_OF_THE_DRIFT * base.drift());
-    is_far(model, base) || smooth && leaves(model, base, excess, drift)
+    is_far(model, base)
+        || all(|kind| !is_rough(kind)) && leaves(model, base, excess, drift)
+        || all(|kind| !is_rough(kind) || kind == Kind::Coast) && is_uneven(model, base)
+}
+
+/// Whether `model` leaves a record that stands out and more than a little of the drift: what one law leaves to another shows as both,
+/// and pulses whose times are not known leave records alone.
+fn is_uneven(model: &Candidate, base: &Candidate) -> bool {
+    model.worst() > STANDS_OUT && model.drift() > STEADY.max(A_LITTLE_OF_THE_DRIFT * base.drift())
 }
 
 /// Whether `model` does not explain, and leaves more than `excess` above the floor or, where `base` drifts, more than `drift`.
