@@ -36,6 +36,13 @@ impl FreeRun {
     }
 }
 
+/// The part of the mean of `errors`, rad, that no free run is to blame for: an encoder begins anywhere within a count of `quantum`. An angle
+/// that walks further away keeps its mean.
+pub fn within_a_count(errors: impl ExactSizeIterator<Item = f64>, quantum: f64) -> f64 {
+    let n = errors.len() as f64;
+    (errors.sum::<f64>() / n).clamp(-quantum, quantum)
+}
+
 /// Runs `values` over every record of `problem`.
 pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
     let kinds = values.kinds();
@@ -47,9 +54,8 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
         .map(|grid| {
             let mut simulated = predict_one(&kinds, &plain, &problem.rig, grid);
             if grid.quantity == Quantity::Angle {
-                let n = grid.len() as f64;
-                let mean = grid.measured.iter().zip(&simulated).map(|(y, p)| y - p).sum::<f64>() / n;
-                let within = mean.clamp(-grid.quantum, grid.quantum);
+                let errors = grid.measured.iter().zip(&simulated).map(|(y, p)| y - p);
+                let within = within_a_count(errors, grid.quantum);
                 simulated.iter_mut().for_each(|p| *p += within);
             }
             let last = grid.cells().len() - 1;

@@ -100,9 +100,13 @@ impl Candidate {
     fn is_within(&self, times: f64) -> bool {
         [self.train, self.unseen].iter().all(|e| e.increments < times && e.position < STEADY)
     }
+    /// The increments' error over the floor, on both sets of records.
+    pub fn increments(&self) -> f64 {
+        (self.train.increments * self.unseen.increments).sqrt()
+    }
     /// How far above the floor the increments are: 0 at the floor.
     pub fn excess(&self) -> f64 {
-        ((self.train.increments * self.unseen.increments).sqrt() - 1.0).max(0.0)
+        (self.increments() - 1.0).max(0.0)
     }
     /// The error itself over the floor, on both sets of records.
     pub fn drift(&self) -> f64 {

@@ -98,7 +98,7 @@ impl<'a> Feeler<'a> {
 pub fn settle_teeth(evidence: &Evidence, candidate: Candidate) -> Candidate {
     let done = |c: &Candidate| {
         let floor = if c.calm == Some(false) { BELOW_CHANCE } else { AT_THE_FLOOR };
-        (c.train.increments * c.unseen.increments).sqrt() < floor && c.drift() < floor
+        c.increments() < floor && c.drift() < floor
     };
     let felt = |values: &Values| {
         let feeler = Feeler::new(&evidence.train, values)?;
@@ -109,9 +109,7 @@ pub fn settle_teeth(evidence: &Evidence, candidate: Candidate) -> Candidate {
         Some(evidence.judge(&layout, vec![found]).swap_remove(0))
     };
     // What a tooth that is slipped over or not makes of the error itself is chance.
-    let less = |a: &Candidate, b: &Candidate| {
-        a.train.increments * a.unseen.increments < b.train.increments * b.unseen.increments
-    };
+    let less = |a: &Candidate, b: &Candidate| a.increments() < b.increments();
     let mut best = candidate;
     if done(&best) || best.drift() > ASTRAY {
         return best;

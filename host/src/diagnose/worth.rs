@@ -111,9 +111,9 @@ fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
     const GONE: f64 = 1.2;
     const NO_RECORD_WORSE: f64 = 1.05;
     const BY_CHANCE: f64 = 1.15;
-    const PLAINLY: f64 = 2.0;
+    const SHOWN_PLAINLY: f64 = 2.0;
     let teeth = more.kinds().last() == Some(&Kind::Cogging);
-    let (stands_out, most) = if teeth { (PLAINLY, BY_CHANCE) } else { (STANDS_OUT, NO_RECORD_WORSE) };
+    let (stands_out, most) = if teeth { (SHOWN_PLAINLY, BY_CHANCE) } else { (STANDS_OUT, NO_RECORD_WORSE) };
     let shows = less.worst();
     let each = || more.records.iter().zip(&less.records);
     let kept = each().all(|(more, less)| *more < less * most);

@@ -6,6 +6,7 @@ use plant::{Effect, EncoderShaft as Shaft, Kind, Motor, Run, VirtualMotor};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
+use crate::compare::free_run::within_a_count;
 use crate::log::repeats::differences;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::{MotorFile, Nameplate};
@@ -142,12 +143,10 @@ fn scatter(runs: &[Record], count_rad: f64) -> f64 {
     (0.5 * apart.iter().sum::<f64>() / apart.len().max(1) as f64).sqrt()
 }
 
-/// Root mean square of `d`, rad, as a free run is judged: begun anywhere within a count. An angle that walks further away keeps its
-/// mean.
+/// Root mean square of `d`, rad, as a free run is judged: begun anywhere within a count.
 fn rms(d: &[f64], count_rad: f64) -> f64 {
-    let n = d.len() as f64;
-    let offset = (d.iter().sum::<f64>() / n).clamp(-count_rad, count_rad);
-    (d.iter().map(|d| (d - offset).powi(2)).sum::<f64>() / n).sqrt()
+    let offset = within_a_count(d.iter().copied(), count_rad);
+    (d.iter().map(|d| (d - offset).powi(2)).sum::<f64>() / d.len() as f64).sqrt()
 }
 
 /// A nameplate: true within 15 %.
