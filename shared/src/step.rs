@@ -50,6 +50,8 @@ pub struct Drive<S> {
     pub voltage: S,
     /// Torque on the rotor, positive drives forward, V.
     pub torque: S,
+    /// The part of `torque` by which iron that saturates weakens the motor's own: the gear never passes it, V.
+    pub weakening: S,
     /// Torque on the load, positive drives forward, V.
     pub load_torque: S,
     /// Dry friction against forward motion (0 or more), V.
@@ -79,6 +81,7 @@ impl<S: Scalar> Drive<S> {
             asked: voltage,
             voltage,
             torque: zero,
+            weakening: zero,
             load_torque: zero,
             friction_forward: zero,
             friction_backward: zero,
@@ -167,8 +170,9 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
     if laws.dry {
         let (mut forward, mut backward) = (drive.friction_forward, drive.friction_backward);
         if laws.meshing {
-            // The mean current of the step is what the change of speed took, less the other torques.
-            let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - drive.torque;
+            // The motor's mean torque in the step is what the change of speed took, less the other torques.
+            let others = drive.torque - drive.weakening;
+            let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - others;
             // Simpson's rule: a current that turns within the step is lost on both sides of zero.
             let size = |current: S| current.hypot(drive.meshing_knee);
             let half = S::lit(0.5) * (u2 - u);

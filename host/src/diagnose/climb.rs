@@ -7,11 +7,12 @@ use super::candidate::{Candidate, Errors, STANDS_OUT, STEADY};
 use super::contained;
 use super::detours;
 use super::evidence::Evidence;
+use super::shake::shake;
 use super::slow_pwm;
 use super::stage::Effort;
 use super::step::{TO_THE_END, look, prune, settled};
 use super::teeth::settle_teeth;
-use super::way::{FAR, NONE_OF_THE_DRIFT, falls_short};
+use super::way::{A_LITTLE_OF_THE_DRIFT, FAR, falls_short};
 use super::worth::{NEAR_THE_FLOOR, SLOW, as_good, promises, rivals, simplest, worth};
 
 /// Nothing is left to find below this many noise units in a steady base model.
@@ -61,7 +62,8 @@ impl Climb {
         const AT_THE_FLOOR_IN_UNREST: f64 = 1.1;
         const EVEN: f64 = 1.2;
         let (model, base) = (self.model(), &self.rungs[0]);
-        let steady = model.drift() <= STILL.max(NONE_OF_THE_DRIFT * base.drift());
+        let drift = |c: &Candidate| c.train.position.max(c.unseen.position);
+        let steady = drift(model) <= STILL.max(A_LITTLE_OF_THE_DRIFT * drift(base));
         // What two runs differ by is in the floor, and all records share it: what is left above it is left by the wrong effect.
         let at_the_floor = model.train.increments.max(model.unseen.increments) < AT_THE_FLOOR_IN_UNREST;
         let even = model.calm != Some(false) || at_the_floor && model.worst() < EVEN;
@@ -165,6 +167,8 @@ pub fn run(
             let again = |candidate: &mut Candidate| *candidate = evidence.again(candidate);
             climb.rungs.iter_mut().chain(&mut climb.first).chain(&mut rival).for_each(again);
             next = evidence.fit(&next.values(), TO_THE_END);
+            // Under a lower floor it may be seen to have ended early.
+            shake(evidence, &mut next);
         }
         rung(evidence, &next);
         climb.rungs.push(next);

@@ -35,9 +35,12 @@ fn beside(kind: Kind, parameters: &[f64]) -> Vec<Vec<f64>> {
         change(&mut changed);
         changed
     };
+    let times = |place: usize, share: &f64| with(&|p| p[place] *= share);
     match kind {
-        Kind::Coast | Kind::DeadZone | Kind::Backlash => {
-            SHARES.iter().map(|share| with(&|p| p[0] *= share)).collect()
+        Kind::Coast | Kind::DeadZone => SHARES.iter().map(|share| times(0, share)).collect(),
+        Kind::Backlash => {
+            let shape = [1, 2].into_iter().flat_map(|place| A_LITTLE.map(|share| times(place, &share)));
+            SHARES.iter().map(|share| times(0, share)).chain(shape).collect()
         }
         Kind::Cogging => ANGLES.iter().map(|angle| with(&|p| turn(p, *angle))).collect(),
         _ => Vec::new(),
@@ -61,8 +64,9 @@ fn swapped(values: &Values, name_plate: f64) -> Option<Values> {
 /// Share of itself by which an electrical time constant has plainly taken something over.
 const BENT: f64 = 0.5;
 
-/// Shares of the first parameter, and angles (rad) of a ripple, from which a leader is searched again ...
+/// Shares of the first parameter, of those of a gap's shape (what the load has of inertia and friction), and angles (rad) of a ripple, from which a leader is searched again ...
 const SHARES: [f64; 4] = [0.85, 1.15, 0.7, 1.4];
+const A_LITTLE: [f64; 2] = [0.9, 1.1];
 const ANGLES: [f64; 4] = [-0.3, 0.3, -0.6, 0.6];
 /// ... and the steps of each search.
 const SHAKES: usize = 10;
@@ -76,7 +80,9 @@ mod tests {
 
     #[test]
     fn gaps_are_searched_again_at_other_widths_teeth_at_other_phases_and_friction_not_at_all() {
-        assert_eq!(beside(Kind::Backlash, &[0.1, 0.3])[1], [0.1 * 1.15, 0.3]);
+        let gaps = beside(Kind::Backlash, &[0.1, 0.3, 0.2]);
+        assert_eq!(gaps[1], [0.1 * 1.15, 0.3, 0.2]);
+        assert_eq!(gaps[4..6], [[0.1, 0.3 * 0.9, 0.2], [0.1, 0.3 * 1.1, 0.2]]);
         let turned = beside(Kind::Cogging, &[0.3, 0.0, 0.0, 0.0, 12.0]);
         for (p, angle) in turned.iter().zip(ANGLES) {
             assert!((p[1].atan2(p[0]) - angle).abs() < 1e-12 && p[4] == 12.0);

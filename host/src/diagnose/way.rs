@@ -14,11 +14,11 @@ const MOST_OF_THE_DRIFT: f64 = 0.55;
 const NEARLY_THERE: f64 = 0.05;
 const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
 /// ... or where a record stands out besides, ...
-const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
+pub const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
 /// ... but for so much of the floor, which a law of a slightly other shape leaves.
 const SHAPE: f64 = 0.1;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
-pub const NONE_OF_THE_DRIFT: f64 = 0.01;
+const NONE_OF_THE_DRIFT: f64 = 0.01;
 /// More work is done where the base model leaves so much more than the floor.
 pub const FAR: f64 = 1.0;
 

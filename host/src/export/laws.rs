@@ -2,7 +2,8 @@
 //!
 //! Names: `volts` the command; `past` the commands up to now, the latest first; `time`; `v` the voltage so far;
 //! `asked` what the bridge is told of it;
-//! `torque` and `load_torque`; `up` and `down` the friction against forward and backward motion; `meshing` and `brush` with their knees; `drop`; `series`.
+//! `torque` and `load_torque`, and the `weakening` of the former by saturation; `up` and `down` the friction against forward and
+//! backward motion; `meshing` and `brush` with their knees; `drop`; `series`.
 //! The state: `current`, `speed`, `angle` of the rotor, `load_speed`, `load_angle`, each with a 2 at the
 //! end of the step; `shown` the encoder's shaft as a disc off centre shows it; `start` the first angle; `m[k]` what effect k remembers. `reading` is what the sensor shows.
 
@@ -128,12 +129,13 @@ pub(super) fn statements(kind: Kind, p: &[f64], place: &Place) -> Statements {
             let lacks = |of_torque| {
                 format!(
                     "saturated({strength}, current, v, {emf:e} * speed, {through}, {z:e}, {gain:e}, {gain:e} * others - \
-                     {braked:e} * speed, {of_torque})"
+                     {braked:e} * speed, meshing * sign(speed), meshing_knee, {of_torque})"
                 )
             };
             let dry = "up * fmax(sign(speed), 0.0) - down * fmax(-sign(speed), 0.0)";
             let mut lines = drive(format!("others = torque + load_torque - ({dry})"));
-            lines.drive.push(format!("torque -= {}", lacks(1)));
+            lines.drive.push(format!("weakening = {}", lacks(1)));
+            lines.drive.push("torque -= weakening".to_owned());
             lines.drive.push(format!("v += {}", lacks(0)));
             lines
         }

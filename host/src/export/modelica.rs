@@ -113,7 +113,9 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
             let s = format!("({x}*({} + {}*{x}))", n(3), number(1.0 - p[3]));
             parts.friction += &format!(" + {} + {}/(1 + {s}*(1 + {s}*(0.5 + {s}/6)))", n(0), n(1));
         }
-        Kind::LoadFriction => parts.friction += &format!(" + {}*(sqrt(u^2 + {}^2) - {})", n(0), n(1), n(1)),
+        Kind::LoadFriction => {
+            parts.friction += &format!(" + {}*(sqrt((field*u)^2 + {}^2) - {})", n(0), n(1), n(1));
+        },
         Kind::QuadraticDrag => parts.torque += &format!(" - {}*w*abs(w)", n(0)),
         Kind::Gravity => {
             parts.load_torque += &format!(" - ({}*sin(load_angle) + {}*cos(load_angle))", n(0), n(1));

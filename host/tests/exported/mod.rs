@@ -52,6 +52,7 @@ pub fn sets() -> Vec<Model> {
             (Kind::QuadraticDrag, &[0.01]),
             (Kind::Cogging, &[0.2, -0.1, 0.05, -0.02, 3.0]),
         ],
+        vec![(Kind::LoadFriction, &[0.2, 0.3]), (Kind::Saturation, &[0.5])],
         vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
         // Not in the order in which they apply.
         vec![(Kind::Saturation, &[0.5]), (Kind::Coulomb, &[0.3]), (Kind::Gravity, &[0.4, -0.2])],

@@ -57,6 +57,23 @@ mod tests {
         close(steady_speed(Kind::LoadFriction, &[share, knee], v), truth, 1e-4);
     }
 
+    /// Teeth lose of the torque that saturated iron leaves: f u - share (f u - knee) = b w / c and v = u + f k w, f: the field's share.
+    #[test]
+    fn behind_saturated_iron_the_teeth_pass_less() {
+        use crate::simulator::Simulator;
+        let (share, knee, strength, v) = (0.3, 0.01, 1.0, 12.0);
+        let base = crate::base::Base { viscous_share: 0.6, ..BASE };
+        let effects = [(Kind::LoadFriction, &[share, knee][..]), (Kind::Saturation, &[strength][..])];
+        let simulator = Simulator::new(&base, effects, &RIG);
+        let mut motion = simulator.start(crate::step::State::rest());
+        (0..5000).for_each(|k| simulator.advance(&mut motion, &[v; 5000], k));
+        let (w, u) = (motion.state.speed, motion.state.current);
+        let field = (v - u) / (w * (1.0 - base.viscous_share) / base.gain);
+        assert!(field < 0.9, "iron that does not saturate shows nothing: {field}");
+        let passed = field * u;
+        close(passed - share * (passed - knee), w * base.viscous_share / base.gain, 2e-3);
+    }
+
     /// A motor that reverses every 10 ms is where short steps take it: the current that turns within a step is lost on both
     /// sides of zero.
     #[test]

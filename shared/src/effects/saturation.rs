@@ -90,10 +90,12 @@ impl<S: Scalar> Effect<S> for Saturation<S> {
             fields[k + 1] = self.field(current);
             gained += S::lit(WEIGHTS[k]) * fields[k + 1] * current;
         }
-        // Dry friction acts against a shaft that turns; one that rests has no back-EMF to gain.
+        // Dry friction acts against a shaft that turns; one that rests has no back-EMF to gain. The gear's grows with this torque.
         let (speed, zero) = (now.state.speed, S::zero());
-        let backward = S::pick_gt(zero, speed, drive.friction_backward, zero);
-        let others = drive.torque + drive.load_torque + S::pick_gt(speed, zero, -drive.friction_forward, backward);
+        let in_the_gear = drive.meshing * gained.shrink(drive.meshing_knee).abs();
+        let forward = S::pick_gt(speed, zero, drive.friction_forward + in_the_gear, zero);
+        let backward = S::pick_gt(zero, speed, drive.friction_backward + in_the_gear, zero);
+        let others = drive.torque + drive.load_torque + backward - forward;
         gained = (gained + others).mul_add(self.emf_per_step, -(self.braked * emf));
         let (mut torque, mut voltage) = (S::zero(), S::zero());
         let (mut current, mut time) = (first, 0.0);
@@ -108,6 +110,7 @@ impl<S: Scalar> Effect<S> for Saturation<S> {
             torque += S::lit(WEIGHTS[k]) * (lost * current - spared) + self.kept[k] * spared;
         }
         drive.torque -= torque;
+        drive.weakening -= torque;
         drive.voltage += voltage;
     }
 }
