@@ -12,7 +12,7 @@ use super::slow_pwm;
 use super::stage::Effort;
 use super::step::{TO_THE_END, look, prune, settled};
 use super::teeth::settle_teeth;
-use super::way::{A_LITTLE_OF_THE_DRIFT, FAR, falls_short};
+use super::way::{FAR, drifts, falls_short};
 use super::worth::{NEAR_THE_FLOOR, SLOW, as_good, promises, rivals, simplest, worth};
 
 /// Nothing is left to find below this many noise units in a steady base model.
@@ -58,16 +58,13 @@ impl Climb {
     /// Whether the accepted model is all that there is: it leaves noise, and its effects end the drift, but for what is next to
     /// nothing of it.
     pub fn explains_all(&self) -> bool {
-        const STILL: f64 = 1.5;
         const AT_THE_FLOOR_IN_UNREST: f64 = 1.1;
         const EVEN: f64 = 1.2;
         let (model, base) = (self.model(), &self.rungs[0]);
-        let drift = |c: &Candidate| c.train.position.max(c.unseen.position);
-        let steady = drift(model) <= STILL.max(A_LITTLE_OF_THE_DRIFT * drift(base));
         // What two runs differ by is in the floor, and all records share it: what is left above it is left by the wrong effect.
         let at_the_floor = model.train.increments.max(model.unseen.increments) < AT_THE_FLOOR_IN_UNREST;
         let even = model.calm != Some(false) || at_the_floor && model.worst() < EVEN;
-        model.explains_all() && (self.rungs.len() == 1 || steady && even)
+        model.explains_all() && (self.rungs.len() == 1 || !drifts(model, base) && even)
     }
 
     /// The accepted model.

@@ -18,8 +18,9 @@ use crate::motor_file::MotorFile;
 /// Share of a record that is fitted where nothing else is there to judge by.
 const FITTED_SHARE: f64 = 0.65;
 
-/// Nothing disturbs a motor whose second run of a programme differs from the first by less than so many times the counting.
-const CALM: f64 = 1.2;
+/// Nothing disturbs a motor whose second run of a programme differs from the first by less than so many times the counting: counts of two
+/// runs that nothing ties to one another differ by sqrt(3/2) times it.
+const CALM: f64 = 1.3;
 
 /// Records fitted and records kept out, as the diagnosis uses them.
 #[derive(Debug, Clone)]

@@ -49,7 +49,7 @@ fn beside(kind: Kind, parameters: &[f64]) -> Vec<Vec<f64>> {
 
 /// A filter of the reading and the electrical time constant follow one another and could change places: what the latter took of
 /// the former, beyond `name_plate`, is given back.
-fn swapped(values: &Values, name_plate: f64) -> Option<Values> {
+pub fn swapped(values: &Values, name_plate: f64) -> Option<Values> {
     let mut swapped = values.clone();
     let (kind, last) = swapped.effects.last_mut()?;
     let taken = values.base.tau_e - name_plate;

@@ -12,7 +12,7 @@ use motorlens_shared::effects::Kind;
 use super::candidate::Candidate;
 use super::evidence::Evidence;
 use super::ripple;
-use super::shake::shake;
+use super::shake::{shake, swapped};
 use super::tangent::{Projected, Tangent};
 use super::teeth::settle_teeth;
 use crate::fit::cost::Objective;
@@ -55,6 +55,9 @@ impl Effort {
 const OUT_OF_REACH: f64 = 20.0;
 /// ... unless it is among the first so many.
 const SHOWN: usize = 3;
+
+/// An effect that leaves less than this share of the cost shows.
+const SHOWS: f64 = 0.95;
 
 /// Tries every effect of `library` that `model` lacks; best first.
 pub fn run(
@@ -108,7 +111,17 @@ pub fn run(
     raced.sort_by(cheapest_first);
     let train = &evidence.train;
     train.simulations.set(train.simulations.get() + programmes.simulations.get());
-    finals(evidence, raced.into_iter().take(effort.finalists).collect(), effort.last)
+    raced.truncate(effort.finalists);
+    // Coarse cells do not show how a reading is late by little: where they show nothing else, it is looked at in fine ones.
+    let shows = raced.first().is_some_and(|best| best.1.0 < SHOWS * held.own);
+    let lag = library.iter().filter(lacking).find(|kind| **kind == Kind::SensorLag);
+    let raced_on = |kind: Kind| raced.iter().any(|(layout, _)| layout.kinds.last() == Some(&kind));
+    if let Some(kind) = lag.filter(|kind| !shows && !raced_on(**kind)) {
+        let layout = train.layout(&[model.kinds(), &[*kind]].concat());
+        let start = given_back(&model.values(), train.prior.tau_e.0, *kind).into_iter().next();
+        raced.extend(start.map(|start| (layout.clone(), (held.own, layout.pack(&start)))));
+    }
+    finals(evidence, raced, effort.last)
 }
 
 /// The finalists, cheapest first as `raced`, searched on by at most `steps`; best first.
@@ -123,7 +136,11 @@ fn finals(evidence: &Evidence, raced: Vec<(Layout, Start)>, steps: usize) -> Vec
         let lost = best.is_some() && cost > hopeless;
         let tolerance = if best.is_some() { ROUGHLY } else { CLOSELY };
         let steps = if lost { 0 } else { steps };
-        let found = train.search(&layout, Objective::Increments, &x, steps, tolerance);
+        let mut found = train.search(&layout, Objective::Increments, &x, steps, tolerance);
+        if let Some(start) = swapped(&layout.unpack(&found.x), train.prior.tau_e.0).filter(|_| !lost) {
+            let other = train.search(&layout, Objective::Increments, &layout.pack(&start), steps, tolerance);
+            found = if other.cost < found.cost { other } else { found };
+        }
         let beaten = best.and_then(|best| {
             let rough = evidence.judge(&layout, vec![found.clone()]).swap_remove(0);
             (lost || rough.train.increments > BEATEN * best).then_some(rough)
@@ -179,6 +196,7 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
         anew.base.tau_e = name_plate;
         tries.extend(sizes.into_iter().map(|p| anew.with(kind, p)));
     }
+    tries.extend(given_back(&values, name_plate, kind));
     let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
     let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
         .chunks(LANES)
@@ -201,6 +219,20 @@ fn probe(problem: &Problem, model: &Candidate, tangent: &Tangent, kind: Kind) ->
     }
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     (layout, starts)
+}
+
+/// Starts of a late or filtered reading that give it half and all of what the electrical time constant took of it beyond
+/// `name_plate`: the two follow one another.
+fn given_back(values: &Values, name_plate: f64, kind: Kind) -> Vec<Values> {
+    let taken = values.base.tau_e - name_plate;
+    let start = |share: f64| {
+        let mut given = values.clone();
+        given.base.tau_e -= share * taken;
+        let shape = if kind == Kind::SensorLag { vec![share * taken, 0.0] } else { vec![share * taken] };
+        given.with(kind, shape)
+    };
+    let late = matches!(kind, Kind::SensorLag | Kind::Delay) && taken > 0.0;
+    if late { [0.5, 1.0].map(start).into() } else { Vec::new() }
 }
 
 /// The parameters at which `kind` is tried on the model `values`.

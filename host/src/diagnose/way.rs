@@ -14,7 +14,11 @@ const MOST_OF_THE_DRIFT: f64 = 0.55;
 const NEARLY_THERE: f64 = 0.05;
 const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
 /// ... or where a record stands out besides, ...
-pub const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
+const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
+/// ... and, by what a record stands out with, of that.
+const A_LITTLE_OF_A_RECORD: f64 = 0.12;
+/// No drift is an error itself below this many times its floor, on either set of records.
+const STILL: f64 = 1.5;
 /// ... but for so much of the floor, which a law of a slightly other shape leaves.
 const SHAPE: f64 = 0.1;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
@@ -37,15 +41,29 @@ pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
     let all = |is: fn(Kind) -> bool| model.kinds().iter().all(|kind| is(*kind));
     let excess = SHAPE.max(NEARLY_THERE * base.excess());
     let drift = STEADY.max(NEARLY_ALL_OF_THE_DRIFT * base.drift());
+    let one_record = model.worst() - 1.0 > A_LITTLE_OF_A_RECORD * (base.worst() - 1.0);
+    let smooth = leaves(model, base, excess, drift)
+        || model.worst() > STANDS_OUT && one_record
+        || model.calm == Some(true) && drifts(model, base);
     is_far(model, base)
-        || all(|kind| !is_rough(kind)) && leaves(model, base, excess, drift)
-        || all(|kind| !is_rough(kind) || kind == Kind::Coast) && is_uneven(model, base)
+        || all(|kind| !is_rough(kind)) && smooth
+        || all(|kind| !is_rough(kind) || kind == Kind::Coast) && is_uneven(model, base, A_LITTLE_OF_THE_DRIFT)
+        || all(|kind| !is_rough(kind) || kind == Kind::Cogging) && is_uneven(model, base, NEARLY_THERE)
 }
 
-/// Whether `model` leaves a record that stands out and more than a little of the drift: what one law leaves to another shows as both,
-/// and pulses whose times are not known leave records alone.
-fn is_uneven(model: &Candidate, base: &Candidate) -> bool {
-    model.worst() > STANDS_OUT && model.drift() > STEADY.max(A_LITTLE_OF_THE_DRIFT * base.drift())
+/// Whether `model` drifts on either set of records, and not by next to nothing of what `base` does.
+pub fn drifts(model: &Candidate, base: &Candidate) -> bool {
+    larger_drift(model) > STILL.max(A_LITTLE_OF_THE_DRIFT * larger_drift(base))
+}
+
+fn larger_drift(c: &Candidate) -> f64 {
+    c.train.position.max(c.unseen.position)
+}
+
+/// Whether `model` leaves a record that stands out and more than that share of the drift: what one law leaves to another shows as both,
+/// and pulses whose times are not known leave records alone, as teeth do whose search stops early.
+fn is_uneven(model: &Candidate, base: &Candidate, share: f64) -> bool {
+    model.worst() > STANDS_OUT && larger_drift(model) > STEADY.max(share * larger_drift(base))
 }
 
 /// Whether `model` does not explain, and leaves more than `excess` above the floor or, where `base` drifts, more than `drift`.

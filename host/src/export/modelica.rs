@@ -115,7 +115,7 @@ fn add(parts: &mut Parts, model: &Model, kind: Kind, p: &[f64]) {
         }
         Kind::LoadFriction => {
             parts.friction += &format!(" + {}*(sqrt((field*u)^2 + {}^2) - {})", n(0), n(1), n(1));
-        },
+        }
         Kind::QuadraticDrag => parts.torque += &format!(" - {}*w*abs(w)", n(0)),
         Kind::Gravity => {
             parts.load_torque += &format!(" - ({}*sin(load_angle) + {}*cos(load_angle))", n(0), n(1));
