@@ -116,10 +116,11 @@ fn what_hardly_shows_above_a_disturbance_gets_no_name() {
 #[test]
 fn a_model_that_leaves_one_record_does_not_explain_them_all() {
     let found = spoilt(33_300_021, &[Hidden::Stribeck], &[Kind::Coulomb]);
-    let model = found.climb.model();
-    assert_eq!(model.kinds(), [Kind::Coulomb]);
-    assert!(model.train.increments.max(model.unseen.increments) < 1.2, "the mean no longer hides it");
-    assert!(model.worst() > STANDS_OUT && !model.explains_all(), "{:?}", model.records);
+    let refused = &found.climb.first[0];
+    assert_eq!(refused.kinds(), [Kind::Coulomb]);
+    assert!(refused.train.increments.max(refused.unseen.increments) < 1.2, "the mean no longer hides it");
+    assert!(refused.worst() > STANDS_OUT && !refused.explains_all(), "{:?}", refused.records);
+    assert_eq!(found.climb.withdrawn, [Kind::Coulomb]);
 }
 
 /// A load that gravity imitates within a turn: a seventh of what was missing is left, and it is not gravity.
@@ -215,6 +216,62 @@ fn an_effect_that_leaves_a_record_and_some_of_the_drift_is_taken_back() {
     assert_eq!((&found.climb.withdrawn[..], &found.effects[..]), (&[Kind::Coast][..], &[][..]));
     let [base, refused] = [&found.climb.rungs[0], &found.climb.first[0]];
     assert!(refused.drift() < 0.1 * base.drift(), "the case no longer goes most of the way");
+}
+
+/// Of two lowest places of a gap's cost the search ends in the one that leaves 1.6 and 3.2 x the floor; a delay of a fourteenth of
+/// a sampling interval beside it would lead to the other.
+#[test]
+fn a_gap_is_searched_again_before_anything_is_put_beside_it() {
+    let found = spoilt(44_000_409, &[Hidden::Backlash], &[Kind::Backlash, Kind::Delay]);
+    assert_eq!(found.effects, [Kind::Backlash]);
+    assert!(found.climb.model().explains(), "{:?}", found.climb.model().records);
+}
+
+/// The plain motor's winding took 5 ms of a filter of 17 ms: searched from there it keeps them, and a compliant shaft would explain all.
+#[test]
+fn a_filter_is_searched_to_its_end_beside_a_law_that_explains() {
+    let found = spoilt(43_000_120, &[Hidden::SensorLag], &[Kind::SensorLag, Kind::Compliance]);
+    assert_eq!(found.effects, [Kind::SensorLag]);
+    assert!(found.climb.explains_all(), "{:?}", found.climb.model().records);
+}
+
+/// A filter of 2.5 ms under a noisy voltage leaves 1.8 x the floor on the PRBS, in fine cells alone.
+#[test]
+fn a_reading_that_is_late_by_little_comes_first_where_nothing_else_shows() {
+    let case = Case::new(42_000_320, &[Hidden::SensorLag], Conditions { disturbed: 0.25, spoilt: 0.15 });
+    let (mut evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+    let climb = run(&mut evidence, base, Kind::ALL, 1, &mut |_, _| (), &mut |_, _| ());
+    assert_eq!(climb.first[0].kinds(), [Kind::SensorLag]);
+}
+
+/// Teeth lose of the torque that saturated iron leaves: with its loss told from the current, 17 x the floor stayed of the drift.
+#[test]
+fn saturation_and_the_friction_of_teeth_explain_a_motor_that_has_both() {
+    let hidden = [Hidden::LoadFriction, Hidden::Saturation];
+    let found = spoilt(44_200_001, &hidden, &[Kind::LoadFriction, Kind::Saturation]);
+    assert!(found.climb.explains_all() && found.effects.len() == 2, "{:?}", found.climb.model().records);
+}
+
+/// A drag by the friction of teeth leaves the increments below the floor, and a tenth of the drift; a sagging supply by two laws a record
+/// and a tenth of the drift; Stribeck's fall by friction and teeth likewise.
+#[test]
+fn laws_that_stop_a_little_short_on_a_calm_motor_are_taken_back() {
+    for (seed, hidden, library) in [
+        (44_300_022, Hidden::QuadraticDrag, &[Kind::LoadFriction][..]),
+        (42_300_032, Hidden::SupplySag, &[Kind::Saturation, Kind::LoadFriction]),
+        (44_300_001, Hidden::Stribeck, &[Kind::Coulomb, Kind::Cogging]),
+    ] {
+        let found = spoilt(seed, &[hidden], library);
+        let withdrawn = &found.climb.withdrawn;
+        assert!(found.effects.is_empty() && withdrawn.len() == library.len(), "{seed}: {withdrawn:?}");
+    }
+}
+
+/// A bridge that coasts by a drag, under a disturbance: a record keeps four fifths of what it stood out with.
+#[test]
+fn a_law_that_leaves_one_record_as_it_was_is_taken_back_where_two_runs_differ() {
+    let found = spoilt(44_300_013, &[Hidden::Coast], &[Kind::QuadraticDrag]);
+    assert_eq!((&found.climb.withdrawn[..], &found.effects[..]), (&[Kind::QuadraticDrag][..], &[][..]));
 }
 
 /// `stranger` is accepted for what is `hidden` where two runs differ, and is not said to explain it, though on a calm rig it would be.
