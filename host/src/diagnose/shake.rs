@@ -64,7 +64,8 @@ pub fn swapped(values: &Values, name_plate: f64) -> Option<Values> {
 /// Share of itself by which an electrical time constant has plainly taken something over.
 const BENT: f64 = 0.5;
 
-/// Shares of the first parameter, of those of a gap's shape (what the load has of inertia and friction), and angles (rad) of a ripple, from which a leader is searched again ...
+/// Shares of the first parameter, of what a gap's load has of inertia and friction, and angles (rad) of a ripple, from which a leader
+/// is searched again ...
 const SHARES: [f64; 4] = [0.85, 1.15, 0.7, 1.4];
 const A_LITTLE: [f64; 2] = [0.9, 1.1];
 const ANGLES: [f64; 4] = [-0.3, 0.3, -0.6, 0.6];

@@ -56,7 +56,7 @@ const OUT_OF_REACH: f64 = 20.0;
 /// ... unless it is among the first so many.
 const SHOWN: usize = 3;
 
-/// An effect that leaves less than this share of the cost shows.
+/// Something shows in coarse cells where the best effect leaves less than this share of the cost.
 const SHOWS: f64 = 0.95;
 
 /// Tries every effect of `library` that `model` lacks; best first.
@@ -112,16 +112,28 @@ pub fn run(
     let train = &evidence.train;
     train.simulations.set(train.simulations.get() + programmes.simulations.get());
     raced.truncate(effort.finalists);
-    // Coarse cells do not show how a reading is late by little: where they show nothing else, it is looked at in fine ones.
     let shows = raced.first().is_some_and(|best| best.1.0 < SHOWS * held.own);
-    let lag = library.iter().filter(lacking).find(|kind| **kind == Kind::SensorLag);
-    let raced_on = |kind: Kind| raced.iter().any(|(layout, _)| layout.kinds.last() == Some(&kind));
-    if let Some(kind) = lag.filter(|kind| !shows && !raced_on(**kind)) {
-        let layout = train.layout(&[model.kinds(), &[*kind]].concat());
-        let start = given_back(&model.values(), train.prior.tau_e.0, *kind).into_iter().next();
-        raced.extend(start.map(|start| (layout.clone(), (held.own, layout.pack(&start)))));
+    if !shows && library.iter().filter(lacking).any(|kind| *kind == Kind::SensorLag) {
+        raced.extend(late_by_little(train, model, held.own, &raced));
     }
     finals(evidence, raced, effort.last)
+}
+
+/// A filtered reading among the finalists where it is not: coarse cells do not show how it is late by little.
+fn late_by_little(
+    train: &Problem,
+    model: &Candidate,
+    cost: f64,
+    raced: &[(Layout, Start)],
+) -> Option<(Layout, Start)> {
+    let lag = Kind::SensorLag;
+    if raced.iter().any(|(layout, _)| layout.kinds.last() == Some(&lag)) {
+        return None;
+    }
+    let layout = train.layout(&[model.kinds(), &[lag]].concat());
+    let start = given_back(&model.values(), train.prior.tau_e.0, lag).into_iter().next()?;
+    let x = layout.pack(&start);
+    Some((layout, (cost, x)))
 }
 
 /// The finalists, cheapest first as `raced`, searched on by at most `steps`; best first.

@@ -15,14 +15,14 @@ const NEARLY_THERE: f64 = 0.05;
 const NEARLY_ALL_OF_THE_DRIFT: f64 = 0.1;
 /// ... or where a record stands out besides, ...
 const A_LITTLE_OF_THE_DRIFT: f64 = 0.03;
-/// ... and, by what a record stands out with, of that.
+/// ... or, where none but smooth laws stand, of what it stands out by, ...
 const A_LITTLE_OF_A_RECORD: f64 = 0.12;
-/// No drift is an error itself below this many times its floor, on either set of records.
-const STILL: f64 = 1.5;
 /// ... but for so much of the floor, which a law of a slightly other shape leaves.
 const SHAPE: f64 = 0.1;
 /// A model that leaves no more than this of the error is kept whatever its increments: no relative of a law does that.
 const NONE_OF_THE_DRIFT: f64 = 0.01;
+/// An error itself below this many times its floor on both sets of records is still.
+const STILL: f64 = 1.5;
 /// More work is done where the base model leaves so much more than the floor.
 pub const FAR: f64 = 1.0;
 
