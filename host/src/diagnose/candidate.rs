@@ -112,6 +112,14 @@ impl Candidate {
     pub fn drift(&self) -> f64 {
         (self.train.position * self.unseen.position).sqrt()
     }
+    /// The larger of the increments' errors on the two sets of records, over the floor.
+    pub fn larger_increments(&self) -> f64 {
+        self.train.increments.max(self.unseen.increments)
+    }
+    /// The larger of the errors themselves on the two sets of records, over the floor.
+    pub fn larger_drift(&self) -> f64 {
+        self.train.position.max(self.unseen.position)
+    }
     /// The record that it fits worst, by its increments.
     pub fn worst(&self) -> f64 {
         self.records.iter().copied().fold(0.0, f64::max)

@@ -62,7 +62,7 @@ impl Climb {
         const EVEN: f64 = 1.2;
         let (model, base) = (self.model(), &self.rungs[0]);
         // What two runs differ by is in the floor, and all records share it: what is left above it is left by the wrong effect.
-        let at_the_floor = model.train.increments.max(model.unseen.increments) < AT_THE_FLOOR_IN_UNREST;
+        let at_the_floor = model.larger_increments() < AT_THE_FLOOR_IN_UNREST;
         let even = model.calm != Some(false) || at_the_floor && model.worst() < EVEN;
         model.explains_all() && (self.rungs.len() == 1 || !drifts(model, base) && even)
     }

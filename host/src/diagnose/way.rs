@@ -53,17 +53,13 @@ pub fn falls_short(model: &Candidate, base: &Candidate) -> bool {
 
 /// Whether `model` drifts on either set of records, and not by next to nothing of what `base` does.
 pub fn drifts(model: &Candidate, base: &Candidate) -> bool {
-    larger_drift(model) > STILL.max(A_LITTLE_OF_THE_DRIFT * larger_drift(base))
-}
-
-fn larger_drift(c: &Candidate) -> f64 {
-    c.train.position.max(c.unseen.position)
+    model.larger_drift() > STILL.max(A_LITTLE_OF_THE_DRIFT * base.larger_drift())
 }
 
 /// Whether `model` leaves a record that stands out and more than that share of the drift: what one law leaves to another shows as both,
 /// and pulses whose times are not known leave records alone, as teeth do whose search stops early.
 fn is_uneven(model: &Candidate, base: &Candidate, share: f64) -> bool {
-    model.worst() > STANDS_OUT && larger_drift(model) > STEADY.max(share * larger_drift(base))
+    model.worst() > STANDS_OUT && model.larger_drift() > STEADY.max(share * base.larger_drift())
 }
 
 /// Whether `model` does not explain, and leaves more than `excess` above the floor or, where `base` drifts, more than `drift`.

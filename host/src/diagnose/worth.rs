@@ -57,7 +57,7 @@ pub fn worth(more: &Candidate, less: &Candidate) -> bool {
     let (train, unseen) = of(|e| e.increments);
     let (drift, unseen_drift) = of(|e| e.position);
     let drifted = less.train.position.min(less.unseen.position);
-    let left = more.train.position.max(more.unseen.position);
+    let left = more.larger_drift();
     // A torque that disturbs the motor makes some drift of its own, which many a law can follow.
     let calm = more.calm != Some(false);
     let slow = drifted > STEADY && drift.max(unseen_drift) < PLAINLY.powi(steps)
@@ -123,7 +123,7 @@ fn shows_on_a_record(more: &Candidate, less: &Candidate) -> bool {
 
 /// Whether the increments are at the noise on both sets of records.
 fn to_the_floor(c: &Candidate) -> bool {
-    c.train.increments.max(c.unseen.increments) < NEAR_THE_FLOOR
+    c.larger_increments() < NEAR_THE_FLOOR
 }
 
 /// The simplest of those that are as good as the best.
