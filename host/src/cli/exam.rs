@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{Console, watch};
 use crate::atomic_file;
 use crate::error::{Error, Result};
-use crate::exam::{Answer, Marks, Paper, examine, picture, table};
+use crate::exam::{Answer, Marks, Paper, benches, examine, picture, table};
 
 /// Options of `exam`.
 #[derive(Debug, clap::Args)]
@@ -37,6 +37,18 @@ pub struct Args {
     /// Hide only these effects
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
+    /// Realistic benches around a second plant instead, told by kind of bench
+    #[arg(long)]
+    benches: bool,
+    /// Cases of each kind of bench
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "benches")]
+    cases: u64,
+    /// Only these kinds: protocol, sysid, duty-on-battery, servo-pendulum, few-decimals, weak-sines
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', requires = "benches")]
+    bench: Vec<String>,
+    /// Write the cases of the benches as folders (logs, motor.toml, truth.json) and ask nothing
+    #[arg(long, value_name = "DIR", requires = "benches")]
+    write: Option<PathBuf>,
     /// Threads; 1 for honest times
     #[arg(long, value_name = "N", default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
@@ -55,6 +67,9 @@ struct Document<'a> {
 
 /// Asks, marks, and writes what came out.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    if args.benches {
+        return on_benches(args, console);
+    }
     let paper = Paper {
         from: args.from,
         singles: args.singles,
@@ -83,6 +98,53 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         atomic_file::write(&directory.join("answers.json"), json)?;
     }
     console.answer(&document, || table(&answers));
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct BenchDocument<'a> {
+    schema: u32,
+    paper: benches::Paper,
+    marks: Vec<benches::Marks>,
+    answers: &'a [benches::Answer],
+}
+
+/// The examination on realistic benches, or only its cases as files.
+fn on_benches(args: &Args, console: &Console) -> Result<()> {
+    let known = || benches::Bench::ALL.map(benches::Bench::name);
+    if let Some(unknown) = args.bench.iter().find(|name| !known().contains(&name.as_str())) {
+        let why = format!("no kind of bench is called '{unknown}'");
+        return Err(Error::usage(why, format!("choose from {}", known().join(", "))));
+    }
+    let paper = benches::Paper { from: args.from, cases: args.cases, benches: args.bench.clone() };
+    let bar = watch::bar(console, paper.questions().len() as u64, "cases");
+    if let Some(directory) = &args.write {
+        benches::write_cases(&paper, directory, &mut || bar.inc(1))?;
+        bar.finish_and_clear();
+        console.answer(&paper, || format!("cases written to {}", directory.display()));
+        return Ok(());
+    }
+    let answers = benches::examine(&paper, args.threads, &mut |a| {
+        bar.inc(1);
+        let found = if a.found.is_empty() { "none".to_owned() } else { a.found.join(" + ") };
+        let judged = if a.exact() { "right" } else { "WRONG" };
+        let line = format!(
+            "{judged} {} {} {} [{}] found {found}, {}, {:.1} s",
+            a.bench, a.seed, a.group, a.sizes, a.verdict, a.seconds
+        );
+        bar.suspend(|| console.say(line));
+    });
+    bar.finish_and_clear();
+    let document =
+        BenchDocument { schema: 1, paper, marks: benches::Marks::all(&answers), answers: &answers };
+    if let Some(directory) = &args.out {
+        let made = std::fs::create_dir_all(directory);
+        made.map_err(|source| Error::Io { doing: format!("cannot make {}", directory.display()), source })?;
+        atomic_file::write(&directory.join("benches.md"), benches::table(&answers))?;
+        let json = serde_json::to_string_pretty(&document).unwrap_or_default();
+        atomic_file::write(&directory.join("benches.json"), json)?;
+    }
+    console.answer(&document, || benches::table(&answers));
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! The examination of the diagnosis: hidden cases from the independent virtual motor, answered by the loop that users
 //! run, and marked.
 
+pub mod benches;
 pub mod case;
 mod mark;
 mod picture;

@@ -1,0 +1,78 @@
+//! From the command to the winding's terminals: delay, dead zone, battery, bridge.
+
+/// What the driver does beside passing the command on; zeros pass it on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Driver {
+    /// The command acts so much later, s.
+    pub delay_s: f64,
+    /// Voltage lost forwards and backwards below which nothing comes, V.
+    pub dead_v: [f64; 2],
+    /// Drop of the switches at large current, V, and the current over which it comes up, A.
+    pub drop: (f64, f64),
+    /// Battery and leads, ohm; time constant of the buffer capacitor, s.
+    pub source: (f64, f64),
+    /// Fall of the battery's own voltage per second, as a share.
+    pub discharge: f64,
+    /// Share of the PWM's off part that floats, and its frequency, Hz.
+    pub coast: (f64, f64),
+    /// Current limit of the driver, A; none where zero.
+    pub limit_a: f64,
+    /// Exponent of a duty curve `|d|^p`; straight where zero.
+    pub curve: f64,
+}
+
+/// The driver's state in one record.
+#[derive(Debug, Clone, Default)]
+pub struct Bridge {
+    sag_v: f64,
+    carrier: f64,
+    seconds: f64,
+}
+
+/// Terminals for one step.
+pub struct Terminals {
+    /// Voltage, V.
+    pub volts: f64,
+    /// Share of the step in which the bridge floats and carries no current once it has died.
+    pub floating: bool,
+}
+
+/// Forward voltage of two diodes, V.
+const DIODES_V: f64 = 1.5;
+
+impl Bridge {
+    /// The terminals' voltage for a command of `asked` volts at the full supply `full_v`, at the current `i`.
+    pub fn step(&mut self, law: &Driver, asked: f64, full_v: f64, i: f64, dt: f64) -> Terminals {
+        self.seconds += dt;
+        let dead = law.dead_v[usize::from(asked < 0.0)];
+        let after = asked.signum() * (asked.abs() - dead).max(0.0);
+        let mut duty = (after / full_v).clamp(-1.0, 1.0);
+        if law.curve > 0.0 {
+            duty = duty.signum() * duty.abs().powf(law.curve);
+        }
+        let open_v = full_v * (1.0 - law.discharge * self.seconds);
+        if law.source.0 > 0.0 {
+            let target = law.source.0 * (duty * i).max(-0.05 * i.abs());
+            self.sag_v += (target - self.sag_v) * (dt / law.source.1).min(1.0);
+        }
+        let bus = open_v - self.sag_v;
+        let drop = if law.drop.0 > 0.0 {
+            i.signum() * law.drop.0 * (1.0 - (-i.abs() / law.drop.1).exp())
+        } else {
+            0.0
+        };
+        if law.coast.0 == 0.0 {
+            return Terminals { volts: duty * bus - drop, floating: false };
+        }
+        self.carrier = (self.carrier + dt * law.coast.1).fract();
+        let step = dt * law.coast.1;
+        let on = ((duty.abs() - (self.carrier - step)) / step).clamp(0.0, 1.0);
+        let floats =
+            self.carrier > duty.abs() && self.carrier < duty.abs() + law.coast.0 * (1.0 - duty.abs());
+        let off_v = if floats && i.abs() > 1e-9 { -i.signum() * (bus + DIODES_V) } else { 0.0 };
+        Terminals {
+            volts: on * duty.signum() * bus + (1.0 - on) * off_v - drop,
+            floating: floats && on < 0.5,
+        }
+    }
+}
