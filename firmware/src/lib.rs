@@ -16,6 +16,7 @@ pub mod encoder;
 pub mod hardware;
 pub mod log;
 pub mod outbox;
+pub mod quadrature;
 pub mod station;
 pub mod supervisor;
 

@@ -2,9 +2,11 @@
 
 mod apt;
 mod arm;
+mod avr;
 mod bench;
 mod browser;
 mod cortex_m0;
+mod emulated;
 mod exports;
 mod instructions;
 mod licences;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, bench, browser, cortex_m0, exports, instructions, licences, process, sizes};
+use crate::{arm, avr, bench, browser, cortex_m0, exports, instructions, licences, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 15] = [
+const PARTS: [Part; 16] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -54,6 +54,7 @@ const PARTS: [Part; 15] = [
         one(instructions::check(&instructions::Options { board: true, ..Default::default() }))
     }),
     ("virtual bench", bench::tests),
+    ("Arduino sketch on an emulated Uno", avr::tests),
     ("browser", browser::tests),
 ];
 

@@ -33,6 +33,12 @@ pub struct Args {
     /// A serial port, or tcp://host:port
     #[arg(long)]
     pub port: String,
+    /// Save what the board prints as lines of text (docs/LINE_PROTOCOL.md): it plays its own programmes
+    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "keep_every", "seed"])]
+    pub listen: bool,
+    /// Speed of the line with --listen
+    #[arg(long, default_value_t = 250_000, requires = "listen")]
+    pub baud: u32,
     /// What to play: default, paper, sine, multisine, chirp, staircase, triangle, prbs, pulse, or a programme as JSON (FILE)
     #[arg(long, value_name = "NAME|FILE.json", default_value = "default")]
     pub programme: String,
@@ -92,6 +98,9 @@ struct Document {
 
 /// Runs every programme; each log is saved whole before the next begins.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    if args.listen {
+        return super::listen::run(args, console);
+    }
     let shaft = shaft(args)?;
     let setup = setup(args)?;
     let plays = programmes(args)?;
@@ -224,7 +233,8 @@ fn programmes(args: &Args) -> Result<Vec<Play>> {
     Ok(vec![Play { role: Role::Training, programme }])
 }
 
-fn shaft(args: &Args) -> Result<Shaft> {
+/// What turns counts into angles, from the options and the motor file.
+pub(super) fn shaft(args: &Args) -> Result<Shaft> {
     let motor = args.motor.as_deref().map_or_else(|| Ok(Default::default()), motor_file::read)?;
     let counts = args.counts_per_rev.or(motor.counts_per_rev).filter(|counts| *counts > 0.0);
     let counts_per_rev = counts.ok_or_else(|| {

@@ -17,6 +17,7 @@ mod export;
 mod findings;
 mod fit;
 mod input;
+mod listen;
 mod paper;
 mod plan;
 mod prose;

@@ -8,6 +8,8 @@ mod capture;
 mod collector;
 mod exchange;
 mod inquiry;
+pub mod lines;
+mod listen;
 mod port;
 mod record;
 
@@ -15,6 +17,7 @@ pub use capture::{Capture, Captured};
 pub use collector::Collector;
 pub use exchange::Exchange;
 pub use inquiry::Inquiry;
+pub use listen::{End, Listen, to_record};
 pub use port::Port;
 pub use record::{Shaft, record};
 

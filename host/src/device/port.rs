@@ -24,6 +24,7 @@ impl<L: Read + Write> Line for L {}
 /// An open line to a board.
 pub struct Port {
     name: String,
+    baud: u32,
     line: Result<Box<dyn Line>, Break>,
 }
 
@@ -40,7 +41,15 @@ impl Port {
     /// # Errors
     /// The device error, with what to check.
     pub fn open(name: &str) -> Result<Self> {
-        Ok(Self { name: name.to_owned(), line: Ok(open(name)?) })
+        Self::open_at(name, BAUD)
+    }
+
+    /// [`Self::open`] at another speed of the serial line.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_at(name: &str, baud: u32) -> Result<Self> {
+        Ok(Self { name: name.to_owned(), baud, line: Ok(open(name, baud)?) })
     }
 
     /// Turns the wheel of a conversation until `turn` has its answer: it is given the time since the start and what was
@@ -82,7 +91,7 @@ impl Port {
             }
             Err(_) => {
                 std::thread::sleep(TRY_AGAIN);
-                if let Ok(line) = open(&self.name) {
+                if let Ok(line) = open(&self.name, self.baud) {
                     self.line = Ok(line);
                 }
                 return Ok(0);
@@ -102,10 +111,10 @@ impl Port {
     }
 }
 
-fn open(name: &str) -> Result<Box<dyn Line>> {
+fn open(name: &str, baud: u32) -> Result<Box<dyn Line>> {
     match name.strip_prefix("tcp://") {
         Some(address) => open_tcp(name, address),
-        None => open_serial(name),
+        None => open_serial(name, baud),
     }
 }
 
@@ -131,8 +140,8 @@ fn open_tcp(name: &str, address: &str) -> Result<Box<dyn Line>> {
     Ok(Box::new(stream))
 }
 
-fn open_serial(name: &str) -> Result<Box<dyn Line>> {
-    let mut port = SerialPort::open(name, BAUD).map_err(|error| {
+fn open_serial(name: &str, baud: u32) -> Result<Box<dyn Line>> {
+    let mut port = SerialPort::open(name, baud).map_err(|error| {
         let ports = SerialPort::available_ports().unwrap_or_default();
         let found: Vec<String> = ports.iter().map(|port| port.display().to_string()).collect();
         let found = if found.is_empty() { "none is there".to_owned() } else { found.join(", ") };
