@@ -12,6 +12,8 @@
 /// Length of the table and of the program, instructions.
 const TABLE: usize = 16;
 const LENGTH: usize = TABLE + 11;
+/// A block's memory for programs.
+const _: () = assert!(LENGTH <= 32);
 /// The longest turn: a step up, from one look at the lines to the next, cycles.
 pub const SLOWEST_TURN: u32 = 11;
 /// Where the program begins.

@@ -170,12 +170,6 @@ fn a_reader_that_comes_late_gets_the_position_of_now() {
     assert_eq!(machine.read(lines(499)), 499);
 }
 
-#[test]
-fn the_program_fits_beside_its_table() {
-    assert!(LENGTH <= 32);
-    assert_eq!(usize::from(LOOK) + 4, LENGTH);
-}
-
 proptest! {
     #[test]
     fn any_motion_that_is_slow_enough_is_followed(
