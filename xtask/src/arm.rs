@@ -16,6 +16,9 @@ pub const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
 /// Cortex-M0 and M0+: no FPU, no divide.
 pub const CORTEX_M0: &str = "thumbv6m-none-eabi";
 
+/// Cortex-M33 with a floating-point unit.
+pub const CORTEX_M33: &str = "thumbv8m.main-none-eabihf";
+
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
 /// A way to build for one target.
@@ -44,7 +47,8 @@ impl Compiler {
         command.current_dir(directory).arg(subcommand).args(["--target", self.target]);
         command.env("CARGO_TARGET_DIR", target_directory()).env_remove("RUSTFLAGS");
         if let Some(linker) = &self.debian_linker {
-            let variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
+            let variable =
+                format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace(['-', '.'], "_"));
             command
                 .arg("-Zbuild-std=core,alloc")
                 .env("RUSTC", DEBIAN_RUSTC)
@@ -114,6 +118,35 @@ pub fn build_image_for(board: &Board) -> Result<PathBuf> {
     let kept = image.with_file_name(format!("motorlens-{}", board.feature));
     std::fs::copy(&image, &kept).with_context(|| format!("cannot copy {}", image.display()))?;
     Ok(kept)
+}
+
+/// A Pico that the image in `firmware/rp` can be built for.
+pub struct Pico {
+    /// The feature that stands for it.
+    pub feature: &'static str,
+    /// The core's target.
+    target: &'static str,
+    /// The chip's family in UF2 files.
+    pub family: u32,
+}
+
+/// The Picos; the first is the one that the tests emulate.
+pub const PICOS: [Pico; 2] = [
+    Pico { feature: "pico", target: CORTEX_M0, family: 0xe48b_ff56 },
+    Pico { feature: "pico2", target: CORTEX_M33, family: 0xe48b_ff59 },
+];
+
+/// The directory of the Picos' own workspace.
+pub fn pico_directory() -> PathBuf {
+    process::root().join("firmware/rp")
+}
+
+/// Builds a Pico's image and returns its ELF.
+pub fn build_pico(pico: &Pico) -> Result<PathBuf> {
+    let compiler = Compiler::find_or_install(pico.target)?;
+    let mut build = compiler.cargo("build", &pico_directory());
+    process::run(build.args(["--release", "--no-default-features", "--features", pico.feature]))?;
+    Ok(compiler.artifact("motorlens-rp"))
 }
 
 /// Builds the release program `name` of the workspace in `directory` and returns its ELF.

@@ -11,11 +11,13 @@ mod exports;
 mod instructions;
 mod licences;
 mod peers;
+mod pico;
 mod process;
 mod real_logs;
 mod report;
 mod sizes;
 mod test;
+mod uf2;
 
 use std::process::ExitCode;
 
@@ -35,6 +37,8 @@ enum Task {
     Test(test::Options),
     /// Build the image for every board and print its use of flash and RAM against the limits.
     Sizes,
+    /// Build the images for Raspberry Pi Pico and Pico 2 as UF2 files, which their boot loader takes by drag and drop.
+    Uf2,
     /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
     Bench(bench::Options),
     /// Run `motorlens discover` on published logs of real motors and print a table.
@@ -51,6 +55,7 @@ fn main() -> anyhow::Result<ExitCode> {
     match Cli::parse().task {
         Task::Test(options) => return Ok(test::run(&options)),
         Task::Sizes => sizes::print()?,
+        Task::Uf2 => drop(uf2::write_all()?),
         Task::Bench(options) => bench::serve(&options)?,
         Task::RealLogs(options) => real_logs::print(&options)?,
         Task::Licences => licences::check_all()?,

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, avr, bench, browser, cortex_m0, exports, instructions, licences, process, sizes};
+use crate::{arm, avr, bench, browser, cortex_m0, exports, instructions, licences, pico, process, sizes};
 
 /// What to run.
 #[derive(Args)]
@@ -23,7 +23,7 @@ const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 16] = [
+const PARTS: [Part; 17] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -55,6 +55,7 @@ const PARTS: [Part; 16] = [
     }),
     ("virtual bench", bench::tests),
     ("Arduino sketch on an emulated Uno", avr::tests),
+    ("Pico images and an emulated Pico", pico::tests),
     ("browser", browser::tests),
 ];
 
@@ -71,7 +72,13 @@ pub fn run(options: &Options) -> ExitCode {
 
 /// The workspaces beside the host's are formatted like it.
 fn format() -> Result<()> {
-    let beside = [arm::image_directory(), bench::directory(), browser::directory(), cortex_m0::directory()];
+    let beside = [
+        arm::image_directory(),
+        arm::pico_directory(),
+        bench::directory(),
+        browser::directory(),
+        cortex_m0::directory(),
+    ];
     for directory in std::iter::once(process::root()).chain(beside) {
         process::run(process::cargo().current_dir(directory).args(["fmt", "--all", "--check"]))?;
     }

@@ -1,0 +1,104 @@
+//! What differs between the RP2040 and the RP2350.
+
+use crate::hal;
+use hal::clocks::{ClocksManager, UsbClock};
+use hal::pac;
+
+/// The crystal's frequency on both boards, Hz.
+pub const CRYSTAL_HZ: u32 = 12_000_000;
+
+#[cfg(feature = "pico")]
+mod this {
+    use super::*;
+
+    /// The second boot stage, which sets up the flash.
+    #[unsafe(link_section = ".boot2")]
+    #[used]
+    static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
+
+    /// The core's frequency, Hz.
+    pub const CORE_HZ: u32 = 125_000_000;
+    /// The interrupt of the first alarm.
+    pub const SAMPLING: pac::Interrupt = pac::Interrupt::TIMER_IRQ_0;
+    /// No floating-point unit: the fit searches in integers.
+    pub type Arithmetic = motorlens_shared::quickfit::Fixed;
+    /// The microsecond timer.
+    pub type Clock = hal::Timer;
+    pub type ClockRegisters = pac::TIMER;
+
+    pub fn clock(timer: pac::TIMER, resets: &mut pac::RESETS, clocks: &ClocksManager) -> Clock {
+        hal::Timer::new(timer, resets, clocks)
+    }
+
+    pub fn usb(
+        registers: pac::USBCTRL_REGS,
+        memory: pac::USBCTRL_DPRAM,
+        clock: UsbClock,
+        resets: &mut pac::RESETS,
+    ) -> hal::usb::UsbBus {
+        hal::usb::UsbBus::new(registers, memory, clock, true, resets)
+    }
+
+    pub fn bootloader() {
+        hal::rom_data::reset_to_usb_boot(0, 0);
+    }
+
+    pub fn start_cycle_counter() {}
+
+    /// This core has none.
+    pub fn cycles() -> u32 {
+        0
+    }
+}
+
+#[cfg(feature = "pico2")]
+mod this {
+    use super::*;
+    use cortex_m::peripheral::{DCB, DWT};
+
+    /// What the boot ROM looks for.
+    #[unsafe(link_section = ".start_block")]
+    #[used]
+    static IMAGE: hal::block::ImageDef = hal::block::ImageDef::secure_exe();
+
+    /// The core's frequency, Hz.
+    pub const CORE_HZ: u32 = 150_000_000;
+    /// The interrupt of the first alarm.
+    pub const SAMPLING: pac::Interrupt = pac::Interrupt::TIMER0_IRQ_0;
+    /// A floating-point unit.
+    pub type Arithmetic = motorlens_shared::quickfit::Float;
+    /// The microsecond timer.
+    pub type Clock = hal::Timer<hal::timer::CopyableTimer0>;
+    pub type ClockRegisters = pac::TIMER0;
+
+    pub fn clock(timer: pac::TIMER0, resets: &mut pac::RESETS, clocks: &ClocksManager) -> Clock {
+        hal::Timer::new_timer0(timer, resets, clocks)
+    }
+
+    pub fn usb(
+        registers: pac::USB,
+        memory: pac::USB_DPRAM,
+        clock: UsbClock,
+        resets: &mut pac::RESETS,
+    ) -> hal::usb::UsbBus {
+        hal::usb::UsbBus::new(registers, memory, clock, true, resets)
+    }
+
+    pub fn bootloader() {
+        let kind = hal::reboot::RebootKind::BootSel { picoboot_disabled: false, msd_disabled: false };
+        hal::reboot::reboot(kind, hal::reboot::RebootArch::Normal);
+    }
+
+    pub fn start_cycle_counter() {
+        // SAFETY: nothing else uses the debug blocks of the core.
+        let mut core = unsafe { cortex_m::Peripherals::steal() };
+        DCB::enable_trace(&mut core.DCB);
+        core.DWT.enable_cycle_counter();
+    }
+
+    pub fn cycles() -> u32 {
+        DWT::cycle_count()
+    }
+}
+
+pub use this::*;

@@ -1,0 +1,72 @@
+//! Watchdog, identity, boot loader and the reasons for a start.
+
+use motorlens_firmware::Shared;
+use motorlens_firmware::station::Platform;
+use motorlens_shared::link::Reset;
+
+use crate::hal::{Watchdog, fugit::ExtU32, pac};
+use crate::{Hardware, chip, pwm};
+
+/// The board starts anew when the main loop or the sampling interrupt stood still for so long. Preparing a programme of
+/// many multisines takes the larger part of it.
+const WATCHDOG_MS: u32 = 500;
+
+/// The board, for the main loop.
+pub struct Board {
+    watchdog: Watchdog,
+    control: &'static Shared<Hardware>,
+    ticks: u32,
+}
+
+impl Board {
+    /// Starts the watchdog.
+    pub fn new(mut watchdog: Watchdog, control: &'static Shared<Hardware>) -> Self {
+        watchdog.start(WATCHDOG_MS.millis());
+        Board { watchdog, control, ticks: 0 }
+    }
+}
+
+impl Platform for Board {
+    const CORE_HZ: u32 = chip::CORE_HZ;
+    const PWM_HZ: u32 = pwm::PWM_HZ;
+    type Arithmetic = chip::Arithmetic;
+    const VERSION: [u8; 3] = [0, 1, 0];
+
+    /// The kind of chip alone: the RP2040 has no number of its own, only its flash has.
+    fn unique(&self) -> [u8; 12] {
+        let mut bytes = *b"RP\0\0\0\0\0\0\0\0\0\0";
+        // SAFETY: a read of a constant register.
+        let chip = unsafe { (*pac::SYSINFO::ptr()).chip_id().read().bits() };
+        bytes[2..6].copy_from_slice(&chip.to_le_bytes());
+        bytes
+    }
+
+    /// Feeds the watchdog, but only while the sampling interrupt comes too.
+    fn alive(&mut self) {
+        let ticks = critical_section::with(|section| self.control.borrow_ref(section).ticks());
+        if core::mem::replace(&mut self.ticks, ticks) != ticks {
+            self.watchdog.feed();
+        }
+    }
+
+    fn has_bootloader(&self) -> bool {
+        true
+    }
+
+    /// The chip's own loader, which shows itself as a drive.
+    fn enter_bootloader(&mut self) {
+        chip::bootloader();
+    }
+}
+
+/// Why the chip started.
+pub fn reset_cause(watchdog: &pac::WATCHDOG) -> Reset {
+    let reason = watchdog.reason().read();
+    if reason.timer().bit_is_set() {
+        Reset::Watchdog
+    } else if reason.force().bit_is_set() {
+        Reset::Software
+    } else {
+        Reset::PowerOn
+    }
+}

@@ -1,0 +1,66 @@
+//! The PWM that takes a new duty at once.
+
+use core::convert::Infallible;
+
+use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+
+use crate::chip::CORE_HZ;
+use crate::hal::gpio::bank0::Gpio6;
+use crate::hal::gpio::{FunctionPwm, Pin, PullNone};
+use crate::hal::pac;
+use crate::hal::pwm::{FreeRunning, Pwm3, Slice};
+
+/// The PWM's frequency where the sampling rate divides it, Hz.
+pub const PWM_HZ: u32 = 20_000;
+/// GP6 is channel A of this slice.
+const SLICE: usize = 3;
+
+/// The slice's first channel.
+///
+/// The slice takes a duty over at the end of its period, the direction pins change at once. So that the two agree and
+/// the voltage changes at the sampling instant, each new duty begins a new period. So that the restart cuts no period
+/// short, which would raise the mean, a whole number of periods makes a sample ([`fit_to_rate`]).
+pub struct Pwm {
+    _slice: Slice<Pwm3, FreeRunning>,
+}
+
+impl Pwm {
+    /// Takes the pin and starts the slice at duty 0.
+    pub fn new(mut slice: Slice<Pwm3, FreeRunning>, pin: Pin<Gpio6, FunctionPwm, PullNone>) -> Self {
+        slice.default_config();
+        slice.set_top((CORE_HZ / PWM_HZ - 1) as u16);
+        let _ = slice.channel_a.set_duty_cycle(0);
+        slice.channel_a.output_to(pin);
+        slice.enable();
+        Pwm { _slice: slice }
+    }
+}
+
+/// Makes the PWM's period a whole part of the sampling period; the nearest to [`PWM_HZ`].
+pub fn fit_to_rate(rate_hz: u32) {
+    let periods = (PWM_HZ + rate_hz / 2) / rate_hz;
+    let ticks = CORE_HZ / (rate_hz * periods);
+    // SAFETY: one register of the slice that belongs to `Pwm`; whatever it holds is a period.
+    unsafe { (*pac::PWM::ptr()).ch(SLICE).top().write(|w| w.top().bits((ticks - 1) as u16)) };
+}
+
+impl ErrorType for Pwm {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for Pwm {
+    fn max_duty_cycle(&self) -> u16 {
+        // SAFETY: a read of this slice's register.
+        unsafe { (*pac::PWM::ptr()).ch(SLICE).top().read().top().bits() + 1 }
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        // SAFETY: this slice's registers. The compare value is taken over where the counter wraps, so it is put there.
+        unsafe {
+            let slice = (*pac::PWM::ptr()).ch(SLICE);
+            slice.cc().write(|w| w.a().bits(duty));
+            slice.ctr().write(|w| w.ctr().bits(slice.top().read().top().bits()));
+        }
+        Ok(())
+    }
+}

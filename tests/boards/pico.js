@@ -1,0 +1,167 @@
+// A Raspberry Pi Pico that runs the unmodified image from its UF2 file, wired to a driver, a motor and its encoder. What
+// goes over USB is a TCP port: `node pico.js image.uf2 [fault]` prints the port.
+//
+// Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
+// handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle).
+// What the pins do then is printed.
+//
+// What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
+// of a real USB host, the ring of the supply, and cycles to the last one (rp2040js counts instructions). The PIO is run
+// for two turns of its program after each edge of the encoder and before each read of it, not in every cycle: between
+// edges its turns change nothing.
+"use strict";
+const fs = require("fs");
+const net = require("net");
+const { Simulator, USBCDC, GPIOPinState, ConsoleLogger, LogLevel } = require("rp2040js");
+const { Motor } = require("./motor.js");
+
+const FLASH = 0x10000000;
+const VECTORS = FLASH + 0x100; // behind the second boot stage
+const NANOS = 8; // a cycle at 125 MHz
+const TURNS = 24; // cycles of the PIO: two turns
+const [image, fault = "none"] = process.argv.slice(2);
+
+const simulator = new Simulator();
+const { rp2040, clock } = simulator;
+rp2040.logger = new ConsoleLogger(LogLevel.Error); // not what is left out of the bus's registers
+const pio = rp2040.pio[0];
+pio.run = () => {}; // by this file, not by the wall clock
+const turn = () => { for (let i = 0; i < TURNS; i++) pio.step(); };
+const read = pio.readUint32.bind(pio);
+pio.readUint32 = (offset) => (turn(), read(offset));
+
+function load(file) {
+  for (let at = 0; at < file.length; at += 512) {
+    if (file.readUInt32LE(at) !== 0x0a324655 || file.readUInt32LE(at + 28) !== 0xe48bff56) throw "not for this chip";
+    rp2040.flash.set(file.subarray(at + 32, at + 32 + file.readUInt32LE(at + 16)), file.readUInt32LE(at + 12) - FLASH);
+  }
+}
+load(fs.readFileSync(image));
+
+// What a reset of the chip does to what matters here; RAM stays, as on the chip.
+function start() {
+  for (const pin of rp2040.gpio) pin.ctrl = 0x1f;
+  rp2040.core.PRIMASK = false;
+  rp2040.core.VTOR = VECTORS;
+  rp2040.core.reset();
+}
+start();
+
+// The host's side of the bus. The device offers to take a packet before the host has read which end it takes it on, so
+// packets are handed over here: one where the device waits for it and there is something to say.
+const usb = rp2040.usbCtrl;
+const cdc = new USBCDC(usb);
+let sending = [];
+const receiving = [];
+let offered = null;
+let connected = false;
+cdc.onSerialData = (bytes) => sending.push(...bytes);
+cdc.onDeviceConnected = () => {
+  connected = true;
+  // Terminal ready, said to the interface as the class asks; the emulator says it to the device.
+  usb.sendSetupPacket(Uint8Array.of(0x21, 0x22, 3, 0, 0, 0, 0, 0));
+};
+usb.onEndpointRead = (endpoint, size) => endpoint !== 0 && (offered = { endpoint, size });
+function hand() {
+  if (!connected || !offered || !receiving.length) return;
+  const { endpoint, size } = offered;
+  offered = null;
+  usb.endpointReadDone(endpoint, Uint8Array.from(receiving.splice(0, size)));
+}
+
+const high = (pin) => rp2040.gpio[pin].value === GPIOPinState.High;
+const motor = new Motor();
+
+// The driver: enabled by GP9, direction by GP7 and GP8, brakes in the off part of the PWM, which is taken as its mean
+// unless the pin is not the PWM's any more.
+function volts() {
+  if (!high(9) || high(7) === high(8)) return null;
+  const { top, cc } = rp2040.pwm.channels[3];
+  const pin = rp2040.gpio[6];
+  const duty = pin.functionSelect === 4 && pin.outputOverride === 0 ? (cc & 0xffff) / (top + 1) : 0;
+  return (high(7) ? 1 : -1) * Math.min(duty, 1) * motor.supply;
+}
+
+let count = 0;
+function show() {
+  const [a, b] = Motor.lines(count);
+  rp2040.gpio[2].setInputValue(a);
+  rp2040.gpio[3].setInputValue(b);
+}
+show();
+rp2040.gpio[10].setInputValue(false); // the jumper
+
+let driven = 0; // s
+let since = null; // s since the fault
+let off = null; // when the pins were off after it
+let resets = 0;
+const watchdog = rp2040.peripherals[0x40058];
+watchdog.onWatchdogTrigger = () => {
+  resets++;
+  watchdog.writeUint32(0, 0); // it stands until the program starts it
+  start();
+};
+
+function injure() {
+  if (since !== null || fault === "none" || driven < 0.3) return;
+  since = 0;
+  if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
+  if (fault === "fault") rp2040.core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
+  if (fault === "hang") {
+    rp2040.core.PRIMASK = true;
+    rp2040.sramView.setUint16(0x3ff00, 0xe7fe, true); // b .
+    rp2040.core.PC = 0x2003ff00;
+  }
+}
+
+// Steps of 20 us, the edges within one spread over it.
+const STEP = 20e-6;
+function advance() {
+  const applied = volts();
+  if (applied) driven += STEP;
+  injure();
+  if (since !== null) {
+    since += STEP;
+    if (applied === null && off === null) off = since;
+    if (applied !== null) off = null;
+  }
+  motor.advance(STEP, applied);
+  const edges = Math.abs(motor.count() - count);
+  const from = clock.nanos;
+  for (let i = 1; i <= Math.max(edges, 1); i++) {
+    if (edges) (count += Math.sign(motor.count() - count)), show(), turn();
+    const until = from + (i * STEP * 1e9) / Math.max(edges, 1);
+    while (clock.nanos < until) {
+      if (rp2040.core.waiting) clock.tick(Math.min(clock.nanosToNextAlarm || NANOS, until - clock.nanos) || NANOS);
+      else clock.tick(rp2040.core.executeInstruction() * NANOS);
+    }
+  }
+}
+
+let socket = null;
+function loop() {
+  // The bus is there from the start, the line when somebody is on it.
+  if (socket || clock.nanos < 0.2e9) {
+    for (let i = 0; i < 250; i++) {
+      hand();
+      advance();
+    }
+    if (sending.length && socket) socket.write(Buffer.from(sending));
+    sending = [];
+  }
+  setImmediate(loop);
+}
+
+const server = net.createServer((client) => {
+  socket = client;
+  client.setNoDelay(true);
+  client.on("data", (bytes) => receiving.push(...bytes));
+  client.on("error", () => {});
+  client.on("close", () => {
+    const told = off === null ? "" : `, off ${(off * 1e3).toFixed(2)} ms after the fault`;
+    console.log(`closed: driver ${volts() === null ? "off" : "driven"}${told}, ${resets} resets, ${clock.nanos / 1e9} s`);
+    process.exit(0);
+  });
+});
+server.listen(0, "127.0.0.1", () => console.log(`port ${server.address().port}`));
+setImmediate(loop);
