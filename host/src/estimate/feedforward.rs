@@ -1,43 +1,174 @@
 //! The usual model of robotics: v = kS sign(w) + kV w + kA w', by ordinary least squares on the logged motion.
 //!
-//! It is what WPILib's SysId and its relatives fit, and the one to beat on unseen records. The motion's derivatives
-//! are taken under a smooth bump of a tenth of a second, which is kinder to it than differences.
+//! It is what WPILib's SysId and its relatives fit, and the one to beat on unseen records. The motion's derivatives are
+//! averaged over a tenth of a second, or four intervals where these are slow, which is kinder to it than differences. As
+//! there, only what moves counts: where the shaft stands or turns round, friction may hold anything.
+
+use std::f64::consts::PI;
 
 use motorlens_shared::effects::Kind;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::Searched;
 use crate::error::{BadInput, Result};
 use crate::fit::layout::{BaseValues, Values};
 use crate::fit::search::Problem;
-use crate::log::{Record, weak::Weak};
+use crate::log::{Record, motion, timing::median_interval};
+
+/// Width of a window, s, and in intervals where these are slow.
+const WIDTH_S: f64 = 0.1;
+const FEWEST_INTERVALS: usize = 4;
+/// Below this share of the highest speed the shaft counts as still.
+const STILL: f64 = 0.03;
+
+/// kS, kV and kA in V, V s/rad and V s^2/rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Gains {
+    friction: f64,
+    speed: f64,
+    acceleration: f64,
+}
 
 /// Fits the three numbers to all records.
 ///
 /// # Errors
-/// Records that are too short, or that no such motor explains.
+/// A record that tells nothing, named, so that none is dropped in silence; records that no such motor explains.
 pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> {
-    let (mut h, mut g) = (Matrix3::zeros(), Vector3::zeros());
-    for ([w, a, sign, _], v) in records.iter().filter_map(Weak::new).flat_map(|weak| weak.rows()) {
-        let row = Vector3::new(sign, w, a);
-        h += row * row.transpose();
-        g += row * v;
+    let mut rows = Vec::new();
+    for record in records {
+        let own = rows_of(record);
+        if own.is_empty() {
+            let why = "kS, kV and kA learn nothing from this record: at no time does it turn one way for a tenth of a \
+                       second and four samples";
+            return Err(BadInput::new(&record.path, why, "leave it out, or use --method fast").into());
+        }
+        rows.extend(own);
     }
-    let found = h.cholesky().map(|factor| factor.solve(&g)).filter(|k| k[1] > 0.0 && k[2] > 0.0);
-    let Some(k) = found else {
+    let Some(k) = gains(&rows) else {
         let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
-        let why = "kS, kV and kA cannot be fitted: speed and acceleration do not explain the voltage";
-        return Err(
-            BadInput::new(&path, why, "use --method fast, or log a programme that accelerates").into()
-        );
+        let why = "kS, kV and kA cannot be fitted: the voltage does not rise with the speed";
+        let fix =
+            "change the sign of the voltage if the motor is wired the other way round, or use --method fast";
+        return Err(BadInput::new(&path, why, fix).into());
     };
     let base = BaseValues {
-        gain: 1.0 / k[1],
-        tau_m: k[2] / k[1],
+        gain: 1.0 / k.speed,
+        // A late sensor or a slow log can leave no inertia at all; the model wants some.
+        tau_m: (k.acceleration / k.speed).max(1e-3),
         // It knows no winding: the shortest time constant that the model takes.
         tau_e: problem.prior.tau_e.0 * (-3.0 * problem.prior.tau_e.1).exp(),
         viscous_share: problem.prior.viscous_share.0,
     };
-    let effects = vec![(Kind::Coulomb, vec![k[0].max(0.0)])];
+    let effects = vec![(Kind::Coulomb, vec![k.friction])];
     Ok(Searched { values: Values { base, effects }, history: Vec::new(), evaluations: 0 })
+}
+
+/// Sign, speed and acceleration, and the voltage, averaged over every window in which `record` turns one way.
+///
+/// The held voltage, the change of speed and (of an angle) the speed itself are exact on each interval, so that a slow log
+/// does no harm; a weight of sin^2 over the window keeps the noise of single differences out.
+fn rows_of(record: &Record) -> Vec<([f64; 3], f64)> {
+    let t = &record.time_s;
+    let way = motion::speed(record);
+    let still = STILL * motion::peak(&way);
+    let speed = match (&record.angle_rad, &record.speed_rad_s) {
+        (None, Some(speed)) => speed.clone(),
+        (Some(x), _) => (0..t.len())
+            .map(|k| (k.saturating_sub(1), (k + 1).min(t.len() - 1)))
+            .map(|(a, b)| (x[b] - x[a]) / (t[b] - t[a]))
+            .collect(),
+        (None, None) => return Vec::new(),
+    };
+    let width = ((WIDTH_S / median_interval(t)).round() as usize).max(FEWEST_INTERVALS);
+    // The ends of an angle have a difference on one side only.
+    let edge = usize::from(record.angle_rad.is_some());
+    let starts = (edge..(t.len()).saturating_sub(width + edge)).step_by((width / 4).max(1));
+    let row = |from: usize| {
+        let one_way = (from..=from + width).all(|k| way[k] * way[from] > 0.0 && way[k].abs() > still);
+        let (mut row, mut volts, mut area) = ([0.0; 3], 0.0, 0.0);
+        for k in from..from + width {
+            let weight = (PI * ((k - from) as f64 + 0.5) / width as f64).sin().powi(2);
+            let dt = t[k + 1] - t[k];
+            let turned = match &record.angle_rad {
+                Some(x) => x[k + 1] - x[k],
+                None => 0.5 * dt * (speed[k] + speed[k + 1]),
+            };
+            row[0] += weight * dt * way[from].signum();
+            row[1] += weight * turned;
+            row[2] += weight * (speed[k + 1] - speed[k]);
+            volts += weight * dt * record.voltage_v[k];
+            area += weight * dt;
+        }
+        one_way.then(|| (row.map(|x| x / area), volts / area))
+    };
+    starts.filter_map(row).collect()
+}
+
+/// Least squares, in which neither friction nor inertia is negative: one that would be is left out and the rest fitted again.
+fn gains(rows: &[([f64; 3], f64)]) -> Option<Gains> {
+    let solve = |use_of: [bool; 3]| {
+        let used: Vec<usize> = (0..3).filter(|k| use_of[*k]).collect();
+        let a = DMatrix::from_fn(rows.len(), used.len(), |i, j| rows[i].0[used[j]]);
+        let v = DVector::from_fn(rows.len(), |i, _| rows[i].1);
+        let x = (a.transpose() * &a).cholesky()?.solve(&(a.transpose() * &v));
+        let left = (a * &x - v).norm_squared();
+        let mut k = [0.0; 3];
+        used.iter().zip(x.iter()).for_each(|(place, value)| k[*place] = *value);
+        (k[0] >= 0.0 && k[1] > 0.0 && k[2] >= 0.0).then_some((left, k))
+    };
+    let sets = [[true; 3], [true, true, false], [false, true, true], [false, true, false]];
+    let best = sets.into_iter().filter_map(solve).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let [friction, speed, acceleration] = best.1;
+    Some(Gains { friction, speed, acceleration })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A robot's drive, kS 0.3, kV 0.9, kA 0.12, whose held voltage is played exactly from sample to sample at 20 ms.
+    fn test(seconds: f64, volts: impl Fn(f64) -> f64) -> Record {
+        let (ks, kv, ka, dt) = (0.3, 0.9, 0.12, 0.02);
+        let time_s: Vec<f64> = (0..(seconds / dt) as usize).map(|k| k as f64 * dt).collect();
+        let voltage_v: Vec<f64> = time_s.iter().map(|t| volts(*t)).collect();
+        let keep = (-dt * kv / ka as f64).exp();
+        let mut w = 0.0_f64;
+        let speed = voltage_v.iter().map(|v| {
+            let now = w;
+            let way = if w == 0.0 { v.signum() } else { w.signum() };
+            w = if w == 0.0 && v.abs() <= ks { 0.0 } else { keep * w + (1.0 - keep) * (v - ks * way) / kv };
+            now
+        });
+        Record { speed_rad_s: Some(speed.collect()), time_s, voltage_v, ..Record::default() }
+    }
+
+    fn found(records: &[Record]) -> Gains {
+        gains(&records.iter().flat_map(rows_of).collect::<Vec<_>>()).unwrap()
+    }
+
+    fn close(k: Gains) {
+        assert!((k.friction - 0.3).abs() < 0.01, "{k:?}");
+        assert!((k.speed - 0.9).abs() < 0.01, "{k:?}");
+        assert!((k.acceleration - 0.12).abs() < 0.006, "{k:?}");
+    }
+
+    #[test]
+    fn ramps_and_short_steps_at_20_ms_give_all_three() {
+        let ramps = [1.0, -1.0].map(|s| test(8.0, move |t| s * t));
+        let steps = [1.0, -1.0].map(|s| test(2.0, move |_| s * 7.0));
+        close(found(&[&ramps[..], &steps[..]].concat()));
+    }
+
+    #[test]
+    fn a_step_of_two_seconds_teaches_and_one_that_hardly_moves_tells_nothing() {
+        assert!(rows_of(&test(2.0, |_| 7.0)).len() > 20);
+        assert!(rows_of(&test(0.09, |_| 7.0)).is_empty());
+    }
+
+    #[test]
+    fn where_friction_holds_the_shaft_no_row_is_taken() {
+        let still = test(3.0, |t| if t < 2.0 { 0.25 } else { 5.0 });
+        let all = rows_of(&still);
+        assert!(!all.is_empty() && all.iter().all(|(row, _)| row[1] > 0.0), "{all:?}");
+    }
 }

@@ -13,7 +13,7 @@ mod json;
 pub mod losses;
 pub mod mapping;
 mod metadata;
-mod motion;
+pub(crate) mod motion;
 mod preamble;
 pub mod quantum;
 mod read;

@@ -102,11 +102,8 @@ impl<'a> Weak<'a> {
         self.interval_s
     }
 
-    /// Speed, acceleration, direction and one, each averaged under a bump, and the voltage there.
-    pub fn rows(&self) -> Vec<([f64; 4], f64)> {
-        self.rows_of(0.0, |v| v)
-    }
-
+    /// Speed, acceleration, direction and one, each averaged under a bump, and the voltage there, `late_s` later than logged and
+    /// changed by `law`.
     fn rows_of(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Vec<([f64; 4], f64)> {
         let shape = Shape { half_s: self.half_s };
         let row = |window: &Window| {
