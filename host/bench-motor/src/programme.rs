@@ -27,7 +27,9 @@ pub fn sysid(rng: &mut Rng, supply: f64, rate: f64, name: &str) -> Vec<Programme
     let short = between(rng, 1.5, 2.5);
     let both = [("forward", 1.0), ("reverse", -1.0)];
     let slow = both.map(|(way, s)| of(&format!("{name}quasistatic-{way}"), long, rate, |t| s * ramp * t));
-    let fast = both.map(|(way, s)| of(&format!("{name}dynamic-{way}"), short, rate, |_| s * step));
+    let fast = both.map(|(way, s)| {
+        of(&format!("{name}dynamic-{way}"), short, rate, |t| if t < 0.1 { 0.0 } else { s * step })
+    });
     slow.into_iter().chain(fast).collect()
 }
 
