@@ -17,5 +17,6 @@ mod nearest;
 pub mod paper;
 pub mod report;
 pub mod search;
+pub mod select;
 pub mod serve;
 pub mod simulate;

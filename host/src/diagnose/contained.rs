@@ -14,7 +14,7 @@ use crate::fit::layout::Values;
 const STEPS: usize = 14;
 
 /// The simpler effects of which `kind` is made, each with the place of its parameter in `kind`.
-fn parts(kind: Kind) -> impl Iterator<Item = (Kind, usize)> {
+pub fn parts(kind: Kind) -> impl Iterator<Item = (Kind, usize)> {
     let spec = kind.spec();
     let part = |(name, parameter): &(&str, &str)| Some((Kind::by_name(name)?, spec.place(parameter)?));
     spec.contains.iter().filter_map(part)

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::candidate::Candidate;
 use crate::fit::cost::{Objective, residuals};
 use crate::fit::layout::Layout;
-use crate::fit::search::Problem;
+use crate::fit::search::{Found, Problem};
 use crate::fit::simulate::{Block, LANES, predict_block};
 
 /// A new effect is not tried at less than this share of a probe.
@@ -27,6 +27,8 @@ pub struct Projected {
 
 /// The model's residuals and Jacobian on every record: what its own parameters could still absorb.
 pub struct Tangent {
+    /// Which errors count.
+    objective: Objective,
     /// The axes that may give way.
     pub axes: Vec<usize>,
     /// The model's own cost.
@@ -44,14 +46,19 @@ impl Tangent {
     /// At `model` on the records of `problem`; the viscous share, which a plain motor hardly shows, gives way only where it is
     /// `loose`.
     pub fn new(problem: &Problem, model: &Candidate, loose: bool) -> Self {
-        let free = model.layout.free();
+        Self::of(problem, &model.layout, &model.found, loose, Objective::Increments)
+    }
+
+    /// The same of the fit `found`, for the errors that `objective` counts.
+    pub fn of(problem: &Problem, layout: &Layout, found: &Found, loose: bool, objective: Objective) -> Self {
+        let free = layout.free();
         let kept: Vec<usize> = (0..free.len()).filter(|k| loose || free[*k] != VISCOUS_SHARE).collect();
         let axes: Vec<usize> = kept.iter().map(|k| free[*k]).collect();
         let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
         problem.neighbours(
-            &model.layout,
-            Objective::Increments,
-            &model.found.x,
+            layout,
+            objective,
+            &found.x,
             &axes,
             &mut |_, blocks, inverse| {
                 let row = |k: usize| {
@@ -68,7 +75,7 @@ impl Tangent {
                 *total += d * c;
             }
         }
-        let whole = &model.found.curvature;
+        let whole = &found.curvature;
         let mut h = if whole.nrows() == free.len() {
             whole.select_rows(&kept).select_columns(&kept)
         } else {
@@ -79,7 +86,7 @@ impl Tangent {
         }
         let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::identity(axes.len(), axes.len()));
         let own = centre.iter().flatten().map(|c| c * c).sum();
-        Self { axes, own, centre, rows, slope, inverse }
+        Self { objective, axes, own, centre, rows, slope, inverse }
     }
 
     /// For each candidate, as it is and at the share of its new effect that fits best: what would be left after the
@@ -94,7 +101,7 @@ impl Tangent {
         problem.simulations.set(problem.simulations.get() + xs.len() as u64);
         for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
-            residuals(grid, Objective::Increments, &mut series);
+            residuals(grid, self.objective, &mut series);
             for ((r, row), c) in series.iter().zip(rows).zip(centre) {
                 for l in 0..LANES {
                     cost[l] += r.0[l] * r.0[l];
@@ -155,7 +162,7 @@ impl Tangent {
         problem.simulations.set(problem.simulations.get() + xs.len() as u64);
         for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
-            residuals(grid, Objective::Increments, &mut series);
+            residuals(grid, self.objective, &mut series);
             for ((r, row), c) in series.iter().zip(rows).zip(centre) {
                 let d: [f64; LANES] = std::array::from_fn(|l| r.0[l] - c);
                 for p in 0..pairs {

@@ -4,6 +4,7 @@
 //! are ranked by the error's *increments* over 50 ms, under a pseudo-Huber loss, and polished on the error itself.
 
 use super::grid::{Grid, Quantity};
+use super::scales::{levels, transform};
 use super::simulate::{Block, LANES};
 use motorlens_shared::lanes::Lanes;
 
@@ -14,6 +15,8 @@ pub enum Objective {
     Increments,
     /// The error of the free run, its mean removed for angles: for final parameters.
     Position,
+    /// The error of the free run by time scale ([`super::scales`]), each weighted by its own noise, robust.
+    Scales,
 }
 
 /// Time that an increment takes, s.
@@ -123,6 +126,10 @@ fn residuals_avx2(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
 
 #[inline(always)]
 fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
+    if objective == Objective::Scales {
+        scaled(grid, series);
+        return;
+    }
     let misfit = Misfit::new(grid, objective, series);
     let n = misfit.len(series.len());
     for k in 0..n {
@@ -130,6 +137,32 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
         series[k] = Lanes(if misfit.robust { d.map(robust) } else { d });
     }
     series.truncate(n);
+}
+
+/// The error by time scale ([`super::scales`]): half the cost of a coefficient is robust and in units of the noise at its scale, half is
+/// the plain square of the simulation error, which a slow misfit cannot escape by being called noise.
+#[inline(always)]
+fn scaled(grid: &Grid, series: &mut Vec<Block>) {
+    for (p, y) in series.iter_mut().zip(&grid.measured) {
+        *p = Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
+    }
+    let samples = series.len();
+    transform(series);
+    let even = 0.5 * grid.even_weight().powi(2);
+    let mut first = 0;
+    for (size, own) in levels(samples).into_iter().zip(grid.weights()) {
+        let half = 0.5 * own * own;
+        let weighed = |d: f64| {
+            let (_, share) = limit(d * own);
+            d * (half * share + even).sqrt()
+        };
+        series[first..first + size].iter_mut().for_each(|d| *d = Lanes(d.0.map(weighed)));
+        first += size;
+    }
+    let mean = if grid.mean_counts() { (2.0 * even).sqrt() } else { 0.0 };
+    if let Some(last) = series.last_mut() {
+        *last = Lanes(last.0.map(|d| d * mean));
+    }
 }
 
 /// Sums of the squares of the same residuals, and how many they are.
@@ -150,6 +183,17 @@ fn squares_avx2(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f
 
 #[inline(always)]
 fn squares_body(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+    if objective == Objective::Scales {
+        let mut series = predictions.to_vec();
+        scaled(grid, &mut series);
+        let mut sums = [0.0; LANES];
+        for d in &series {
+            for l in 0..LANES {
+                sums[l] += d.0[l] * d.0[l];
+            }
+        }
+        return (sums, series.len());
+    }
     let misfit = Misfit::new(grid, objective, predictions);
     let n = misfit.len(predictions.len());
     let mut sums = [0.0; LANES];

@@ -72,6 +72,10 @@ pub struct Grid {
     pub quantum: f64,
     /// Standard deviation of one reading: the unit in which errors count.
     pub sigma: f64,
+    /// Inverse noise of each time scale, finest first ([`super::scales`]); empty: that of one reading at all.
+    pub scales: Vec<f64>,
+    /// Inverse of the simulation error's root mean square; 0 where it is not known yet.
+    pub even: f64,
     /// Median time between samples, s.
     pub interval_s: f64,
     /// The first samples only lead in: they are simulated but not judged.
@@ -110,7 +114,9 @@ impl Grid {
             start_speed: 0.0,
             reading_age_s: 0.0,
             quantum,
-            sigma: reading_noise(column, quantum),
+            sigma: reading_noise(quantity, column, quantum),
+            scales: Vec::new(),
+            even: 0.0,
             interval_s: interval * thin as f64,
             skip: 0,
         };
@@ -210,18 +216,20 @@ fn main_column(record: &Record, quantum: f64, interval: f64) -> (Quantity, &[f64
     (if counted { Quantity::MeanSpeed } else { Quantity::Speed }, speed)
 }
 
-/// Standard deviation of one reading: of the counting where the column counts, else of its fast scatter.
+/// Standard deviation of one reading: of the counting where an encoder counts, else of its fast scatter, and at least of its rounding.
 ///
 /// The scatter is a robust one of second differences, which smooth motion does not have.
-fn reading_noise(y: &[f64], quantum: f64) -> f64 {
-    if quantum > 0.0 {
-        return quantum / 12.0_f64.sqrt();
+fn reading_noise(quantity: Quantity, y: &[f64], quantum: f64) -> f64 {
+    let counting = quantum / 12.0_f64.sqrt();
+    // An angle is counted; the digits of a speed are those of its writing.
+    if quantity == Quantity::Angle && quantum > 0.0 {
+        return counting;
     }
     let mut d: Vec<f64> = y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     d.sort_by(f64::total_cmp);
     let range = y.iter().fold(f64::MIN, |a, b| a.max(*b)) - y.iter().fold(f64::MAX, |a, b| a.min(*b));
     let median = d.get(d.len() / 2).copied().unwrap_or(0.0);
-    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-5 * range).max(1e-9)
+    (median / (0.6745 * 6.0_f64.sqrt())).max(counting).max(1e-5 * range).max(1e-9)
 }
 
 fn median3(a: f64, b: f64, c: f64) -> f64 {

@@ -12,6 +12,7 @@ mod held;
 pub mod layout;
 pub mod passes;
 pub mod pulses;
+pub mod scales;
 pub mod search;
 pub mod setup;
 pub mod simulate;

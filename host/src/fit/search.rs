@@ -49,7 +49,7 @@ pub struct Found {
 }
 
 /// Weight of the prior against residuals of one noise unit.
-pub(super) const PRIOR_WEIGHT: f64 = 9.0;
+pub(crate) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
     /// Cost, gradient and curvature at `x` along `axes`.

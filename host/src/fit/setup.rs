@@ -74,7 +74,21 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         rig.count_rad = g.quantum * g.interval_s;
     }
     let prior = prior(motor);
-    let base = first_base(&grids, &rig, &prior);
+    let (mut left, mut base) = first_base(&grids, &rig, &prior);
+    // Whether a speed is that of the instant or a mean since the last sample, the motion tells.
+    if grids.iter().all(|g| g.quantity != Quantity::Angle) {
+        let other = |quantity| match quantity {
+            Quantity::Speed => Quantity::MeanSpeed,
+            _ => Quantity::Speed,
+        };
+        let others: Vec<Grid> =
+            grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
+        let (left_so, base_so) = first_base(&others, &rig, &prior);
+        if left_so < left {
+            (left, base, grids) = (left_so, base_so, others);
+        }
+    }
+    debug_assert!(left >= 0.0 || left.is_nan());
     rig.reference_speed = base.gain * rig.nominal_v;
     let fixed = motor.fixed.clone();
     let hold_s = held(&mut grids);
@@ -136,7 +150,7 @@ impl Problem {
 }
 
 /// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.
-fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
+fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, BaseValues) {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
     let share = prior.viscous_share.0;
@@ -178,5 +192,5 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
             }
         }
     }
-    best.1
+    best
 }

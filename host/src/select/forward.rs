@@ -1,0 +1,76 @@
+//! One step of the selection: every effect is tried on a model, with the same work for each (successive halving).
+
+use motorlens_shared::effects::Kind;
+
+use super::dataset::Dataset;
+use super::fitted::Fitted;
+use super::starts::{Start, starts};
+use crate::diagnose::contained::{covers, parts};
+use crate::diagnose::tangent::Tangent;
+use crate::fit::cost::Objective;
+use crate::fit::layout::Layout;
+
+/// Effects of which more than the trial evaluations is seen.
+const TRIALS: usize = 14;
+/// Starts of an effect that are searched.
+const STARTS: usize = 2;
+/// Steps of the first screening round, for every effect.
+const FIRST: usize = 2;
+/// Effects in the second round, and its steps.
+const SECOND: (usize, usize) = (8, 4);
+/// Effects that are fitted on all records, rounds of weighing and steps of each.
+const FULL: (usize, usize, usize) = (5, 2, 6);
+
+/// Whether `kind` may join a model of `kinds`: it is not covered by them, and two effects do not stand between rotor and load.
+fn lacks(kinds: &[Kind], kind: Kind) -> bool {
+    let two_masses = kinds.iter().any(|k| k.spec().load_share().is_some());
+    let second_gap = two_masses && kind.spec().load_share().is_some();
+    let joined_by_part = kind.spec().is_sum() && parts(kind).any(|(part, _)| covers(kinds, part));
+    !covers(kinds, kind) && !second_gap && !joined_by_part
+}
+
+/// Fits `model` with every effect of `library` that it lacks; best score first.
+pub fn forward(data: &Dataset, model: &Fitted, library: &[Kind], tick: &mut dyn FnMut(Kind)) -> Vec<Fitted> {
+    let screen = data.screen(&model.noise);
+    let found = screen.search(&model.layout, Objective::Scales, &model.found.x, 0, 1e-3);
+    let tangent = Tangent::of(&screen, &model.layout, &found, true, Objective::Scales);
+    let values = model.values();
+    let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
+    let mut round: Vec<(Layout, Start)> = Vec::new();
+    for kind in library.iter().filter(|kind| lacks(model.kinds(), **kind)) {
+        tick(*kind);
+        let (layout, starts) = starts(&screen, &values, &tangent, *kind);
+        trials.push((layout, starts));
+    }
+    trials.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
+    for (layout, starts) in trials.into_iter().take(TRIALS) {
+        let search = |(_, x): &Start| {
+            let found = screen.search(&layout, Objective::Scales, x, FIRST, 1e-3);
+            (found.cost, found.x)
+        };
+        let best = starts.iter().take(STARTS).map(search).min_by(|a, b| a.0.total_cmp(&b.0));
+        round.extend(best.map(|start| (layout.clone(), start)));
+    }
+    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    round.truncate(SECOND.0);
+    for (layout, start) in &mut round {
+        let found = screen.search(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
+        *start = (found.cost, found.x);
+    }
+    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    round.truncate(FULL.0);
+    data.train.simulations.set(data.train.simulations.get() + screen.simulations.get());
+    let mut fitted: Vec<Fitted> = round
+        .into_iter()
+        .map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2))
+        .collect();
+    fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    fitted
+}
+
+/// Of `fitted`, best score first, the one to believe: the smallest that the best does not beat.
+pub fn simplest(fitted: &[Fitted]) -> Option<usize> {
+    let best = fitted.first()?;
+    let near = (0..fitted.len()).filter(|k| *k == 0 || !best.beats(&fitted[*k]));
+    near.min_by_key(|k| (fitted[*k].size(), *k))
+}
