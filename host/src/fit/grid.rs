@@ -120,7 +120,16 @@ impl Grid {
             interval_s: interval * thin as f64,
             skip: 0,
         };
-        for k in (0..record.len()).step_by(thin) {
+        let renewed = renewals(quantity, column);
+        let kept: Vec<usize> = match &renewed {
+            Some(renewed) => renewed.clone(),
+            None => (0..record.len()).step_by(thin).collect(),
+        };
+        if renewed.is_some() {
+            let times: Vec<f64> = kept.iter().map(|k| record.time_s[*k]).collect();
+            grid.interval_s = timing::median_interval(&times);
+        }
+        for k in kept {
             let position = (record.time_s[k] - origin) / step;
             grid.places.push(place(position));
             grid.time_s.push(record.time_s[k]);
@@ -232,6 +241,40 @@ fn reading_noise(quantity: Quantity, y: &[f64], quantum: f64) -> f64 {
     (median / (0.6745 * 6.0_f64.sqrt())).max(counting).max(1e-5 * range).max(1e-9)
 }
 
+/// Readings of a speed are held where the column changes only every so many rows: at least so many ...
+const HELD_ROWS: usize = 3;
+/// ... in this share of its changes, give or take a row.
+const HELD_SHARE: f64 = 0.6;
+
+/// The rows at which a held reading is renewed; none where readings are not held. A slow update between them (a radio, a slow bus)
+/// repeats what was read before, which is no further measurement. A column that stands still is taken to be renewed as often.
+fn renewals(quantity: Quantity, column: &[f64]) -> Option<Vec<usize>> {
+    if quantity == Quantity::Angle {
+        return None;
+    }
+    let changes: Vec<usize> = (1..column.len()).filter(|k| column[*k] != column[*k - 1]).collect();
+    let mut runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    if runs.len() < 8 {
+        return None;
+    }
+    runs.sort_unstable();
+    let hold = runs[runs.len() / 2];
+    let regular = runs.iter().filter(|run| run.abs_diff(hold) <= 1 + hold / 5).count();
+    if hold < HELD_ROWS || (regular as f64) < HELD_SHARE * runs.len() as f64 {
+        return None;
+    }
+    let mut kept = vec![0];
+    for change in changes.into_iter().chain([column.len()]) {
+        while kept.last().is_some_and(|last| last + 2 * hold <= change) {
+            kept.push(kept[kept.len() - 1] + hold);
+        }
+        if change < column.len() && change > kept[kept.len() - 1] {
+            kept.push(change);
+        }
+    }
+    Some(kept)
+}
+
 fn median3(a: f64, b: f64, c: f64) -> f64 {
     a.max(b).min(a.min(b).max(c))
 }
@@ -244,6 +287,17 @@ pub(super) mod tests {
     pub fn record(times: Vec<f64>, volts: Vec<f64>) -> Record {
         let angle = times.iter().map(|t| 0.01 * (t * 300.0).floor()).collect();
         Record { time_s: times, voltage_v: volts, angle_rad: Some(angle), ..Record::default() }
+    }
+
+    /// Every tenth row is a reading, as over a radio; a slow speed of few levels changes as it likes.
+    #[test]
+    fn a_held_speed_counts_once_a_renewal() {
+        let held: Vec<f64> = (0..600).map(|k| f64::from(k / 10) * 0.1).collect();
+        let kept = renewals(Quantity::Speed, &held).unwrap();
+        assert!(kept.len() == 60 && kept[7] == 70, "{kept:?}");
+        let levels: Vec<f64> = (0..600).map(|k| (f64::from(k) * 0.02).sin() * 3.0).map(f64::round).collect();
+        assert_eq!(renewals(Quantity::Speed, &levels), None);
+        assert_eq!(renewals(Quantity::Angle, &held), None);
     }
 
     #[test]

@@ -40,6 +40,9 @@ impl Selected {
 /// Rounds of weighing of a model that is kept, and steps of each.
 const SETTLED: (usize, usize) = (3, 12);
 
+/// An effect may raise the simulation error by no more than this.
+const NO_RISE: f64 = 1.02;
+
 /// Selects from `base`, adding at most `most` effects of `library`.
 pub fn run(
     data: &Dataset,
@@ -69,6 +72,10 @@ pub fn run(
         let settled = Fitted::of(data, &next.values(), SETTLED.0, SETTLED.1);
         let next = if settled.score() > next.score() { settled } else { next };
         let next = pruned(data, next, &given);
+        // A model that predicts better and simulates worse has learnt a disturbance.
+        if next.simulation_error(data) > NO_RISE * steps[steps.len() - 1].simulation_error(data) {
+            break;
+        }
         step(&next);
         steps.push(next);
     }
