@@ -8,6 +8,7 @@ pub mod error;
 pub mod estimate;
 pub mod exam;
 pub mod export;
+pub mod findings;
 pub mod fit;
 pub mod formula;
 pub mod log;

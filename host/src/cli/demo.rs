@@ -6,7 +6,6 @@ use clap::{Args as _, FromArgMatches};
 use serde::Serialize;
 
 use super::discover::{search, story, unit};
-use super::findings::Findings;
 use super::input::Logs;
 use super::{Console, prose};
 use crate::compare::failure_map;
@@ -15,6 +14,7 @@ use crate::diagnose::discover::Options;
 use crate::diagnose::ladder::Rung;
 use crate::error::{Error, Result};
 use crate::estimate;
+use crate::findings::Findings;
 use crate::log::{self, ReadArgs};
 use crate::report::{self, Story};
 use crate::simulate::{self, RevealArgs, SimulateArgs};

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 
 use super::discover::{or_bad_data, unit};
-use super::findings::Findings;
 use super::input::LogArgs;
 use super::{Console, prose, watch};
-use crate::diagnose::discover::{Discovery, Verdict, diagnose};
+use crate::diagnose::discover::{Discovery, diagnose};
 use crate::error::Result;
+use crate::findings::Findings;
 use crate::model_file::Model;
 
 /// Options of `diagnose`.
@@ -48,11 +48,10 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
         text += &format!("{:>2}. {:<20} {:>4.0} %{unseen}\n", k + 1, c.effect.name(), 100.0 * c.score);
         text += &format!("      {}\n      look for: {}\n", c.evidence, c.effect.spec().signature);
     }
-    text += match (found.effects.as_slice(), found.verdict) {
-        ([], Verdict::Explained) => "\nNothing is missing: the model leaves no more than noise.\n",
-        ([], _) => "\nNo effect of the library is worth adding.\n",
-        _ => "\nThe first is worth adding.\n",
-    };
+    text += &format!("\n{}.\n", findings.headline);
+    if !found.effects.is_empty() {
+        text += "The first is worth adding.\n";
+    }
     for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("These data cannot tell apart: {}.\n", names.join(", "));

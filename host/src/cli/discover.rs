@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use motorlens_shared::effects::Kind;
 
-use super::findings::Findings;
 use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
-use crate::diagnose::discover::{Discovery, Options, Verdict, discover};
+use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::error::{Error, Result};
+use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
 use crate::report::words::taken_back;
@@ -72,20 +72,9 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    match (found.verdict, found.effects.as_slice()) {
-        (Verdict::Explained, []) => text += "Nothing is missing: the base model leaves no more than noise.\n",
-        (Verdict::Explained, effects) => {
-            text += &format!("Explained by {}: what is left is near the noise.\n", prose::effects(effects));
-        }
-        (_, []) => {
-            text += "Nothing of the library is worth adding, yet more than noise is left.\n";
-            if !found.climb.withdrawn.is_empty() {
-                text += &(taken_back(&found.climb.withdrawn) + "\n");
-            }
-        }
-        (_, effects) => {
-            text += &format!("{} helps, but more than noise is left.\n", prose::effects(effects));
-        }
+    text += &format!("{}.\n", findings.headline);
+    if found.effects.is_empty() && !found.climb.withdrawn.is_empty() {
+        text += &(taken_back(&found.climb.withdrawn) + "\n");
     }
     text += &format!("A perfect model would leave {} {unit} rms.\n\n", prose::figure(found.noise_floor));
     text += &prose::parameters(&findings.parameters);

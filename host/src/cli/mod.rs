@@ -14,7 +14,6 @@ mod discover;
 mod effects;
 mod exam;
 mod export;
-mod findings;
 mod fit;
 mod input;
 mod listen;

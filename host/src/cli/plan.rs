@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::Console;
 use super::discover::{or_bad_data, search};
-use super::findings::NextExperiment;
 use super::input::LogArgs;
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::diagnose::plan::Limits;
 use crate::error::Result;
+use crate::findings::NextExperiment;
 
 /// Options of `plan`.
 #[derive(Debug, clap::Args)]
@@ -63,6 +63,6 @@ fn story(answer: &Answer) -> String {
                 next.why
             )
         }
-        None => "These data leave no rivals: no further experiment is needed to name the effect.".into(),
+        None => "These data leave no rival effects to tell apart; motorlens discover says how much is left unexplained.".into(),
     }
 }

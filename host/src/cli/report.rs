@@ -8,8 +8,9 @@ use serde::Serialize;
 use super::Console;
 use super::discover::search;
 use super::input::LogArgs;
-use crate::diagnose::discover::{Options, Verdict};
+use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
+use crate::findings::Verdict;
 use crate::report::{self, Story, words};
 
 /// Options of `report`.
@@ -49,7 +50,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         report: args.out.clone(),
         bytes: size.len(),
         summary: words::summary(&story.ladder, story.floor, story.unit),
-        verdict: found.verdict,
+        verdict: findings.verdict,
         effects: found.effects.clone(),
     };
     console.answer(&document, || format!("{}\nreport: {}", document.summary, args.out.display()));

@@ -67,7 +67,7 @@ pub fn figure(ladder: &[Rung], floor: f64, unit: &str) -> Figure {
     let low = 0.4 * all().filter(|v| *v > 0.0).fold(high, f64::min).min(floor.max(1e-4 * high));
     Figure {
         id: "ladder".into(),
-        title: "The error falls".into(),
+        title: "Error of each model".into(),
         reading,
         x: Axis { names: steps(ladder), ..Axis::titled("Model (step)") },
         // The points stand beside the words over the bars.

@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::falls::{judged, steps};
 use super::figure::in_words;
 use super::story::Story;
-use crate::diagnose::discover::Verdict;
+use crate::diagnose::discover;
 use crate::diagnose::ladder::Rung;
+use crate::findings::Errors;
 use crate::fit::uncertainty::Estimate;
 use crate::report::decimate::rounded;
 
@@ -51,16 +52,16 @@ pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
     )
 }
 
-/// What the verdict means; empty while nothing was searched for.
-pub fn verdict(story: &Story) -> &'static str {
-    match story.verdict {
-        Some(Verdict::Explained) => "Explained: the model leaves no more than noise.",
-        Some(Verdict::Unexplained) => {
-            "Unexplained: something is left that no effect of the library takes away. Step 2 shows its shape."
-        }
-        Some(Verdict::BadData) => "The data must be mended first; see the data faults.",
-        None => "",
-    }
+/// The verdict in one sentence; empty while nothing was searched for.
+pub fn verdict(story: &Story) -> String {
+    let (Some(found), Some(first), Some(last)) = (story.verdict, story.ladder.first(), story.ladder.last())
+    else {
+        return String::new();
+    };
+    let errors = Errors { base: judged(first).rmse, model: judged(last).rmse, noise: story.floor };
+    let names: Vec<&str> = last.effects.iter().map(|k| k.name()).collect();
+    let verdict = errors.verdict(names.len(), found == discover::Verdict::Explained);
+    format!("{}.", errors.headline(&names, verdict))
 }
 
 /// Said where no effect is worth adding: to a model without any (`plain`), or with what was taken back.

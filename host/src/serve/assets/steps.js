@@ -40,7 +40,7 @@ function nextCard(next) {
 }
 async function showMissing() {
   const { cards, figures, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
-  const nothing = element("article", { className: "card nothing" + (diagnosed && !worth ? " added" : "") }, element("h3", { textContent: "Nothing missing" }),
+  const nothing = element("article", { className: "card nothing" }, element("h3", { textContent: "Nothing worth adding" }),
     element("p", { textContent: !diagnosed ? "Not sought yet." : worth ? "Not so: the first card lowers the error on the records fitted and on those kept out." : "No effect of the library lowers the error enough, on the records fitted and on those kept out, to be worth its parameters." }));
   const all = cards.map((c) => card(c, figures));
   if (diagnosed && !worth) all.unshift(nothing);

@@ -1,4 +1,6 @@
-//! The document of `discover --json` and `diagnose --json`.
+//! The one public result of a diagnosis: what terminal, JSON, report and page tell.
+
+mod verdict;
 
 use std::path::Path;
 
@@ -6,14 +8,16 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use crate::diagnose::discover::{Discovery, Verdict};
+use crate::diagnose::discover::{self, Discovery};
 use crate::diagnose::ladder::{Ranked, Rung};
 use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::Warning;
-use crate::report::shown_by_fit;
+use crate::report::{falls::judged, shown_by_fit};
+
+pub use verdict::{Errors, Verdict};
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -23,6 +27,12 @@ pub struct Findings {
     pub effects: Vec<Kind>,
     /// How it ended.
     pub verdict: Verdict,
+    /// The verdict in one sentence.
+    pub headline: String,
+    /// Error of the accepted model in multiples of the noise level.
+    pub left_over: Option<f64>,
+    /// Fraction of the error above the noise level that the effects explain.
+    pub explained_share: Option<f64>,
     /// rms that a perfect model would leave.
     pub noise_floor_rad: f64,
     /// From the base model on.
@@ -70,11 +80,23 @@ impl Findings {
     pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
         let values = found.model.values();
         let parameters = estimates(&found.evidence.whole, &values);
+        let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
+        let errors = Errors {
+            base: error(found.ladder.first()),
+            model: error(found.ladder.last()),
+            noise: found.noise_floor,
+        };
+        let clean = found.verdict == discover::Verdict::Explained;
+        let verdict = errors.verdict(found.effects.len(), clean);
+        let names: Vec<&str> = found.effects.iter().map(|k| k.name()).collect();
         let later = shown_by_fit::faults(&parameters, &found.effects);
         Self {
             schema: 1,
             effects: found.effects.clone(),
-            verdict: found.verdict,
+            verdict,
+            headline: errors.headline(&names, verdict),
+            left_over: errors.left_over(),
+            explained_share: errors.explained_share(),
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: found.candidates.clone(),
@@ -106,6 +128,9 @@ impl Findings {
             schema: 1,
             effects: Vec::new(),
             verdict: Verdict::BadData,
+            headline: "The data must be mended before a model can be judged".into(),
+            left_over: None,
+            explained_share: None,
             noise_floor_rad: 0.0,
             ladder: Vec::new(),
             candidates: Vec::new(),
