@@ -95,7 +95,16 @@ fn header_at(text: &str, ahead: &[u8]) -> usize {
     };
     let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
     let numbers = |line: &str| line.split([',', ';', '\t']).all(|v| v.trim().parse::<f64>().is_ok());
-    if numbers(text) { 0 } else { (0..last).find(|&k| is_header(k)).unwrap_or(0) }
+    let columns = |line: &str| {
+        let mut splitter = Splitter::new(delimiter_of(line));
+        splitter.split(line.as_bytes());
+        splitter.iter().count()
+    };
+    match (0..last).find(|&k| is_header(k)) {
+        // A first line of as many names is the header itself, with a bad row below it.
+        Some(k) if !numbers(text) && columns(text) != columns(lines[k]) => k,
+        _ => 0,
+    }
 }
 
 fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {
