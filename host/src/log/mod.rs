@@ -18,6 +18,7 @@ mod preamble;
 pub mod quantum;
 mod read;
 mod record;
+mod repair;
 pub mod repeats;
 mod samples;
 mod suspicion;

@@ -24,6 +24,8 @@ pub struct Preamble {
     pub delimiter: u8,
     /// Line of the header, or of the last line read where there is none.
     pub line: u64,
+    /// Lines of text left out before the header.
+    pub skipped: usize,
 }
 
 /// Reads up to and including the header. `by_number` permits a file without one.
@@ -33,6 +35,7 @@ pub struct Preamble {
 pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Preamble> {
     let mut meta = Metadata::default();
     let mut number = 0;
+    let mut skipped = 0;
     loop {
         let mut line = String::new();
         let count =
@@ -50,9 +53,57 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         let text = line.trim();
         if let Some(comment) = text.strip_prefix('#') {
             remember(path, &mut meta, comment, number)?;
+        } else if text.len() == 5 && text.starts_with("sep=") {
+            // A spreadsheet's own remark; the separator shows in the header too.
         } else if !text.trim_matches([',', ';', '\t']).is_empty() {
-            return header(path, meta, text, number, by_number);
+            if skipped < header_at(text, input.fill_buf().map_err(|error| cannot_read(path, &error))?) {
+                skipped += 1;
+                continue;
+            }
+            let mut preamble = header(path, meta, text, number, by_number)?;
+            preamble.skipped = skipped;
+            return Ok(preamble);
         }
+    }
+}
+
+/// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
+const MOST_CHATTER: usize = 60;
+
+/// How many lines from `text` on stand before the header: the first line whose next two are rows of as many numbers,
+/// where `text` itself is no such line; 0 where none is. `ahead` is what follows `text`.
+fn header_at(text: &str, ahead: &[u8]) -> usize {
+    let ahead = String::from_utf8_lossy(&ahead[..ahead.len().min(1 << 14)]);
+    // The last line may be cut off by the end of the buffer.
+    let whole: Vec<&str> = ahead.lines().map(str::trim).take(2 * MOST_CHATTER).collect();
+    let lines: Vec<&str> =
+        [text].into_iter().chain(whole).filter(|line| !line.is_empty() && !line.starts_with('#')).collect();
+    let is_header = |k: usize| {
+        let delimiter = delimiter_of(lines[k]);
+        let fields = |line: &str| -> Vec<String> {
+            let mut splitter = Splitter::new(delimiter);
+            splitter.split(line.as_bytes());
+            splitter.iter().map(str::to_owned).collect()
+        };
+        let number = |text: &String| text.replace(',', ".").parse::<f64>().is_ok();
+        let names = fields(lines[k]);
+        let row = |line: &str| {
+            let values = fields(line);
+            values.len() == names.len() && 2 * values.iter().filter(|v| number(v)).count() >= values.len()
+        };
+        names.len() >= 2 && !names.iter().any(number) && row(lines[k + 1]) && row(lines[k + 2])
+    };
+    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
+    let numbers = |line: &str| line.split([',', ';', '\t']).all(|v| v.trim().parse::<f64>().is_ok());
+    let columns = |line: &str| {
+        let mut splitter = Splitter::new(delimiter_of(line));
+        splitter.split(line.as_bytes());
+        splitter.iter().count()
+    };
+    match (0..last).find(|&k| is_header(k)) {
+        // A first line of as many names is the header itself, with a bad row below it.
+        Some(k) if !numbers(text) && columns(text) != columns(lines[k]) => k,
+        _ => 0,
     }
 }
 
@@ -88,7 +139,14 @@ fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -
     }
     if names.iter().all(|name| name.replace(',', ".").parse::<f64>().is_ok()) {
         if by_number {
-            return Ok(Preamble { meta, headers: None, first_row: Some(text.to_owned()), delimiter, line });
+            return Ok(Preamble {
+                meta,
+                headers: None,
+                first_row: Some(text.to_owned()),
+                delimiter,
+                line,
+                skipped: 0,
+            });
         }
         return Err(BadInput::new(
             path,
@@ -99,7 +157,7 @@ fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -
         .into());
     }
     for (index, name) in names.iter().enumerate() {
-        if !name.is_empty() && names[..index].contains(name) {
+        if !by_number && !name.is_empty() && names[..index].contains(name) {
             return Err(BadInput::new(
                 path,
                 format!("two columns are called \"{name}\""),
@@ -110,7 +168,7 @@ fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -
             .into());
         }
     }
-    Ok(Preamble { meta, headers: Some(names), first_row: None, delimiter, line })
+    Ok(Preamble { meta, headers: Some(names), first_row: None, delimiter, line, skipped: 0 })
 }
 
 /// The separator that occurs most often outside quotes.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, bam, sysid, sysid_list, table, text};
+use super::{Hold, Metadata, Record, bam, repair, sysid, sysid_list, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -75,7 +75,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
             let (why, remedy) = json_kind(start);
             Err(BadInput::new(path, why, remedy).at_line(1).into())
         }
-        Format::Csv => Ok(vec![table::read(path, input, options)?]),
+        Format::Csv => Ok(repair::repaired(table::read(path, input, options)?)),
     }
 }
 

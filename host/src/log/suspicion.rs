@@ -39,6 +39,8 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
     }
     found.extend(shifted(&seen));
     found.extend(disagreeing(&seen));
+    found.extend(duty(&seen));
+    found.extend(one_level(&seen));
     found
 }
 
@@ -215,7 +217,8 @@ fn jumps(record: &Record) -> Option<Odd> {
     let limit = JUMP * usual.max(count) + 4.0 * count;
     let far: Vec<usize> = (0..steps.len()).filter(|k| steps[*k] > limit && usual > 0.0).collect();
     let first = *far.first()?;
-    (far.len() < 1 + steps.len() / 400).then(|| {
+    // Worse data gets no fewer words.
+    (far.len() < 1 + steps.len() / 20).then(|| {
         (
             "lost_counts",
             "angle_rad",
@@ -233,16 +236,34 @@ fn jumps(record: &Record) -> Option<Odd> {
 /// Angle and integrated speed may differ by this share.
 const DRIFT: f64 = 0.02;
 
+/// How late the speed may be beside its angle, s, and the steps in which that is tried.
+const LATEST_S: f64 = 0.2;
+const LATE_STEP_S: f64 = 0.01;
+
 /// The angle falls behind the speed that stands beside it.
 fn drifting_count(record: &Record) -> Option<Odd> {
     let (angle, speed) = (record.angle_rad.as_ref()?, record.speed_rad_s.as_ref()?);
-    let (mut way, mut lost) = (0.0, 0.0);
-    for k in 1..record.len() {
-        let passed = 0.5 * (speed[k] + speed[k - 1]) * (record.time_s[k] - record.time_s[k - 1]);
-        way += passed.abs();
-        lost += (passed - (angle[k] - angle[k - 1])) * passed.signum();
-    }
-    let share = lost / way;
+    let way = |late_s: f64| {
+        let (mut way, mut lost, mut left, mut at) = (0.0, 0.0, 0.0, 0);
+        for k in 1..record.len() {
+            // A late or filtered speed belongs to a motion before it.
+            while at + 1 < record.len() && record.time_s[at + 1] <= record.time_s[k] - late_s {
+                at += 1;
+            }
+            if at == 0 {
+                continue;
+            }
+            let passed = 0.5 * (speed[k] + speed[k - 1]) * (record.time_s[k] - record.time_s[k - 1]);
+            let missed = passed - (angle[at] - angle[at - 1]);
+            way += passed.abs();
+            lost += missed * passed.signum();
+            left += missed * missed;
+        }
+        (way, lost / way, left)
+    };
+    let step = median_interval(&record.time_s).max(LATE_STEP_S);
+    let trials = (0..=(LATEST_S / step) as usize).map(|k| (k as f64 * step, way(k as f64 * step)));
+    let (_, (way, share, _)) = trials.min_by(|a, b| a.1.2.total_cmp(&b.1.2))?;
     // A whole factor is a matter of units, and told as such.
     (way > 1.0 && share.abs() > DRIFT && share.abs() < 0.3).then(|| {
         (
@@ -289,6 +310,63 @@ const TOGETHER: f64 = 1.2;
 const APART: f64 = 1.5;
 /// A record whose regression leaves more than this says nothing about the gain.
 const UNCLEAR: f64 = 0.3;
+
+/// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
+fn duty(seen: &[Seen]) -> Option<Warning> {
+    let records =
+        || seen.iter().map(|s| s.record).filter(|r| r.supply_v.is_none() && r.meta.get("voltage").is_none());
+    let highest = records().map(|r| peak(&r.voltage_v)).fold(0.0, f64::max);
+    let first = records().next()?;
+    let (looks, full) = if highest > 0.0 && highest <= 1.0 {
+        ("a duty from -1 to 1", "1")
+    } else if highest > 60.0 && highest <= 100.0 {
+        ("a duty in percent", "100")
+    } else {
+        return None;
+    };
+    Some(Warning {
+        place: place_of(first, "voltage_v"),
+        what: format!(
+            "perhaps_duty: the voltage never passes {highest:.3}, as {looks} does; then every gain is wrong by the supply's voltage"
+        ),
+        fix: format!(
+            "if it is a duty, say --map duty=voltage_v:{full} (with the column's own name) and --supply-volts 12 (the supply of this drive)"
+        ),
+    })
+}
+
+/// Share of the highest voltage within which two voltages are one level.
+const SAME_LEVEL: f64 = 0.02;
+
+/// At one voltage friction and gain are one number.
+fn one_level(seen: &[Seen]) -> Option<Warning> {
+    let highest = seen.iter().map(|s| peak(&s.record.voltage_v)).fold(0.0, f64::max);
+    let near = SAME_LEVEL * highest;
+    let mut levels = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut coasting, mut all) = (0, 0);
+    for s in seen {
+        // What stands before the step is rest.
+        let driven = s.record.voltage_v.iter().skip_while(|v| v.abs() <= near);
+        for v in driven {
+            all += 1;
+            if v.abs() <= near {
+                coasting += 1;
+            } else {
+                levels = (levels.0.min(*v), levels.1.max(*v));
+            }
+        }
+    }
+    let alone = levels.1 - levels.0 <= near && 50 * coasting < all;
+    (highest > 0.0 && alone).then(|| Warning {
+        place: place_of(seen[0].record, "voltage_v"),
+        what: format!(
+            "one_level: the only voltage that drives the motor is {:.3} V, at which friction cannot be told from the gain: \
+             the gain found is that of this one voltage",
+            levels.1
+        ),
+        fix: "add records at other voltages, or one in which the motor runs out (motorlens plan writes a programme)".into(),
+    })
+}
 
 /// One record in other volts, or of another motor.
 fn disagreeing(seen: &[Seen]) -> Vec<Warning> {

@@ -53,6 +53,12 @@ const DRIVE_TRAIN: &[Side] = &[
 
 /// Metadata key that marks a record as one of the tests of a SysId file.
 pub const TEST_KEY: &str = "sysid_test";
+/// Metadata key of a record whose entries are in radians by their names.
+pub const UNIT_KEY: &str = "sysid_unit";
+/// The mappings that turn a motion round and keep its unit.
+pub const TURN_ROTATIONS: &str = "--map angle=position:rev*-1,speed=velocity:rev/s*-1";
+/// The same of radians.
+pub const TURN_RADIANS: &str = "--map angle=position:rad*-1,speed=velocity:rad/s*-1";
 
 /// Reads the records of a SysId file: one per test, two per test of a drive train.
 ///
@@ -95,6 +101,7 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
         .in_column("slow-forward")
         .into());
     }
+    restore_signs(&mut records);
     Ok(records)
 }
 
@@ -136,7 +143,7 @@ fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions
     options.complete(path, &mut meta)?;
     let mut columns = columns.into_iter();
     let mut next = || columns.next().unwrap_or_default();
-    let mut record = Record {
+    let record = Record {
         name: format!("{} {test}{}", super::stem(path), side.name),
         path: path.to_owned(),
         time_s: next(),
@@ -148,13 +155,19 @@ fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions
         warnings,
         ..Record::default()
     };
-    restore_sign(&mut record);
     Ok(record)
+}
+
+/// Restores the sign of every test where none of the file has one: where some voltage is negative, all are signed.
+pub(super) fn restore_signs(records: &mut [Record]) {
+    if records.iter().all(|record| record.voltage_v.iter().all(|&voltage| voltage >= 0.0)) {
+        records.iter_mut().for_each(restore_sign);
+    }
 }
 
 /// Some robot programs logged the voltage without its sign; SysId itself copies the sign of the velocity onto every
 /// row. Here the whole test is turned round, so that rows at rest or braking keep what they had.
-pub(super) fn restore_sign(record: &mut Record) {
+fn restore_sign(record: &mut Record) {
     let Some(speed) = &record.speed_rad_s else {
         return;
     };

@@ -5,14 +5,14 @@
 //! ..., `none`) and each motor under `voltage-MOTOR`, `position-MOTOR`, `velocity-MOTOR`, in rotations of the output
 //! unless `--map angle=position:rad,speed=velocity:rad/s` says otherwise. Each test of each motor becomes one record.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::io::BufRead;
 use std::path::Path;
 
 use super::fields::Splitter;
 use super::samples::{Place, Samples};
-use super::sysid::{TEST_KEY, restore_sign};
+use super::sysid::{TEST_KEY, UNIT_KEY, restore_signs};
 use super::text::cannot_read;
 use super::units::Quantity;
 use super::{Metadata, ReadOptions, Record, preamble};
@@ -72,7 +72,8 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         .into());
     }
     let mut records = Vec::new();
-    for motor in list.entries.keys().filter_map(|name| motor_of(name, "voltage")) {
+    let motors: Vec<String> = list.entries.keys().filter_map(|name| motor_of(name, "voltage")).collect();
+    for motor in motors {
         for test in &list.tests {
             records.extend(one(path, &list, &motor, test, options)?);
         }
@@ -80,12 +81,17 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
     if records.is_empty() {
         return Err(BadInput::new(
             path,
-            "no test has a voltage-MOTOR together with a position-MOTOR or velocity-MOTOR",
+            format!(
+                "no test has a voltage-MOTOR together with a position-MOTOR or velocity-MOTOR (or, of AdvantageKit, \
+                 MotorAppliedVolts with MotorPositionRad or MotorVelocityRadPerSec); the entries of motors are: {}",
+                list.entries.keys().take(20).cloned().collect::<Vec<_>>().join(", ")
+            ),
             "include the motor's entries in the export",
         )
         .in_column("Name")
         .into());
     }
+    restore_signs(&mut records);
     Ok(records)
 }
 
@@ -96,6 +102,8 @@ fn collect(path: &Path, mut input: impl BufRead, delimiter: u8, header: u64) -> 
     let mut line = Vec::new();
     let mut running: Option<(String, f64)> = None;
     let mut latest = f64::NEG_INFINITY;
+    // Whatever an entry is called, its values tell that it is the state.
+    let mut states = BTreeSet::new();
     while input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0 {
         number += 1;
         let closed = splitter.split(&line);
@@ -108,7 +116,12 @@ fn collect(path: &Path, mut input: impl BufRead, delimiter: u8, header: u64) -> 
                 return Err(fault.in_column("Timestamp").into());
             };
             latest = latest.max(time_s);
-            if is_state(name) {
+            let named = state_of(value);
+            if named.is_some() && !states.contains(name) {
+                states.insert(name.to_owned());
+            }
+            if is_state(name) || states.contains(name) {
+                let value = named.unwrap_or("none");
                 if running.as_ref().is_none_or(|(test, _)| test != value) {
                     list.end(running.take(), time_s);
                     running = (value != "none").then(|| (value.to_owned(), time_s));
@@ -133,39 +146,87 @@ impl List {
 }
 
 fn is_state(name: &str) -> bool {
-    name.contains("sysid-test-state") || name.ends_with("SysIdTestState")
+    let name = name.to_ascii_lowercase();
+    name.contains("sysid-test-state") || name.ends_with("sysidteststate") || name.ends_with("sysidstate")
 }
 
-/// `voltage-left-drive` and `NT:/x/voltage-left-drive` are of the motor `left-drive`.
+/// The test that a state names, in whatever case and with whatever between its words; none while idle.
+fn state_of(value: &str) -> Option<&'static str> {
+    const TESTS: [&str; 4] =
+        ["quasistatic-forward", "quasistatic-reverse", "dynamic-forward", "dynamic-reverse"];
+    let plain = |text: &str| -> String {
+        text.chars().filter(char::is_ascii_alphabetic).collect::<String>().to_ascii_lowercase()
+    };
+    let value = plain(value);
+    TESTS.into_iter().find(|test| plain(test) == value)
+}
+
+/// What AdvantageKit programs call the end of an entry, for each kind, with its unit.
+const ENDINGS: [(&str, &str, &str); 7] = [
+    ("voltage", "appliedvolts", "V"),
+    ("voltage", "appliedvoltage", "V"),
+    ("position", "positionrad", "rad"),
+    ("position", "positionrads", "rad"),
+    ("position", "positionrotations", "rev"),
+    ("velocity", "velocityradpersec", "rad"),
+    ("velocity", "velocityrotationspersec", "rev"),
+];
+
+/// `voltage-left-drive` and `NT:/x/voltage-left-drive` are of the motor `left-drive`; `/Drive/LeftAppliedVolts` of `left`.
 fn motor_of(name: &str, kind: &str) -> Option<String> {
+    Some(motor_and_unit(name, kind)?.0)
+}
+
+/// The motor whose `kind` the entry holds, and `rad` or `rev` (which SysId takes where the name does not say).
+fn motor_and_unit(name: &str, kind: &str) -> Option<(String, &'static str)> {
     let last = name.rsplit(['/', ':']).next()?;
-    last.strip_prefix(kind)?.strip_prefix('-').map(str::to_owned)
+    if let Some(motor) = last.strip_prefix(kind).and_then(|rest| rest.strip_prefix('-')) {
+        return Some((motor.to_owned(), "rev"));
+    }
+    let lower = last.to_ascii_lowercase();
+    let (ending, unit) = ENDINGS
+        .iter()
+        .filter(|(of, ..)| *of == kind)
+        .find_map(|(_, ending, unit)| lower.ends_with(ending).then_some((*ending, *unit)))?;
+    let path = name[..name.len() - last.len()].trim_matches('/');
+    let motor = lower[..lower.len() - ending.len()].trim_matches('-');
+    Some((if motor.is_empty() { path.to_owned() } else { motor.to_owned() }, unit))
 }
 
 fn one(path: &Path, list: &List, motor: &str, test: &Test, options: &ReadOptions) -> Result<Option<Record>> {
     let entry = |kind: &str| {
-        let found = list.entries.iter().find(|(name, _)| motor_of(name, kind).as_deref() == Some(motor));
-        found.map(|(_, values)| values.as_slice())
+        list.entries.iter().find_map(|(name, values)| {
+            let (of, unit) = motor_and_unit(name, kind)?;
+            (of == motor).then_some((values.as_slice(), unit))
+        })
     };
     let factor = |quantity, usual| {
         let source = options.map.as_ref().and_then(|map| map.source(quantity));
         source.map_or(usual, |source| source.unit.factor)
     };
-    let (Some(voltage), position, velocity) = (entry("voltage"), entry("position"), entry("velocity")) else {
+    let (Some((voltage, _)), position, velocity) = (entry("voltage"), entry("position"), entry("velocity"))
+    else {
         return Ok(None);
     };
-    let Some(clock) = position.or(velocity) else { return Ok(None) };
+    let Some((_, unit)) = position.or(velocity) else { return Ok(None) };
+    let usual = |unit: &str| if unit == "rad" { 1.0 } else { TAU };
     let mut kinds = vec![("voltage", voltage, factor(Quantity::Voltage, 1.0))];
-    kinds.extend(position.map(|values| ("position", values, factor(Quantity::Angle, TAU))));
-    kinds.extend(velocity.map(|values| ("velocity", values, factor(Quantity::Speed, TAU))));
+    kinds.extend(position.map(|(values, unit)| ("position", values, factor(Quantity::Angle, usual(unit)))));
+    kinds.extend(velocity.map(|(values, unit)| ("velocity", values, factor(Quantity::Speed, usual(unit)))));
 
     let headers = ["timestamp"].into_iter().chain(kinds.iter().map(|(kind, ..)| *kind));
     let mut samples = Samples::new(path, headers.map(|kind| format!("{kind}-{motor}")).collect());
     let within = |value: &&Value| value.time_s >= test.begin_s && value.time_s <= test.end_s;
-    // One turn of the robot's loop logs its entries microseconds apart; the nearest of each belong together.
+    // Some programs log a value only when it changes: the entry that was logged most often has the most turns of the loop.
+    let logged = |values: &[Value]| values.iter().filter(within).count();
+    let Some(clock) = kinds.iter().map(|(_, values, _)| *values).max_by_key(|values| logged(values)) else {
+        return Ok(None);
+    };
+    let times: Vec<f64> = clock.iter().filter(within).map(|value| value.time_s).collect();
+    let turn_s = (TURN_SHARE * super::timing::median_interval(&times)).min(LONGEST_TURN_S);
     for beat in clock.iter().filter(within) {
         let row: Vec<f64> =
-            kinds.iter().map(|(_, values, factor)| nearest(values, beat.time_s) * factor).collect();
+            kinds.iter().map(|(_, values, factor)| held(values, beat.time_s + turn_s) * factor).collect();
         match row.iter().position(|value| !value.is_finite()) {
             None => samples.accept(Place::Line(beat.line), &[&[beat.time_s], row.as_slice()].concat())?,
             Some(lost) => {
@@ -180,12 +241,14 @@ fn one(path: &Path, list: &List, motor: &str, test: &Test, options: &ReadOptions
     }
     let (columns, warnings) = samples.finish(None)?;
     let mut meta = Metadata::default();
-    for (key, value) in [(TEST_KEY, test.name.as_str()), ("programme", &test.name), ("motor", motor)] {
+    for (key, value) in
+        [(TEST_KEY, test.name.as_str()), ("programme", &test.name), ("motor", motor), (UNIT_KEY, unit)]
+    {
         meta.insert(key, value).expect("these keys take any text");
     }
     options.complete(path, &mut meta)?;
     let mut columns = columns.into_iter();
-    let mut record = Record {
+    let record = Record {
         name: format!("{} {} {motor}", super::stem(path), test.name),
         path: path.to_owned(),
         time_s: columns.next().unwrap_or_default(),
@@ -197,20 +260,17 @@ fn one(path: &Path, list: &List, motor: &str, test: &Test, options: &ReadOptions
         warnings,
         ..Record::default()
     };
-    restore_sign(&mut record);
     Ok(Some(record))
 }
 
-/// The value logged nearest to `time_s`; values are in the order of their times.
-fn nearest(values: &[Value], time_s: f64) -> f64 {
-    let after = values.partition_point(|value| value.time_s < time_s);
-    let candidates = [after.checked_sub(1), Some(after)];
-    candidates
-        .into_iter()
-        .flatten()
-        .filter_map(|index| values.get(index))
-        .min_by(|a, b| (a.time_s - time_s).abs().total_cmp(&(b.time_s - time_s).abs()))
-        .map_or(f64::NAN, |value| value.value)
+/// One turn of the robot's loop logs its entries within this share of the turn, and within so many seconds.
+const TURN_SHARE: f64 = 0.1;
+const LONGEST_TURN_S: f64 = 2e-3;
+
+/// The last value logged by `time_s`, which holds until the next; values are in the order of their times.
+fn held(values: &[Value], time_s: f64) -> f64 {
+    let after = values.partition_point(|value| value.time_s <= time_s);
+    after.checked_sub(1).and_then(|index| values.get(index)).map_or(f64::NAN, |value| value.value)
 }
 
 #[cfg(test)]

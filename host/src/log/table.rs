@@ -8,7 +8,7 @@ use super::mapping::{self, Mapping};
 use super::samples::{Place, Samples};
 use super::text::cannot_read;
 use super::units::{Quantity, Unit};
-use super::{Metadata, ReadOptions, Record, preamble};
+use super::{Metadata, ReadOptions, Record, Warning, preamble};
 use crate::error::{BadInput, Result};
 
 /// A column of the file that is wanted.
@@ -66,7 +66,14 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         }
         line.clear();
     }
-    let (columns, warnings) = samples.finish(Some(Place::Line(head.line)))?;
+    let (columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
+    if head.skipped > 0 {
+        warnings.push(Warning {
+            place: format!("{}, line {}", path.display(), head.line),
+            what: format!("{} lines of text before the header were left out", head.skipped),
+            fix: "nothing, if the header is right".into(),
+        });
+    }
     let mut record = Record {
         name: super::stem(path),
         path: path.to_owned(),

@@ -66,7 +66,7 @@ impl Quantity {
         const RPM: f64 = TAU / 60.0;
         const DEGREE: f64 = TAU / 360.0;
         match self {
-            Quantity::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
+            Quantity::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
             Quantity::Angle => &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)],

@@ -78,6 +78,9 @@ fn no_excitation(record: &Record) -> Option<Fault> {
     if record.meta.get(sysid::TEST_KEY).is_some() || span(voltage) > 1e-6 * peak(voltage).max(1e-3) {
         return None;
     }
+    if rises(record) {
+        return None;
+    }
     Some(Fault {
         name: "constant_voltage",
         column: "voltage_v",
@@ -87,6 +90,22 @@ fn no_excitation(record: &Record) -> Option<Fault> {
         ),
         fix: "record a programme that changes the voltage (motorlens plan writes one), and check that this column is the applied voltage".into(),
     })
+}
+
+/// Whether the record begins near rest under its one voltage and runs up: a step from the first row on.
+fn rises(record: &Record) -> bool {
+    let motion = speed(record);
+    let fifth = motion.len() / 5;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
+    let (first, last, highest) =
+        (mean(&motion[..fifth]), mean(&motion[motion.len() - fifth..]), peak(&motion));
+    let start = motion.first().copied().unwrap_or_default();
+    let voltage = record.voltage_v.first().copied().unwrap_or_default();
+    voltage != 0.0
+        && last * voltage > 0.0
+        && last.abs() > 0.7 * highest
+        && start.abs() < 0.5 * highest
+        && first.abs() < last.abs()
 }
 
 fn no_motion(record: &Record) -> Option<Fault> {
@@ -128,7 +147,13 @@ fn reversed(record: &Record) -> Option<Fault> {
     let same_sign = smoothed.iter().map(|voltage| alignment(voltage, &motion)).fold(1.0, f64::min);
     let flipped = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
     flipped.then(|| {
-        let (column, turn) = if record.angle_rad.is_some() {
+        let (column, turn) = if record.meta.get(sysid::TEST_KEY).is_some() {
+            // The mapping's unit takes the place of the layout's own, so it is named.
+            let column = if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" };
+            let radians = record.meta.get(sysid::UNIT_KEY) == Some("rad");
+            let turn = if radians { sysid::TURN_RADIANS } else { sysid::TURN_ROTATIONS };
+            (column, turn)
+        } else if record.angle_rad.is_some() {
             ("angle_rad", "--map angle=angle_rad:rad*-1")
         } else {
             ("speed_rad_s", "--map speed=speed_rad_s:rad/s*-1")

@@ -1,0 +1,297 @@
+//! What a counter or a sensor did to a record, undone or left out and said: spikes, wrapped angles, resets, pauses.
+//!
+//! The steps of a moving shaft form a continuum: what stands alone above it by a factor is no motion. Two such steps
+//! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
+//! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
+
+use std::f64::consts::TAU;
+
+use super::motion::peak;
+use super::quantum::quantum;
+use super::samples::FEWEST_SAMPLES;
+use super::timing::median_interval;
+use super::{Record, Warning};
+
+/// Steps this many times as large as the largest ordinary one are no motion.
+const APART: f64 = 3.0;
+/// Share of the steps, from the largest on, among which such steps are sought.
+const RARE: f64 = 0.2;
+/// A garbled reading returns within so many samples.
+const LONGEST_SPIKE: usize = 3;
+/// A spike of speed is this many times the fastest other reading.
+const SPIKE_SPEED: f64 = 3.0;
+/// A record is cut at a pause of so many intervals and seconds.
+const PAUSE_INTERVALS: f64 = 10.0;
+const PAUSE_S: f64 = 0.25;
+/// Times named in a message.
+const NAMED: usize = 5;
+
+/// The parts of `record`, each without what no motor did.
+pub fn repaired(mut record: Record) -> Vec<Record> {
+    leave_out_spikes(&mut record);
+    unwrap_angle(&mut record);
+    let pauses = pauses(&record);
+    let resets = record.angle_rad.as_deref().map(far_steps).unwrap_or_default();
+    cut(record, &pauses, &resets)
+}
+
+/// Steps (from sample k to k + 1) of `values` that stand apart from the motion, at most two in a row.
+fn far_steps(values: &[f64]) -> Vec<usize> {
+    let steps: Vec<f64> = values.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
+    let mut sorted: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.len() < FEWEST_SAMPLES {
+        return Vec::new();
+    }
+    let rare = ((1.0 - RARE) * sorted.len() as f64) as usize;
+    // A few counts are what a slow motion is written in.
+    let smallest = sorted[0].max(1e-9 * peak(values));
+    let Some(limit) = (rare..sorted.len() - 1)
+        .find(|&k| sorted[k + 1] > APART * sorted[k] + 4.0 * smallest)
+        .map(|k| 0.5 * (sorted[k] + sorted[k + 1]))
+    else {
+        return Vec::new();
+    };
+    let far: Vec<usize> = (0..steps.len()).filter(|&k| steps[k] > limit).collect();
+    // A burst of fast motion in a still record is motion.
+    if far.windows(3).any(|f| f[2] - f[0] == 2) { Vec::new() } else { far }
+}
+
+/// Samples between two far steps, there and back.
+fn spikes(values: &[f64]) -> Vec<usize> {
+    let far = far_steps(values);
+    let mut found = Vec::new();
+    let mut k = 0;
+    while k + 1 < far.len() {
+        let (there, back) = (far[k], far[k + 1]);
+        let up = values[there + 1] - values[there];
+        let left = values[back + 1] - values[there];
+        if back - there <= LONGEST_SPIKE && left.abs() < 0.25 * up.abs() {
+            found.extend(there + 1..=back);
+            k += 2;
+        } else {
+            k += 1;
+        }
+    }
+    found
+}
+
+fn leave_out_spikes(record: &mut Record) {
+    let angle = record.angle_rad.as_deref().filter(|x| modulus(x).is_none()).map(spikes).unwrap_or_default();
+    let speed = record.speed_rad_s.as_deref().map(speed_spikes).unwrap_or_default();
+    for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
+        if samples.is_empty() {
+            continue;
+        }
+        record.warnings.push(Warning {
+            place: format!("{}, column {column}", record.path.display()),
+            what: format!(
+                "garbled_readings: {} readings stand far from those before and after them, which no motion explains, and \
+                 were left out: {}",
+                samples.len(),
+                named(samples, &record.time_s)
+            ),
+            fix: "check the sensor's cable and the transmission of the log".into(),
+        });
+    }
+    let bad = |k: usize| angle.contains(&k) || speed.contains(&k);
+    if !angle.is_empty() || !speed.is_empty() {
+        let keep: Vec<bool> = (0..record.len()).map(|k| !bad(k)).collect();
+        for column in columns(record) {
+            let mut kept = keep.iter();
+            column.retain(|_| *kept.next().unwrap_or(&true));
+        }
+    }
+}
+
+fn speed_spikes(speed: &[f64]) -> Vec<usize> {
+    let found = spikes(speed);
+    let rest = (0..speed.len()).filter(|k| !found.contains(k)).fold(0.0, |p: f64, k| p.max(speed[k].abs()));
+    found.into_iter().filter(|&k| speed[k].abs() > SPIKE_SPEED * rest).collect()
+}
+
+/// The full turn of a wrapped angle, in its unit: all its jumps have this size, and its values span no more.
+fn modulus(angle: &[f64]) -> Option<f64> {
+    let far = far_steps(angle);
+    let step = |k: usize| angle.get(k + 1).zip(angle.get(k)).map_or(0.0, |(b, a)| b - a);
+    // The motion goes on while the counter wraps.
+    let around = |k: usize| 0.5 * (k.checked_sub(1).map_or(0.0, step) + step(k + 1));
+    let mut sizes: Vec<f64> = far.iter().map(|&k| (step(k) - around(k)).abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let size = *sizes.get(sizes.len() / 2)?;
+    let motion = (0..angle.len() - 1).filter(|k| !far.contains(k)).map(|k| step(k).abs()).fold(0.0, f64::max);
+    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let same = |size: f64| sizes.iter().all(|s| (s - size).abs() < motion + 0.01 * size);
+    // The motion always goes on in the direction opposite to the jump.
+    let onwards = far.iter().filter(|&&k| step(k) * around(k) <= 0.0).count();
+    let spans = |size: f64| high - low < 1.01 * size && high - low > size - 2.0 * motion - 0.01 * size;
+    if !same(size) || onwards < far.len() || !spans(size) {
+        return None;
+    }
+    // A turn in radians, degrees or revolutions, or a whole number of bits of the counter.
+    let count = quantum(angle);
+    let bits = count.map(|count| count * (size / count).log2().round().exp2());
+    let turns = [TAU, 360.0, 1.0, TAU * 360.0, TAU * TAU];
+    let known =
+        turns.into_iter().chain(bits).filter(|m| (m / size - 1.0).abs() < 0.02 && spans(*m) && same(*m));
+    let known = known.min_by(|a, b| (a - size).abs().total_cmp(&(b - size).abs()));
+    known.or((far.len() >= 3).then_some(size))
+}
+
+fn unwrap_angle(record: &mut Record) {
+    let Some(angle) = &mut record.angle_rad else { return };
+    let Some(turn) = modulus(angle) else { return };
+    let far = far_steps(angle);
+    let (mut offset, mut next) = (0.0, 0);
+    for k in 0..angle.len() {
+        let jumped = k > 0 && far.get(next) == Some(&(k - 1));
+        if jumped {
+            // The value before carries the offset already.
+            offset -= turn * (angle[k] + offset - angle[k - 1]).signum();
+            next += 1;
+        }
+        angle[k] += offset;
+    }
+    record.warnings.push(Warning {
+        place: format!("{}, column angle_rad", record.path.display()),
+        what: format!("wrapped_angle: the angle wraps at {turn:.6} rad, {} times, and was unwrapped", far.len()),
+        fix: "log the angle unwrapped, if the motor can make more than half a turn of it between two samples; if the unit is \
+              not the radian, say so with --map"
+            .into(),
+    });
+}
+
+/// Samples before which the log pauses.
+fn pauses(record: &Record) -> Vec<usize> {
+    let longest = (PAUSE_INTERVALS * median_interval(&record.time_s)).max(PAUSE_S);
+    let pause = |k: &usize| record.time_s[k + 1] - record.time_s[*k] > longest;
+    (0..record.len().saturating_sub(1)).filter(pause).collect()
+}
+
+/// Cuts behind the samples `pauses` and `resets`; parts too short to teach anything are left out.
+fn cut(record: Record, pauses: &[usize], resets: &[usize]) -> Vec<Record> {
+    let mut ends: Vec<usize> = pauses.iter().chain(resets).map(|k| k + 1).chain([record.len()]).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let begins = [0].into_iter().chain(ends.iter().copied());
+    let all: Vec<(usize, usize)> = begins.zip(ends.iter().copied()).collect();
+    let kept: Vec<(usize, usize)> = all.iter().copied().filter(|(a, b)| b - a >= FEWEST_SAMPLES).collect();
+    if all.len() == 1 || kept.is_empty() {
+        return vec![record];
+    }
+    let time = &record.time_s;
+    let mut said = Vec::new();
+    for (name, samples, why) in [
+        ("pauses", pauses, "the log pauses"),
+        (
+            "lost_counts",
+            resets,
+            "the angle jumps, which no motion explains (the counter was reset or lost counts)",
+        ),
+    ] {
+        if !samples.is_empty() {
+            let after: Vec<usize> = samples.iter().map(|k| k + 1).collect();
+            said.push(format!("{name}: {why} {} times, before {}", samples.len(), named(&after, time)));
+        }
+    }
+    let short: usize = all.iter().map(|(a, b)| b - a).filter(|n| *n < FEWEST_SAMPLES).sum();
+    let short =
+        if short > 0 { format!("; {short} samples of shorter parts are left out") } else { String::new() };
+    let warnings = said.into_iter().map(|what| Warning {
+        place: record.path.display().to_string(),
+        what: format!("{what}; read as {} records{short}", kept.len()),
+        fix: "log without pauses, and read the counter in full width; nothing is to be done if these are separate tests".into(),
+    });
+    let mut warnings: Vec<Warning> = record.warnings.iter().cloned().chain(warnings).collect();
+    let parts = kept.iter().enumerate().map(|(number, &(begin, end))| {
+        let mut part = Record {
+            name: format!("{} part {}", record.name, number + 1),
+            // Said once.
+            warnings: std::mem::take(&mut warnings),
+            ..record.clone()
+        };
+        for column in columns(&mut part) {
+            *column = column[begin..end].to_vec();
+        }
+        part
+    });
+    parts.collect()
+}
+
+fn columns(record: &mut Record) -> impl Iterator<Item = &mut Vec<f64>> {
+    let Record { time_s, voltage_v, angle_rad, speed_rad_s, current_a, supply_v, .. } = record;
+    let optional = [angle_rad, speed_rad_s, current_a, supply_v].into_iter().flatten();
+    [time_s, voltage_v].into_iter().chain(optional)
+}
+
+fn named(samples: &[usize], time_s: &[f64]) -> String {
+    let some: Vec<String> =
+        samples.iter().take(NAMED).map(|&k| format!("sample {} ({:.3} s)", k + 1, time_s[k])).collect();
+    let more = samples.len().saturating_sub(NAMED);
+    some.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moving(angle: impl Fn(f64) -> f64) -> Record {
+        let time_s: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.005).collect();
+        let values: Vec<f64> = time_s.iter().map(|t| angle(*t)).collect();
+        Record {
+            name: "run".into(),
+            voltage_v: vec![1.0; 800],
+            angle_rad: Some(values),
+            time_s,
+            ..Record::default()
+        }
+    }
+
+    fn swing(t: f64) -> f64 {
+        20.0 * (1.7 * t).sin() + 4.0 * (4.0 * t).sin()
+    }
+
+    #[test]
+    fn an_angle_wrapped_at_any_usual_turn_is_unwrapped_and_said() {
+        for (turn, low) in [(TAU, 0.0), (TAU, -TAU / 2.0), (10.0, 0.0), (360.0 / 20.0, 0.0)] {
+            let parts = repaired(moving(|t| (swing(t) - low).rem_euclid(turn) + low));
+            assert_eq!(parts.len(), 1, "{turn}");
+            assert!(parts[0].warnings[0].what.contains("wraps"), "{:?}", parts[0].warnings);
+            let angle = parts[0].angle_rad.as_ref().unwrap();
+            for (t, x) in parts[0].time_s.iter().zip(angle) {
+                let off = (x - angle[0]) - (swing(*t) - swing(0.0));
+                assert!(off.abs() < 0.02, "{turn}: {off} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn garbled_readings_are_left_out_few_or_many() {
+        for every in [50, 400] {
+            let mut record = moving(swing);
+            for k in (30..800).step_by(every) {
+                record.angle_rad.as_mut().unwrap()[k] += 150.0;
+            }
+            let parts = repaired(record);
+            assert_eq!((parts.len(), parts[0].warnings.len()), (1, 1));
+            assert_eq!(parts[0].len(), 800 - (30..800).step_by(every).count());
+            assert!(parts[0].warnings[0].what.contains("sample 31"), "{:?}", parts[0].warnings);
+        }
+    }
+
+    #[test]
+    fn a_record_is_cut_at_resets_and_pauses_and_otherwise_left_alone() {
+        assert_eq!(repaired(moving(swing)), [moving(swing)]);
+        let mut reset = moving(swing);
+        for at in [200, 350, 600] {
+            let there = reset.angle_rad.as_ref().unwrap()[at];
+            reset.angle_rad.as_mut().unwrap()[at..].iter_mut().for_each(|x| *x -= there + 30.0);
+        }
+        assert_eq!(repaired(reset).len(), 4);
+        let mut paused = moving(swing);
+        paused.time_s[400..].iter_mut().for_each(|t| *t += 30.0);
+        let parts = repaired(paused);
+        assert_eq!(parts.iter().map(Record::len).collect::<Vec<_>>(), [400, 400]);
+        assert!(parts[0].warnings[0].what.contains("pauses") && parts[1].warnings.is_empty());
+    }
+}
