@@ -59,16 +59,18 @@ proptest! {
     }
 
     #[test]
-    fn any_numbers_survive_writing_and_reading(
-        steps in prop::collection::vec((1e-6..10.0f64, -1e3..1e3f64, prop::num::f64::NORMAL), 20..80),
+    fn the_numbers_of_any_motion_survive_writing_and_reading(
+        // A step that stands apart from all others would be no motion, and be left out.
+        steps in prop::collection::vec((1e-6..10.0f64, -1e3..1e3f64, 0.5..1.0f64), 20..80),
+        exponent in -290..290i32,
         hold in prop::bool::ANY,
     ) {
-        let mut time = 0.0;
+        let (mut time, mut turned) = (0.0, 0.0);
         let record = Record {
             name: "any".into(),
             time_s: steps.iter().map(|(step, ..)| { time += step; time }).collect(),
             voltage_v: steps.iter().map(|(_, voltage, _)| *voltage).collect(),
-            angle_rad: Some(steps.iter().map(|(.., angle)| *angle).collect()),
+            angle_rad: Some(steps.iter().map(|(.., step)| { turned += step * 10f64.powi(exponent); turned }).collect()),
             hold: if hold { Hold::First } else { Hold::Zero },
             ..Record::default()
         };

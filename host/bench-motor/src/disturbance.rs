@@ -56,7 +56,7 @@ impl Course {
     /// Begins a record.
     pub fn new(disturbance: Disturbance, rng: &mut Rng) -> Self {
         let (a, b) = (gaussian(rng), gaussian(rng));
-        Self { disturbance, a, b, phase: between(rng, 0.0, 6.28) }
+        Self { disturbance, a, b, phase: between(rng, 0.0, std::f64::consts::TAU) }
     }
 
     /// Goes on by `dt`; the torque over the stall torque.

@@ -6,7 +6,7 @@ use motorlens_shared::effects::Kind;
 
 use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
-use crate::diagnose::discover::{Discovery, Options, discover};
+use crate::diagnose::discover::{Criterion, Discovery, Options, discover};
 use crate::error::{Error, Result};
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
@@ -21,6 +21,9 @@ pub struct Args {
     /// Most effects to add
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
     pub most: u8,
+    /// By what an effect is accepted; likelihood is under examination (docs/DIAGNOSIS.md)
+    #[arg(long, value_enum, default_value_t)]
+    pub criterion: Criterion,
     /// Write the model here
     #[arg(long, value_name = "MODEL.json")]
     pub out: Option<PathBuf>,
@@ -29,7 +32,7 @@ pub struct Args {
 /// Runs the loop and tells what it found.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = or_bad_data(args.input.load(), &[], console)?;
-    let options = Options { most: usize::from(args.most), ..Options::default() };
+    let options = Options { criterion: args.criterion, most: usize::from(args.most), ..Options::default() };
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     if let Some(path) = &args.out {
         found.model.write(path)?;

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::{Console, watch};
 use crate::atomic_file;
+use crate::diagnose::discover::Criterion;
 use crate::error::{Error, Result};
 use crate::exam::{Answer, Marks, Paper, benches, examine, picture, table};
 
@@ -46,6 +47,9 @@ pub struct Args {
     /// Only these kinds: protocol, sysid, duty-on-battery, servo-pendulum, few-decimals, weak-sines
     #[arg(long, value_name = "KINDS", value_delimiter = ',', requires = "benches")]
     bench: Vec<String>,
+    /// By what the diagnosis accepts an effect on the benches
+    #[arg(long, value_enum, default_value_t, requires = "benches")]
+    criterion: Criterion,
     /// Write the cases of the benches as folders (logs, motor.toml, truth.json) and ask nothing
     #[arg(long, value_name = "DIR", requires = "benches")]
     write: Option<PathBuf>,
@@ -116,7 +120,12 @@ fn on_benches(args: &Args, console: &Console) -> Result<()> {
         let why = format!("no kind of bench is called '{unknown}'");
         return Err(Error::usage(why, format!("choose from {}", known().join(", "))));
     }
-    let paper = benches::Paper { from: args.from, cases: args.cases, benches: args.bench.clone() };
+    let paper = benches::Paper {
+        from: args.from,
+        cases: args.cases,
+        benches: args.bench.clone(),
+        criterion: args.criterion,
+    };
     let bar = watch::bar(console, paper.questions().len() as u64, "cases");
     if let Some(directory) = &args.write {
         benches::write_cases(&paper, directory, &mut || bar.inc(1))?;

@@ -5,8 +5,7 @@ use std::time::Instant;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::candidate::{Candidate, Errors};
-use crate::select::{dataset::Dataset, fitted::Fitted, run::run};
+use super::candidate::Candidate;
 use super::climb::{self, Climb};
 use super::evidence::Evidence;
 use super::ladder::{Ranked, Rung, rank, rung};
@@ -19,6 +18,7 @@ use crate::fit::setup;
 use crate::log::{Record, repeats};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
+use crate::select;
 
 /// What is going on, for a progress bar.
 #[derive(Debug, Clone)]
@@ -34,9 +34,22 @@ pub enum Progress {
     Rung(Rung),
 }
 
+/// By what an effect is accepted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// Ratios of 50 ms differences of the simulation error, on records fitted and kept out.
+    #[default]
+    Increments,
+    /// Held-out likelihood of the simulation error by time scale ([`crate::select`]).
+    Likelihood,
+}
+
 /// What to look for.
 #[derive(Debug, Clone)]
 pub struct Options {
+    /// By what an effect is accepted.
+    pub criterion: Criterion,
     /// Effects that may be added.
     pub library: Vec<Kind>,
     /// Most effects.
@@ -45,7 +58,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { library: crate::formula::all(), most: 4 }
+        Self { criterion: Criterion::default(), library: crate::formula::all(), most: 4 }
     }
 }
 
@@ -137,73 +150,10 @@ fn explore(
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
     let mut ladder: Vec<Rung> = Vec::new();
-    let told = std::cell::RefCell::new(progress);
-    if std::env::var_os("MOTORLENS_SELECT").is_some() {
-        let data = Dataset::new(&evidence.whole, records);
-        let start = Fitted::of(&data, &base.values(), 3, 12);
-        let selected = run(
-            &data,
-            start,
-            &options.library,
-            options.most,
-            &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
-            &mut |model| {
-                let rung = rung(&evidence, &model.values());
-                (told.borrow_mut())(Progress::Rung(rung.clone()));
-                ladder.push(rung);
-            },
-        );
-        if std::env::var_os("MOTORLENS_TELL").is_some() {
-            let base = &selected.steps[0];
-            for c in &selected.first {
-                let g = c.gain_over(base);
-                eprintln!("  first {:?} gain {:.1} sure {:.1} left {:.3}", c.kinds().iter().map(|k| k.name()).collect::<Vec<_>>(), g.total, g.sure, selected.left_over(c));
-            }
-            for w in selected.steps.windows(2) {
-                let g = w[1].gain_over(&w[0]);
-                eprintln!("  step {:?} gain {:.1} sure {:.1} left {:.3} {:?}", w[1].kinds().iter().map(|k| k.name()).collect::<Vec<_>>(), g.total, g.sure, selected.left_over(&w[1]), w[1].values());
-            }
-            eprintln!("  base left {:.3} {:?}", selected.left_over(base), base.values());
-            eprintln!("  repeated {} noise {:?}\n  floor {:?}", selected.repeated, selected.model().noise, selected.floor);
-        }
-        let candidate = |f: &Fitted| Candidate {
-            layout: f.layout.clone(),
-            found: f.found.clone(),
-            train: Errors { increments: selected.left_over(f), position: selected.left_over(f) },
-            unseen: Errors { increments: selected.left_over(f), position: selected.left_over(f) },
-            records: vec![selected.left_over(f)],
-            calm: None,
-            foretold: false,
-        };
-        let climb = Climb {
-            rungs: selected.steps.iter().map(candidate).collect(),
-            first: selected.first.iter().map(candidate).collect(),
-            refused: Vec::new(),
-            withdrawn: Vec::new(),
-        };
-        let rivals = selected.rivals.iter().map(|(_, m)| Rivals { models: m.iter().map(candidate).collect() }).collect();
-        let left = selected.left_over(selected.model());
-        let verdict = if left < 1.25 { Verdict::Explained } else { Verdict::Unexplained };
-        let origin = Origin {
-            motorlens: env!("CARGO_PKG_VERSION").into(),
-            records: records.iter().map(|r| r.name.clone()).collect(),
-            method: "discover".into(),
-            seed: None,
-        };
-        return Discovery {
-            verdict,
-            rivals,
-            effects: climb.model().kinds().to_vec(),
-            noise_floor: noise_floor(records, validation, &evidence.whole),
-            ladder,
-            candidates: rank(&climb, &evidence),
-            model: Model::new(&climb.model().values(), &evidence.whole.rig, &evidence.whole.prior, origin),
-            seconds: begun.elapsed().as_secs_f64(),
-            simulations: evidence.simulations() + data.train.simulations.get(),
-            evidence,
-            climb,
-        };
+    if options.criterion == Criterion::Likelihood {
+        return select::discovery(begun, records, validation, evidence, base, options, progress);
     }
+    let told = std::cell::RefCell::new(progress);
     let mut climb = climb::run(
         &mut evidence,
         base,

@@ -55,20 +55,14 @@ impl Tangent {
         let kept: Vec<usize> = (0..free.len()).filter(|k| loose || free[*k] != VISCOUS_SHARE).collect();
         let axes: Vec<usize> = kept.iter().map(|k| free[*k]).collect();
         let (mut centre, mut rows): (Vec<Vec<f64>>, Vec<Vec<Vec<f64>>>) = (Vec::new(), Vec::new());
-        problem.neighbours(
-            layout,
-            objective,
-            &found.x,
-            &axes,
-            &mut |_, blocks, inverse| {
-                let row = |k: usize| {
-                    let own = blocks[0][k].0[0];
-                    (1..=axes.len()).map(|f| (blocks[f / LANES][k].0[f % LANES] - own) * inverse[f]).collect()
-                };
-                centre.push(blocks[0].iter().map(|r| r.0[0]).collect());
-                rows.push((0..blocks[0].len()).map(row).collect());
-            },
-        );
+        problem.neighbours(layout, objective, &found.x, &axes, &mut |_, blocks, inverse| {
+            let row = |k: usize| {
+                let own = blocks[0][k].0[0];
+                (1..=axes.len()).map(|f| (blocks[f / LANES][k].0[f % LANES] - own) * inverse[f]).collect()
+            };
+            centre.push(blocks[0].iter().map(|r| r.0[0]).collect());
+            rows.push((0..blocks[0].len()).map(row).collect());
+        });
         let mut slope = DVector::zeros(axes.len());
         for (row, c) in rows.iter().flatten().zip(centre.iter().flatten()) {
             for (total, d) in slope.iter_mut().zip(row) {

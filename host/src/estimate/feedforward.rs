@@ -131,7 +131,7 @@ mod tests {
         let (ks, kv, ka, dt) = (0.3, 0.9, 0.12, 0.02);
         let time_s: Vec<f64> = (0..(seconds / dt) as usize).map(|k| k as f64 * dt).collect();
         let voltage_v: Vec<f64> = time_s.iter().map(|t| volts(*t)).collect();
-        let keep = (-dt * kv / ka as f64).exp();
+        let keep = (-dt * kv / ka).exp();
         let mut w = 0.0_f64;
         let speed = voltage_v.iter().map(|v| {
             let now = w;

@@ -259,7 +259,7 @@ fn renewals(quantity: Quantity, column: &[f64]) -> Option<Vec<usize>> {
     }
     runs.sort_unstable();
     let hold = runs[runs.len() / 2];
-    let regular = runs.iter().filter(|run| run.abs_diff(hold) <= 1 + hold / 5).count();
+    let regular = runs.iter().filter(|run| run.abs_diff(hold) <= 1 + hold / 10).count();
     if hold < HELD_ROWS || (regular as f64) < HELD_SHARE * runs.len() as f64 {
         return None;
     }

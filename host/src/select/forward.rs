@@ -60,10 +60,8 @@ pub fn forward(data: &Dataset, model: &Fitted, library: &[Kind], tick: &mut dyn 
     round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
     round.truncate(FULL.0);
     data.train.simulations.set(data.train.simulations.get() + screen.simulations.get());
-    let mut fitted: Vec<Fitted> = round
-        .into_iter()
-        .map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2))
-        .collect();
+    let mut fitted: Vec<Fitted> =
+        round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
     fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));
     fitted
 }

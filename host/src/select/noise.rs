@@ -113,7 +113,10 @@ impl Noise {
         const ENOUGH: usize = 30;
         let known = self.variances.values().filter(|(_, count)| *count >= ENOUGH);
         let least = known.map(|(v, _)| *v).reduce(f64::min).unwrap_or_else(|| self.mean());
-        Self { variances: self.variances.iter().map(|(o, (_, n))| (*o, (least, *n))).collect(), mean_square: least }
+        Self {
+            variances: self.variances.iter().map(|(o, (_, n))| (*o, (least, *n))).collect(),
+            mean_square: least,
+        }
     }
 
     /// Sets the weights of `problem`'s records: half by this noise, half by its mean alone. The first half makes the fit efficient under

@@ -18,7 +18,7 @@ pub struct Selected {
     pub first: Vec<Fitted>,
     /// For each accepted effect that has such: the accepted model, then models with another effect in its place that the records
     /// cannot tell from it.
-    pub rivals: Vec<(Kind, Vec<Fitted>)>,
+    pub rivals: Vec<Vec<Fitted>>,
     /// What a perfect model would leave.
     pub floor: Noise,
     /// Whether a repeated programme measured that.
@@ -114,7 +114,7 @@ fn rivals(
     first: &[Fitted],
     library: &[Kind],
     given: &[Kind],
-) -> Vec<(Kind, Vec<Fitted>)> {
+) -> Vec<Vec<Fitted>> {
     let model = &steps[steps.len() - 1];
     let accepted: Vec<Kind> = model.kinds().iter().copied().filter(|kind| !given.contains(kind)).collect();
     let single = accepted.len() == 1;
@@ -127,7 +127,7 @@ fn rivals(
         };
         let other = |c: &Fitted| !c.kinds().iter().all(|k| covers(model.kinds(), *k));
         let near: Vec<Fitted> = tried.into_iter().filter(|c| other(c) && !model.beats(c)).collect();
-        (!near.is_empty()).then(|| (kind, std::iter::once(model.clone()).chain(near).collect()))
+        (!near.is_empty()).then(|| std::iter::once(model.clone()).chain(near).collect())
     };
     accepted.into_iter().filter_map(of).collect()
 }

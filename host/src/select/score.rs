@@ -34,7 +34,13 @@ fn spread(k: usize, j: usize, count: usize, samples: usize) -> std::ops::RangeIn
 }
 
 /// Score of every block of every record, natural logarithms; higher is better.
-pub fn scores(problem: &Problem, layout: &Layout, x: &[f64], errors: &[Coefficients], noise: &Noise) -> Vec<f64> {
+pub fn scores(
+    problem: &Problem,
+    layout: &Layout,
+    x: &[f64],
+    errors: &[Coefficients],
+    noise: &Noise,
+) -> Vec<f64> {
     let mut scores = likelihoods(problem, errors, noise);
     for (score, cost) in scores.iter_mut().zip(influences(problem, layout, x)) {
         // Far from the minimum one Newton step tells nothing: then the block's own score bounds what it can cost.

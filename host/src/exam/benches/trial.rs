@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::{case, motor_file, record};
-use crate::diagnose::discover::{Options, discover};
+use crate::diagnose::discover::{Criterion, Options, discover};
 use crate::error::Result;
 use crate::log::Record;
 use crate::motor_file::MotorFile;
@@ -23,6 +23,8 @@ pub struct Paper {
     pub cases: u64,
     /// Kinds of bench by name; all where empty.
     pub benches: Vec<String>,
+    /// By what the diagnosis accepts an effect.
+    pub criterion: Criterion,
 }
 
 impl Paper {
@@ -49,8 +51,14 @@ struct Diagnosis {
 }
 
 /// The one place that calls the diagnosis.
-fn ask(records: &[Record], held_out: &[Record], motor: &MotorFile) -> Result<Diagnosis> {
-    let found = discover(records, held_out, motor, &Options::default(), &mut |_| ())?;
+fn ask(
+    records: &[Record],
+    held_out: &[Record],
+    motor: &MotorFile,
+    criterion: Criterion,
+) -> Result<Diagnosis> {
+    let options = Options { criterion, ..Options::default() };
+    let found = discover(records, held_out, motor, &options, &mut |_| ())?;
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
     let rung = |k: Option<&crate::diagnose::ladder::Rung>| {
         k.and_then(|rung| rung.validation).map_or(f64::NAN, |m| m.rmse)
@@ -160,7 +168,7 @@ pub fn examine(paper: &Paper, threads: usize, each: &mut dyn FnMut(&Answer)) -> 
             scope.spawn(move || {
                 while let Some((bench, seed)) = questions.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let place = questions.iter().position(|q| q == &(*bench, *seed)).unwrap_or(0);
-                    if send.send((place, answer(&case(*bench, *seed)))).is_err() {
+                    if send.send((place, answer(&case(*bench, *seed), paper.criterion))).is_err() {
                         break;
                     }
                 }
@@ -174,11 +182,11 @@ pub fn examine(paper: &Paper, threads: usize, each: &mut dyn FnMut(&Answer)) -> 
 }
 
 /// Asks about one case. Records that are refused are an answer too: the user has nothing else.
-fn answer(case: &Case) -> Answer {
+fn answer(case: &Case, criterion: Criterion) -> Answer {
     let logs = |logs: &[motorlens_bench_motor::Log]| logs.iter().map(record).collect::<Vec<_>>();
     let (training, held_out) = (logs(&case.training), logs(&case.held_out));
     let begun = Instant::now();
-    let found = ask(&training, &held_out, &motor_file(&case.known));
+    let found = ask(&training, &held_out, &motor_file(&case.known), criterion);
     let seconds = begun.elapsed().as_secs_f64();
     let named = |asked: bool| case.hidden.iter().filter(|h| h.asked == asked).map(|h| h.name).collect();
     let size = |h: &motorlens_bench_motor::Hidden| {
