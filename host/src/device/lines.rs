@@ -1,11 +1,13 @@
 //! The line protocol: runs of a motor as lines of text, from any board (docs/LINE_PROTOCOL.md).
 //!
-//!     # programme: steps
-//!     # duty_full: 255
-//!     t_us,duty,count,supply_mv
-//!     0,0,0,11980
-//!     4000,64,0,11975
-//!     # end: finished
+//! ```text
+//! # programme: steps
+//! # duty_full: 255
+//! t_us,duty,count,supply_mv
+//! 0,0,0,11980
+//! 4000,64,0,11975
+//! # end: finished
+//! ```
 
 use std::collections::BTreeMap;
 

@@ -113,7 +113,16 @@ pub fn discover(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
     let begun = Instant::now();
-    let (evidence, base) = prepare(records, validation, motor)?;
+    if options.criterion == Criterion::Increments {
+        let (evidence, base) = prepare(records, validation, motor)?;
+        return Ok(explore(begun, records, validation, evidence, base, options, progress));
+    }
+    // The records kept out are laid out only once the base model is fitted: they must not touch it.
+    validation.iter().try_for_each(crate::log::check_usable)?;
+    let (mut evidence, base) = prepare(records, &[], motor)?;
+    if !validation.is_empty() {
+        evidence.kept_out = Some(evidence.whole.on(evidence.whole.lay_out(validation, motor)));
+    }
     Ok(explore(begun, records, validation, evidence, base, options, progress))
 }
 

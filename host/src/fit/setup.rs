@@ -19,6 +19,9 @@ const NAMEPLATE_WIDTH: f64 = 0.4;
 /// Viscous share of the damping of small geared motors, and its spread.
 const USUAL_VISCOUS_SHARE: (f64, f64) = (0.08, 0.05);
 
+/// One reading of a speed is believed against what its column looks like where it leaves less than this share of the squared error.
+const DECIDES: f64 = 0.9;
+
 /// The known part of a rig: what a motor file and the logs say.
 pub fn rig(records: &[Record], motor: &MotorFile) -> Rig {
     let meta = |f: fn(&Record) -> Option<f64>| records.iter().find_map(f);
@@ -84,7 +87,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         let others: Vec<Grid> =
             grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
         let (left_so, base_so) = first_base(&others, &rig, &prior);
-        if left_so < left {
+        if left_so < DECIDES * left {
             (left, base, grids) = (left_so, base_so, others);
         }
     }

@@ -56,7 +56,8 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         } else if text.len() == 5 && text.starts_with("sep=") {
             // A spreadsheet's own remark; the separator shows in the header too.
         } else if !text.trim_matches([',', ';', '\t']).is_empty() {
-            if skipped < header_at(text, input.fill_buf().map_err(|error| cannot_read(path, &error))?) {
+            let ahead = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
+            if skipped < MOST_CHATTER && header_at(text, ahead) > 0 {
                 skipped += 1;
                 continue;
             }
@@ -95,14 +96,18 @@ fn header_at(text: &str, ahead: &[u8]) -> usize {
     };
     let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
     let numbers = |line: &str| line.split([',', ';', '\t']).all(|v| v.trim().parse::<f64>().is_ok());
-    let columns = |line: &str| {
+    // A candidate below a row of numbers of as many columns is a bad row of the table above.
+    let columns = |line: &str| -> (usize, bool) {
         let mut splitter = Splitter::new(delimiter_of(line));
         splitter.split(line.as_bytes());
-        splitter.iter().count()
+        (splitter.iter().count(), splitter.iter().any(|v| v.replace(',', ".").parse::<f64>().is_ok()))
+    };
+    let below_rows = |k: usize| {
+        let own = columns(lines[k]).0;
+        lines[1..k.max(1)].iter().any(|line| columns(line) == (own, true))
     };
     match (0..last).find(|&k| is_header(k)) {
-        // A first line of as many names is the header itself, with a bad row below it.
-        Some(k) if !numbers(text) && columns(text) != columns(lines[k]) => k,
+        Some(k) if !numbers(text) && !below_rows(k) => k,
         _ => 0,
     }
 }
