@@ -200,7 +200,8 @@ fn owned() -> [Owned; 3] {
             unseen: "2024-10-26_12h27m27.json",
             options: ReadOptions { format: Format::BamJson, ..ReadOptions::default() },
             named: &[Kind::Gravity, Kind::LoadFriction],
-            share: 0.1,
+            // A tenth of what the usual model left when it was fitted without sums that are exact on each interval: 0.049 rad.
+            share: 0.15,
         },
     ]
 }
