@@ -55,6 +55,12 @@ pub trait Scalar:
     /// `f` of every lane and its partner in `other`.
     fn map_with(self, other: Self, f: fn(f64, f64) -> f64) -> Self;
 
+    /// The number of a cell of the voltage grid: known before a run, but not to a number that only writes down what is
+    /// computed with it.
+    #[inline(always)]
+    fn count(index: usize) -> Self {
+        Self::lit(index as f64)
+    }
     /// Zero.
     #[inline(always)]
     fn zero() -> Self {

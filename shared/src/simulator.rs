@@ -86,7 +86,8 @@ impl<S: Scalar> Seen<S> {
 pub struct Motion<S> {
     /// Current, speed and angle.
     pub state: State<S>,
-    memories: [Memory<S>; MAX_EFFECTS],
+    /// What each effect remembers, in the order of the registry.
+    pub memories: [Memory<S>; MAX_EFFECTS],
 }
 
 impl<S: Scalar> Simulator<S> {

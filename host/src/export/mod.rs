@@ -1,13 +1,15 @@
 //! The model for other tools.
 //!
-//! C and Python get the exact step of the model itself; Modelica its equations, with friction smoothed; MuJoCo a
-//! joint with armature, damping, friction loss and gear. What a target cannot express is left out and named.
+//! C, Python and Modelica get the exact step of the model itself, written down by the model while it runs on numbers that
+//! record what is computed with them; MuJoCo a joint with armature, damping, friction loss and gear. What a target cannot
+//! express is left out and named.
 
-mod formula;
-mod laws;
+mod expression;
 mod modelica;
 mod mujoco;
 mod program;
+mod record;
+mod step;
 
 use motorlens_shared::effects::Kind;
 
@@ -45,11 +47,18 @@ pub struct Exported {
     pub left_out: Vec<String>,
 }
 
+impl Exported {
+    /// With everything that the model has.
+    fn whole(text: String) -> Self {
+        Self { text, left_out: Vec::new() }
+    }
+}
+
 /// Writes `model` in `format`.
 pub fn export(model: &Model, format: Format, options: &Options) -> Exported {
     match format {
         Format::Mujoco => mujoco::export(model, options),
-        Format::Modelica => modelica::export(model),
+        Format::Modelica => modelica::export(model, options),
         Format::Python => program::export(model, options, &program::PYTHON),
         Format::C => program::export(model, options, &program::C),
     }

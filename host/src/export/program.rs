@@ -1,113 +1,249 @@
-//! The exact step of the model as a program.
+//! The model's own step as a program.
 
-use motorlens_shared::base::Coefficients;
 use motorlens_shared::effects::Kind;
-use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::laws::{Place, Statements, number, statements};
+use super::expression::{Printer, Syntax, Text, reach};
+use super::record::{Input, Recorded};
+use super::step::{Changing, Step, trace};
 use super::{Exported, Options, effects};
 use crate::model_file::Model;
 
-/// A language: its file with places to fill, and how a statement stands in it.
+/// A language: its file with places to fill, and how statements stand in it.
 pub(super) struct Language {
     template: &'static str,
-    indent: &'static str,
+    syntax: Syntax,
+    /// Before a statement of a function, and of the loop within.
+    indents: [&'static str; 2],
     end: &'static str,
+    /// Before a name that is defined for good, and before one that changes.
+    define: [&'static str; 2],
+    /// Before the state's own variables.
+    own: &'static str,
+    /// Declares such a variable, where the language asks for it.
+    field: Option<fn(&str, &str) -> String>,
+    /// Past voltages: their declaration, what they are at the start, how they move on.
+    past: fn(usize) -> [String; 3],
 }
 
-pub(super) const C: Language =
-    Language { template: include_str!("motor.c.in"), indent: "        ", end: ";" };
-pub(super) const PYTHON: Language =
-    Language { template: include_str!("motor.py.in"), indent: "            ", end: "" };
+pub(super) const C: Language = Language {
+    template: include_str!("motor.c.in"),
+    syntax: Syntax {
+        least: |a, b| format!("least({a}, {b})"),
+        most: |a, b| format!("most({a}, {b})"),
+        pick: |[a, b, x, y]| format!("({a} > {b} ? {x} : {y})"),
+        divide: |_, _| None,
+        round: |x| format!("rint({x})"),
+        absolute: |x| format!("fabs({x})"),
+        past: |steps| format!("s->past[{steps}]"),
+        call: |name, arguments| format!("{name}({})", arguments.join(", ")),
+        not_finite: |x| match x {
+            x if x.is_nan() => "NAN",
+            x if x > 0.0 => "INFINITY",
+            _ => "-INFINITY",
+        },
+    },
+    indents: ["    ", "        "],
+    end: ";",
+    define: ["const double ", "double "],
+    own: "s->",
+    field: Some(|name, meaning| format!("    double {name}; /* {meaning} */\n")),
+    past: |steps| {
+        [
+            format!("    double past[{}]; /* V, the latest first */\n    int begun;\n", steps + 1),
+            "    /* At rest there was no voltage before; in motion, the first one. */\n    \
+             for (k = 0; k < (int)(sizeof s->past / sizeof *s->past); k++)\n        s->past[k] = 0.0;\n    \
+             s->begun = speed == 0.0;\n"
+                .into(),
+            format!(
+                "    for (k = {steps}; k > 0; k--)\n        s->past[k] = s->begun ? s->past[k - 1] : volts;\n    \
+                 s->past[0] = volts;\n    s->begun = 1;\n"
+            ),
+        ]
+    },
+};
+
+pub(super) const PYTHON: Language = Language {
+    template: include_str!("motor.py.in"),
+    syntax: Syntax {
+        least: |a, b| format!("least({a}, {b})"),
+        most: |a, b| format!("most({a}, {b})"),
+        pick: |[a, b, x, y]| format!("({x} if {a} > {b} else {y})"),
+        divide: |a, b| Some(format!("divide({a}, {b})")),
+        round: |x| format!("nearest({x})"),
+        absolute: |x| format!("fabs({x})"),
+        past: |steps| format!("past[{steps}]"),
+        call: |name, arguments| format!("{name}({})", arguments.join(", ")),
+        not_finite: |x| match x {
+            x if x.is_nan() => "nan",
+            x if x > 0.0 => "inf",
+            _ => "-inf",
+        },
+    },
+    indents: ["        ", "            "],
+    end: "",
+    define: ["", ""],
+    own: "self.",
+    field: None,
+    past: |steps| {
+        let all = steps + 1;
+        [
+            String::new(),
+            format!(
+                "        # At rest there was no voltage before; in motion, the first one.\n        \
+                 self.past = [0.0] * {all} if speed == 0.0 else None\n"
+            ),
+            format!(
+                "        past = self.past = [volts] * {all} if self.past is None else [volts, *self.past[:-1]]\n"
+            ),
+        ]
+    },
+};
+
+/// What an input is called, in every language.
+pub(super) fn name(effects: &[(Kind, Vec<f64>)], input: Input) -> String {
+    match input {
+        Input::Command => "volts".into(),
+        Input::Step => "steps".into(),
+        Input::Current => "current".into(),
+        Input::Speed => "speed".into(),
+        Input::Angle => "angle".into(),
+        Input::LoadSpeed => "load_speed".into(),
+        Input::LoadAngle => "load_angle".into(),
+        Input::Origin => "start".into(),
+        Input::Store(k) => format!("{}_memory", effects[k].0.name()),
+        Input::Age(k) => format!("{}_age", effects[k].0.name()),
+    }
+}
+
+/// What it is, for whoever reads the program.
+pub(super) fn meaning(effects: &[(Kind, Vec<f64>)], input: Input) -> String {
+    match input {
+        Input::Command => "V, at the driver's output".into(),
+        Input::Step => "taken, this one included".into(),
+        Input::Current => "V: current times winding resistance".into(),
+        Input::Speed => "rad/s, of the rotor, seen through the gear".into(),
+        Input::Angle => "rad, of the rotor, seen through the gear".into(),
+        Input::LoadSpeed => "rad/s, of the output shaft".into(),
+        Input::LoadAngle => "rad, of the output shaft".into(),
+        Input::Origin => "rad: the first angle".into(),
+        Input::Store(k) => format!("what {} remembers", effects[k].0.name()),
+        Input::Age(k) => format!("s: age of what {} holds", effects[k].0.name()),
+    }
+}
+
+/// The lines that head a program: the base model's parameters, then each effect, its equation and its parameters.
+pub(super) fn heading(model: &Model) -> String {
+    let effects = model.effects.iter().map(|e| {
+        let spec = e.effect.spec();
+        let numbers: Vec<String> =
+            e.parameters.iter().map(|p| format!("{} = {} {}", p.name, p.value, p.unit)).collect();
+        format!("{}: {} ({}).", spec.name, spec.equation, numbers.join(", "))
+    });
+    let b = &model.base;
+    let base = format!(
+        "gain = {} rad/(s V), tau_m = {} s, tau_e = {} s, viscous_share = {}.",
+        b.gain, b.tau_m, b.tau_e, b.viscous_share
+    );
+    // What ends a comment of C would end this one.
+    std::iter::once(base).chain(effects).collect::<Vec<_>>().join("\n   ").replace("*/", "* /")
+}
 
 /// Fills the template of `language`.
 pub(super) fn export(model: &Model, options: &Options, language: &Language) -> Exported {
-    let rig = model.rig(options.step_s);
-    let base = model.base.base();
     let effects = effects(model);
-    let load_share = effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_share()?]));
-    let parts = effects.iter().map(|(kind, _)| kind.spec().laws.parts).max().unwrap_or(1);
-    let part_s = options.step_s / parts as f64;
-    let load_damping =
-        effects.iter().find_map(|(kind, p)| Some(p[kind.spec().load_damping()?])).unwrap_or(0.0);
-    let rotor = load_share.map_or(base, |share| base.without_load(share, load_damping));
-    let all: Vec<Statements> = effects
+    let step = trace(&model.base.base(), &effects, &model.rig(options.step_s));
+    let names = |input: Input| name(&effects, input);
+    let printer = Printer::new(&step.tape, &language.syntax, &effects, &names);
+    let next: Vec<Recorded> = step.changing.iter().map(|c| c.next).chain([step.reading]).collect();
+    let first: Vec<Recorded> = step.changing.iter().map(|c| c.first).chain([step.first_reading]).collect();
+    let [outside, inside] = language.indents;
+    let [past_field, past_begin, past_move] =
+        reach(&step.tape, &next).map_or_else(Default::default, language.past);
+    let counter = if past_move.is_empty() { "" } else { "    int k;\n" };
+
+    let fields: String = step
+        .changing
         .iter()
-        .enumerate()
-        .map(|(memory, (kind, p))| statements(*kind, p, &Place { rig: &rig, base: &base, part_s, memory }))
+        .filter_map(|c| Some(language.field?(&names(c.input), &meaning(&effects, c.input))))
         .collect();
-    let lines = |of: fn(&Statements) -> &Vec<String>, before: &[String], indent: &str| -> String {
-        let own = all.iter().flat_map(of);
-        before.iter().chain(own).map(|line| format!("{indent}{line}{}\n", language.end)).collect()
-    };
-    let load = match load_share {
-        Some(share) => vec![
-            format!("load_speed2 = load_speed + {:e} * load_torque", part_s * base.acceleration() / share),
-            "load_angle2 = load_angle".into(),
-        ],
-        None => vec!["load_speed2 = speed2".into(), "load_angle2 = angle2".into()],
-    };
-    let rigid = if load_share.is_some() { vec![] } else { vec!["torque += load_torque".to_owned()] };
-    let outside = &language.indent[4..];
-    let mut drive = lines(|s| &s.drive, &[], language.indent);
-    drive +=
-        &rigid.iter().map(|line| format!("{}{line}{}\n", language.indent, language.end)).collect::<String>();
     let blocks = [
-        ("BEGIN", lines(|s| &s.begin, &[], outside)),
-        ("DRIVE", drive),
-        ("COUPLE", lines(|s| &s.couple, &load, language.indent)),
-        ("SETTLE", lines(|s| &s.settle, &[], language.indent)),
-        ("READ", lines(|s| &s.read, &[], outside)),
+        ("FIELDS", fields + &past_field),
+        ("COUNTER", if language.field.is_some() { counter.to_owned() } else { String::new() }),
+        ("BEGIN", language.begin(&step, &names, &printer.text(&first)) + &past_begin),
+        ("MOVE", past_move),
+        (
+            "LOAD",
+            each(&step, |c| {
+                format!(
+                    "{outside}{1}{0} = {2}{0}{3}\n",
+                    names(c.input),
+                    language.define[1],
+                    language.own,
+                    language.end
+                )
+            }),
+        ),
+        ("ADVANCE", language.advance(inside, &step, &names, &printer.text(&next))),
+        (
+            "STORE",
+            each(&step, |c| {
+                format!("{outside}{1}{0} = {0}{2}\n", names(c.input), language.own, language.end)
+            }),
+        ),
     ];
     let mut text = language.template.to_owned();
-    for (name, block) in blocks {
-        text = text.replace(&format!("@{name}@\n"), &block);
+    for (place, block) in blocks {
+        text = text.replace(&format!("@{place}@\n"), &block);
     }
-    let c = Coefficients::new(&rotor, part_s);
-    let numbers = [
-        ("UU", c.uu),
-        ("UW", c.uw),
-        ("UV", c.uv),
-        ("UF", c.uf),
-        ("WU", c.wu),
-        ("WW", c.ww),
-        ("WV", c.wv),
-        ("WF", c.wf),
-        ("XU", c.xu),
-        ("XW", c.xw),
-        ("XV", c.xv),
-        ("XF", c.xf),
-        ("PER_IMPULSE", c.per_impulse),
-        ("ELECTRIC_IMPULSE", c.electric_impulse),
-        ("VISCOUS", c.viscous),
-        ("BACK_EMF", c.back_emf),
-        ("CONSTANTS", c.shares.constants),
-        ("KEPT", c.shares.kept),
-        ("HALF_KEPT", c.shares.half_kept),
-        ("RAMP", c.shares.ramp),
-        ("HALF_STEP", c.half_step),
-        ("STEP", options.step_s),
-    ];
-    for (name, value) in numbers {
-        text = text.replace(&format!("@{name}@"), &number(value));
-    }
-    let names: Vec<&str> = effects.iter().map(|(kind, _)| kind.name()).collect();
     let words = [
-        ("NAMES", if names.is_empty() { "none".to_owned() } else { names.join(", ") }),
-        ("PARTS", parts.to_string()),
-        ("PAST", past(&effects, options.step_s).to_string()),
-        ("MEMORIES", MAX_EFFECTS.to_string()),
-        ("SHAFT", if rig.encoder_on_motor { "angle2" } else { "load_angle2" }.to_owned()),
-        ("SHAFT_BEFORE", if rig.encoder_on_motor { "angle" } else { "load_angle" }.to_owned()),
+        ("HEADING", heading(model)),
+        ("STEP", format!("{:?}", options.step_s)),
+        ("PARTS", step.parts.to_string()),
     ];
-    for (name, word) in words {
-        text = text.replace(&format!("@{name}@"), &word);
+    for (place, word) in words {
+        text = text.replace(&format!("@{place}@"), &word);
     }
-    Exported { text, left_out: Vec::new() }
+    Exported::whole(text)
 }
 
-/// Commands that a program keeps: as many as its delay looks back, and the present one.
-fn past(effects: &[(Kind, Vec<f64>)], step_s: f64) -> usize {
-    let delay = effects.iter().find(|(kind, _)| *kind == Kind::Delay).map_or(0.0, |(_, p)| p[0]);
-    (delay / step_s) as usize + 2
+impl Language {
+    fn definitions(&self, text: &Text) -> Vec<String> {
+        text.defined
+            .iter()
+            .map(|(name, value)| format!("{}{name} = {value}{}", self.define[0], self.end))
+            .collect()
+    }
+
+    /// The state at the start.
+    fn begin(&self, step: &Step, names: &dyn Fn(Input) -> String, text: &Text) -> String {
+        let mut lines = self.definitions(text);
+        lines.extend(
+            targets(step, names)
+                .iter()
+                .zip(&text.outputs)
+                .map(|(target, value)| format!("{}{target} = {value}{}", self.own, self.end)),
+        );
+        lines.iter().map(|line| format!("{}{line}\n", self.indents[0])).collect()
+    }
+
+    /// A part of a step: all is computed before anything changes.
+    fn advance(&self, indent: &str, step: &Step, names: &dyn Fn(Input) -> String, text: &Text) -> String {
+        let mut lines = self.definitions(text);
+        let targets = targets(step, names);
+        let changed: Vec<(&String, &String)> =
+            targets.iter().zip(&text.outputs).filter(|(target, value)| target != value).collect();
+        let (define, end) = (self.define[0], self.end);
+        lines.extend(changed.iter().map(|(target, value)| format!("{define}next_{target} = {value}{end}")));
+        lines.extend(changed.iter().map(|(target, _)| format!("{target} = next_{target}{end}")));
+        lines.iter().map(|line| format!("{indent}{line}\n")).collect()
+    }
+}
+
+/// The names of what a step changes.
+fn targets(step: &Step, names: &dyn Fn(Input) -> String) -> Vec<String> {
+    step.changing.iter().map(|c| names(c.input)).chain(["reading".into()]).collect()
+}
+
+fn each(step: &Step, line: impl Fn(&Changing) -> String) -> String {
+    step.changing.iter().map(line).collect()
 }

@@ -88,7 +88,7 @@ impl<S: Scalar> Effect<S> for Formula<S> {
         if self.entry == Entry::Sensor {
             return;
         }
-        let time = S::lit(now.index as f64 - 1.0) * self.cell;
+        let time = (S::count(now.index) - S::one()) * self.cell;
         let value = self.evaluate(&now.state, [drive.voltage, now.command, time]);
         let size = value.max(S::zero());
         match self.entry {

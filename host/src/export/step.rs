@@ -1,0 +1,147 @@
+//! A model's step as expressions, written down by the model itself.
+
+use motorlens_shared::base::Base;
+use motorlens_shared::effects::together::{Effects, MAX_EFFECTS, Several};
+use motorlens_shared::effects::{Kind, Memory, Now, Rig};
+use motorlens_shared::simulator::{Motion, Prepared, Simulator, in_order};
+use motorlens_shared::step::{Drive, Laws, State};
+
+use super::record::{Input, Recorded, Tape, record};
+
+/// What changes from step to step, and how.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Changing {
+    pub input: Input,
+    /// Its value at the start.
+    pub first: Recorded,
+    /// Its value after a part of a step.
+    pub next: Recorded,
+}
+
+/// A step of a model: the same part, `parts` times.
+pub(super) struct Step {
+    pub tape: Tape,
+    /// Current, speeds and angles, and what the effects remember.
+    pub changing: Vec<Changing>,
+    /// What the sensor shows at the start, which [`Input::Speed`] and [`Input::Angle`] tell, and after a part.
+    pub first_reading: Recorded,
+    pub reading: Recorded,
+    /// Parts of a step.
+    pub parts: usize,
+}
+
+/// Effects of which a program runs one part of a step at a time.
+struct InOnePart(Several<Recorded>);
+
+impl Effects<Recorded> for InOnePart {
+    fn laws(&self) -> Laws {
+        Laws { parts: 1, ..self.0.laws() }
+    }
+    fn two_masses(&self) -> bool {
+        self.0.two_masses()
+    }
+    fn drive(&self, now: &Now<Recorded>, memories: &[Memory<Recorded>], drive: &mut Drive<Recorded>) {
+        self.0.drive(now, memories, drive);
+    }
+    fn begin(&self, state: &State<Recorded>, memories: &mut [Memory<Recorded>]) {
+        self.0.begin(state, memories);
+    }
+    fn settle(&self, now: &Now<Recorded>, after: &State<Recorded>, memories: &mut [Memory<Recorded>]) {
+        self.0.settle(now, after, memories);
+    }
+    fn couple(&self, part: Recorded, state: &mut State<Recorded>) {
+        self.0.couple(part, state);
+    }
+    fn read(&self, state: &State<Recorded>, memories: &[Memory<Recorded>], reading: &mut Recorded) {
+        self.0.read(state, memories, reading);
+    }
+}
+
+/// Writes down a step of `base` with `effects` on `rig`.
+pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Step {
+    let (step, tape) = record(|| {
+        let base = Base {
+            gain: lit(base.gain),
+            tau_m: lit(base.tau_m),
+            tau_e: lit(base.tau_e),
+            viscous_share: lit(base.viscous_share),
+        };
+        let numbers: Vec<(Kind, Vec<Recorded>)> =
+            effects.iter().map(|(kind, p)| (*kind, p.iter().map(|x| lit(*x)).collect())).collect();
+        let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
+        let prepared = Prepared::new(&base, &effects, rig);
+        let parts =
+            effects.iter().find(|(kind, _)| kind.is_transmission()).map_or(1, |(k, _)| k.spec().laws.parts);
+        let several = InOnePart(Several::new(&effects, &prepared.setting));
+        let simulator = Simulator::with(prepared, several);
+
+        let start = simulator.start(State::moving(lit(0.0), input(Input::Speed), input(Input::Angle)));
+        let first_reading = simulator.read(&start);
+        let before = Motion { state: state(), memories: std::array::from_fn(memory) };
+        let mut after = before;
+        // The voltages are one input, and so is their number.
+        simulator.advance(&mut after, &[lit(0.0), input(Input::Command)], 1);
+        let reading = simulator.read(&after);
+        Step {
+            tape: Tape::default(),
+            changing: changing(&start, &before, &after, effects.len()),
+            first_reading,
+            reading,
+            parts,
+        }
+    });
+    Step { tape, ..step }
+}
+
+fn lit(x: f64) -> Recorded {
+    motorlens_shared::scalar::Scalar::lit(x)
+}
+
+fn input(input: Input) -> Recorded {
+    Recorded::input(input)
+}
+
+fn state() -> State<Recorded> {
+    State {
+        current: input(Input::Current),
+        speed: input(Input::Speed),
+        angle: input(Input::Angle),
+        load_speed: input(Input::LoadSpeed),
+        load_angle: input(Input::LoadAngle),
+    }
+}
+
+fn memory(effect: usize) -> Memory<Recorded> {
+    Memory {
+        store: input(Input::Store(effect)),
+        age: input(Input::Age(effect)),
+        origin: input(Input::Origin),
+    }
+}
+
+/// The state, and of what `effects` effects remember that which ever changes.
+fn changing(
+    start: &Motion<Recorded>,
+    before: &Motion<Recorded>,
+    after: &Motion<Recorded>,
+    effects: usize,
+) -> Vec<Changing> {
+    let of = |state: &State<Recorded>| {
+        [state.current, state.speed, state.angle, state.load_speed, state.load_angle]
+    };
+    let inputs = [Input::Current, Input::Speed, Input::Angle, Input::LoadSpeed, Input::LoadAngle];
+    let state = inputs.into_iter().zip(of(&start.state)).zip(of(&after.state));
+    let remembered = (0..effects.min(MAX_EFFECTS)).flat_map(|k| {
+        let [first, old, new] = [start, before, after].map(|motion| motion.memories[k]);
+        [(Input::Store(k), first.store, old.store, new.store), (Input::Age(k), first.age, old.age, new.age)]
+    });
+    state
+        .map(|((input, first), next)| Changing { input, first, next })
+        .chain(remembered.filter(|(.., old, new)| old != new).map(|(input, first, _, next)| Changing {
+            input,
+            first,
+            next,
+        }))
+        .chain([Changing { input: Input::Origin, first: input(Input::Angle), next: input(Input::Origin) }])
+        .collect()
+}
