@@ -33,6 +33,9 @@ pub enum Error {
         /// What to check or change.
         remedy: String,
     },
+    /// Whoever watched a search stopped it; exit status 1.
+    #[error("stopped")]
+    Cancelled,
     /// The machine refused an operation that is no fault of the input (a full disk, say); exit status 1.
     #[error("{doing}: {source}")]
     Io {
@@ -142,7 +145,7 @@ impl Error {
             Error::Usage { .. } => 2,
             Error::BadInput(_) => 3,
             Error::Device { .. } => 4,
-            Error::Io { .. } => 1,
+            Error::Cancelled | Error::Io { .. } => 1,
         }
     }
 
@@ -167,6 +170,10 @@ impl Error {
                 error["kind"] = json!("device");
                 error["why"] = json!(why);
                 error["remedy"] = json!(remedy);
+            }
+            Error::Cancelled => {
+                error["kind"] = json!("cancelled");
+                error["why"] = json!(self.to_string());
             }
             Error::Io { .. } => {
                 error["kind"] = json!("io");

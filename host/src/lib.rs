@@ -1,7 +1,28 @@
-//! motorlens
+//! Fits a geared DC motor's model to logs, and names the missing physical effect.
+//!
+//! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
+//! [`record`] or [`log::read`] made, with records to judge by; [`fit`], [`add`] and [`plan`] are its parts. A [`Model`] simulates
+//! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]). All quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
+//!
+//! Features, all on by default: `cli` (the program), `serve` (the page in a browser), `device` (boards at a serial port).
+//! Without them (`default-features = false`) the library reads logs, fits, diagnoses, simulates and exports.
+//!
+//! ```no_run
+//! use std::ops::ControlFlow;
+//! use motorlens::{Options, discover_records, log};
+//!
+//! let records = log::read("steps.csv".as_ref(), &log::ReadOptions::default())?;
+//! let found = discover_records(&records, &Options::default(), &mut |_| ControlFlow::Continue(()))?;
+//! println!("{}", found.findings.headline);
+//! found.model.write("model.json".as_ref())?;
+//! # Ok::<(), motorlens::Error>(())
+//! ```
+mod api;
 pub mod atomic_file;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod compare;
+#[cfg(feature = "device")]
 pub mod device;
 pub mod diagnose;
 pub mod error;
@@ -17,7 +38,16 @@ pub mod motor_file;
 mod nearest;
 pub mod paper;
 pub mod report;
+mod run;
 pub mod search;
 pub mod select;
+#[cfg(feature = "serve")]
 pub mod serve;
 pub mod simulate;
+mod stop;
+
+pub use api::{
+    Discovered, Error, Event, Measured, Model, Observer, Options, Result, add, discover, discover_records,
+    fit, plan, record,
+};
+pub use run::Running;

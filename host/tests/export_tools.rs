@@ -1,7 +1,7 @@
-//! Exported models run in MuJoCo and by a Modelica compiler, beside motorlens' own simulation.
+//! Exported models run in the tools that they are for, beside motorlens' own simulation.
 //!
-//! Both come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has `mujoco` and `rumoca`, and
-//! `cargo xtask test` sets one up. Where it is not set, each test says so and ends.
+//! The tools come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has MuJoCo, a Modelica compiler, FMPy,
+//! WPILib's mathematics and a URDF reader, and `cargo xtask test` sets one up. Where it is not set, each test says so and ends.
 
 mod exported;
 
@@ -10,19 +10,40 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use exported::{OPTIONS, formulas, model, own, sets, truth};
-use motorlens::export::{Format, export};
+use motorlens::export::{Format, Options, export};
 use motorlens::model_file::Model;
 use motorlens_shared::effects::Kind;
 
-/// Reads volts, a line a millisecond; prints the angle after each.
+/// Reads volts, a line a millisecond; prints the reading after each. With the program beside the MJCF where there is one.
 const MUJOCO: &str = "
-import sys, mujoco
+import sys, pathlib, runpy, mujoco
 m = mujoco.MjModel.from_xml_path(sys.argv[1])
 d = mujoco.MjData(m)
+beside = pathlib.Path(sys.argv[1]).with_suffix('.py')
+motor = runpy.run_path(str(beside))['Motor'](m, d) if beside.exists() else None
+parts = round(1e-3 / m.opt.timestep)
 for line in sys.stdin:
-    d.ctrl[0] = float(line)
-    mujoco.mj_step(m, d)
-    print(repr(float(d.qpos[0])))
+    for _ in range(parts):
+        if motor:
+            reading = motor.step(d, float(line))
+        else:
+            d.ctrl[0] = float(line)
+            mujoco.mj_step(m, d)
+            reading = d.qpos[0]
+    print(repr(float(reading)))
+";
+
+/// The same by FMPy, after it has checked the unit.
+const FMU: &str = "
+import sys, numpy, fmpy, fmpy.validation
+problems = fmpy.validation.validate_fmu(sys.argv[1])
+assert not problems, problems
+volts = [float(line) for line in sys.stdin]
+signals = numpy.array([(k * 1e-3, v) for k, v in enumerate(volts)], dtype=[('time', float), ('volts', float)])
+result = fmpy.simulate_fmu(sys.argv[1], input=signals, output=['reading'], stop_time=len(volts) * 1e-3, step_size=1e-3,
+                           output_interval=1e-3)
+for row in result[1:]:
+    print(repr(float(row['reading'])))
 ";
 
 /// Drives the model by the sines of [`volts`]; prints the reading after every millisecond.
@@ -77,35 +98,96 @@ fn run(python: &str, script: &str, file: &Path, volts: &[f64]) -> Vec<f64> {
     String::from_utf8(output.stdout).expect("text").lines().map(|l| l.parse().expect("a number")).collect()
 }
 
+/// What the export makes of `volts`, and what the model makes of it.
+fn both(python: &str, model: &Model, format: Format, volts: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let directory = tempfile::tempdir().unwrap();
+    let (script, name) = match format {
+        Format::Mujoco => (MUJOCO, "motor.xml"),
+        Format::Fmu => (FMU, "motor.fmu"),
+        _ => (MODELICA, "Motor.mo"),
+    };
+    let file = directory.path().join(name);
+    // MuJoCo takes the step that its export has without being asked.
+    let step_s = if format == Format::Mujoco { None } else { OPTIONS.step_s };
+    let exported = export(model, format, &Options { step_s, ..OPTIONS }).unwrap();
+    std::fs::write(&file, &exported.content).unwrap();
+    if let Some((ending, text)) = &exported.beside {
+        std::fs::write(file.with_extension(ending), text).unwrap();
+    }
+    let angles = run(python, script, &file, volts);
+    let truth = truth(model, volts);
+    assert_eq!(angles.len(), truth.len());
+    (angles, truth)
+}
+
 /// Largest difference as a share of how far the motor turned.
 fn disagreement(python: &str, model: &Model, format: Format) -> f64 {
-    let directory = tempfile::tempdir().unwrap();
-    let (script, name) =
-        if format == Format::Mujoco { (MUJOCO, "motor.xml") } else { (MODELICA, "Motor.mo") };
-    let file = directory.path().join(name);
-    std::fs::write(&file, export(model, format, &OPTIONS).text).unwrap();
-    let volts = volts();
-    let angles = run(python, script, &file, &volts);
-    let truth = truth(model, &volts);
-    assert_eq!(angles.len(), truth.len());
+    let (angles, truth) = both(python, model, format, &volts());
     let range = truth.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let worst = angles.iter().zip(&truth).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     println!("{format:?} {:?}: {:.2e} of {range:.3} rad", model.values().kinds(), worst / range);
     worst / range
 }
 
+/// Every effect but those between two masses, alone at a size that shows, and sets of them.
 #[test]
-fn mujoco_turns_as_far_as_the_model() {
+fn mujoco_turns_as_the_model_does_with_every_effect_that_one_joint_can_have() {
     let Some(python) = python() else { return };
-    let expressed = [
+    let one_joint = |model: &Model| !model.values().kinds().iter().any(|k| k.is_transmission());
+    let alone = [
         model(&[]),
         model(&[(Kind::Coulomb, &[0.2])]),
-        model(&[(Kind::ConstantLoad, &[-0.3])]),
+        model(&[(Kind::CoulombAsymmetric, &[0.3, 0.1])]),
+        model(&[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4])]),
+        model(&[(Kind::LoadFriction, &[0.2, 0.3])]),
+        model(&[(Kind::QuadraticDrag, &[0.02])]),
         model(&[(Kind::Gravity, &[0.4, -0.2])]),
-        model(&[(Kind::Spring, &[0.5, -0.1]), (Kind::Coulomb, &[0.2])]),
+        model(&[(Kind::ConstantLoad, &[-0.3])]),
+        model(&[(Kind::Cogging, &[0.2, -0.1, 0.05, -0.02, 3.0])]),
+        model(&[(Kind::Spring, &[0.5, -0.1])]),
+        model(&[(Kind::Saturation, &[1.5])]),
+        model(&[(Kind::Delay, &[0.0061])]),
+        model(&[(Kind::DeadZone, &[0.5, 0.05])]),
+        model(&[(Kind::Coast, &[0.6, 500.0])]),
+        model(&[(Kind::SupplySag, &[0.3, 0.003])]),
+        model(&[(Kind::WindingHeating, &[0.4, 20.0])]),
+        model(&[(Kind::VoltageDrop, &[0.4, 0.2])]),
+        model(&[(Kind::Eccentricity, &[0.004, -0.002])]),
+        model(&[(Kind::LostCounts, &[0.05, 3.0])]),
+        model(&[(Kind::SensorLag, &[0.012, 0.0])]),
     ];
-    for model in expressed {
-        assert!(disagreement(&python, &model, Format::Mujoco) < 0.02, "{:?}", model.values().kinds());
+    for kind in Kind::ALL.iter().filter(|kind| !kind.is_transmission()) {
+        assert!(alone.iter().any(|m| m.values().kinds() == [*kind]), "{kind} is not tried");
+    }
+    for model in alone.into_iter().chain(sets()).chain(formulas()).filter(one_joint) {
+        let apart = disagreement(&python, &model, Format::Mujoco);
+        assert!(apart < 4e-3, "{:?}: {apart:.2e}", model.values().kinds());
+    }
+}
+
+/// The error against a record is the model's own to a hundredth: MuJoCo's steps add nothing that matters.
+#[test]
+fn mujoco_has_the_models_own_error_on_a_record() {
+    let Some(python) = python() else { return };
+    let effects: [(Kind, &[f64]); 2] = [(Kind::Coulomb, &[0.2]), (Kind::DeadZone, &[0.4, 0.0])];
+    let mut fitted = model(&effects);
+    let measured: Vec<f64> = truth(&fitted, &volts()).iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+    fitted.base.gain *= 1.005;
+    let (exported, own) = both(&python, &fitted, Format::Mujoco, &volts());
+    let rmse = |run: &[f64]| {
+        let sum: f64 = run.iter().zip(&measured).map(|(a, b)| (a - b) * (a - b)).sum();
+        (sum / measured.len() as f64).sqrt()
+    };
+    let (exported, own) = (rmse(&exported), rmse(&own));
+    println!("{exported:.5} rad in MuJoCo, {own:.5} rad by the model");
+    assert!((exported / own - 1.0).abs() < 0.01, "{exported} {own}");
+}
+
+#[test]
+fn a_unit_for_co_simulation_passes_fmpys_checks_and_runs_like_the_model() {
+    let Some(python) = python() else { return };
+    for model in sets().into_iter().chain(formulas()) {
+        assert!(disagreement(&python, &model, Format::Fmu) < 1e-9, "{:?}", model.values().kinds());
     }
 }
 
@@ -118,16 +200,122 @@ fn modelica_compiles_and_runs_like_the_model() {
     }
 }
 
+/// The volts that WPILib computes from the pasted lines turn the motor at the speed that was asked, and hold an arm still.
 #[test]
-fn every_effect_is_in_the_modelica_model_and_what_mujoco_lacks_is_named() {
-    let plain = |format| export(&model(&[]), format, &OPTIONS).text;
-    for kind in Kind::ALL.iter().copied().chain([own("y_torque", "torque", "-size * tanh(speed)")]) {
-        let spec = kind.spec();
-        let sizes: Vec<f64> = spec.parameters.iter().map(|p| p.typical).collect();
-        let with = model(&[(kind, &sizes)]);
-        assert_ne!(export(&with, Format::Modelica, &OPTIONS).text, plain(Format::Modelica), "{kind}");
-        let mujoco = export(&with, Format::Mujoco, &OPTIONS);
-        let named = mujoco.left_out.iter().any(|s| s.contains(kind.name()));
-        assert!(named || mujoco.text != plain(Format::Mujoco), "{kind} is silently lost");
+fn wpilibs_feedforward_gives_the_voltage_for_a_speed() {
+    let Some(python) = python() else { return };
+    let script = "
+import sys, wpimath.controller
+text = open(sys.argv[1]).read().split('--- Python (radians)')[1]
+scope = {'wpimath': wpimath}
+exec(text, scope)
+f = scope['feedforward']
+for line in sys.stdin:
+    a, b = map(float, line.split())
+    print(f.calculate(a, b) if sys.argv[1].endswith('arm.txt') else f.calculate(a))
+";
+    let directory = tempfile::tempdir().unwrap();
+    let ask = |name: &str, model: &Model, lines: &str| -> Vec<f64> {
+        let file = directory.path().join(name);
+        std::fs::write(&file, export(model, Format::Wpilib, &OPTIONS).unwrap().content).unwrap();
+        let mut child = Command::new(&python)
+            .args(["-c", script])
+            .arg(&file)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+        let said = String::from_utf8(child.wait_with_output().unwrap().stdout).unwrap();
+        said.lines().map(|line| line.parse().unwrap()).collect()
+    };
+    let turning = model(&[(Kind::Coulomb, &[0.3]), (Kind::DeadZone, &[0.4, 0.0])]);
+    let speeds = [3.0, -5.0];
+    for (speed, volts) in speeds.iter().zip(ask("motor.txt", &turning, "3 0\n-5 0\n")) {
+        let angles = truth(&turning, &vec![volts; 2000]);
+        let reached = (angles[1999] - angles[1899]) / 0.1;
+        assert!((reached / speed - 1.0).abs() < 1e-3, "{reached} for {speed}");
+    }
+    // At the log's zero the weight pulls with its cosine part alone: the arm's angle is the log's less its zero.
+    let (sine, cosine) = (0.8_f64, 0.5_f64);
+    let arm = model(&[(Kind::Gravity, &[sine, cosine])]);
+    let zero = sine.atan2(cosine);
+    let volts = ask("arm.txt", &arm, &format!("{} 0\n", -zero))[0];
+    assert!((volts - cosine).abs() < 1e-6, "{volts}");
+}
+
+/// Isaac Lab comes with a simulator that needs a graphics card: its configuration is run beside a class of the same fields.
+#[test]
+fn isaac_labs_configuration_and_the_urdf_hold_the_motors_numbers() {
+    let Some(python) = python() else { return };
+    let script = "
+import sys, types, yourdfpy
+class DCMotorCfg(types.SimpleNamespace):
+    fields = {'joint_names_expr', 'saturation_effort', 'effort_limit', 'velocity_limit', 'stiffness', 'damping', 'armature',
+              'friction', 'dynamic_friction', 'viscous_friction'}
+    def __init__(self, **values):
+        assert set(values) == self.fields, set(values) ^ self.fields
+        super().__init__(**values)
+lab, actuators = types.ModuleType('isaaclab'), types.ModuleType('isaaclab.actuators')
+actuators.DCMotorCfg = DCMotorCfg
+sys.modules.update({'isaaclab': lab, 'isaaclab.actuators': actuators})
+scope = {}
+exec(open(sys.argv[1] + '.py').read(), scope)
+motor = scope['MOTOR']
+joint = yourdfpy.URDF.load(sys.argv[1] + '.urdf', load_meshes=False).joint_map['output']
+print(motor.saturation_effort, motor.velocity_limit, motor.armature, motor.friction)
+print(joint.limit.effort, joint.limit.velocity, joint.dynamics.damping, joint.dynamics.friction)
+";
+    let directory = tempfile::tempdir().unwrap();
+    let stem = directory.path().join("motor");
+    let options = Options { torque_per_volt: Some(0.1), ..OPTIONS };
+    let model = model(&[(Kind::Coulomb, &[0.3])]);
+    for (format, ending) in [(Format::Isaac, "py"), (Format::Urdf, "urdf")] {
+        std::fs::write(stem.with_extension(ending), export(&model, format, &options).unwrap().content)
+            .unwrap();
+    }
+    let ran = Command::new(&python).args(["-c", script]).arg(&stem).output().unwrap();
+    let said = String::from_utf8(ran.stdout).unwrap();
+    let numbers: Vec<f64> = said.split_whitespace().map(|x| x.parse().unwrap()).collect();
+    let (stall, no_load) = (0.1 * 12.0, 0.9 * 12.0);
+    let wanted = [stall, no_load, 0.1 * 0.05 / 0.9, 0.03, stall, no_load, 0.1 * 0.1 / 0.9, 0.03];
+    assert_eq!(numbers.len(), wanted.len(), "{}", String::from_utf8_lossy(&ran.stderr));
+    for (a, b) in numbers.iter().zip(wanted) {
+        assert!((a / b - 1.0).abs() < 1e-6, "{numbers:?}");
+    }
+}
+
+/// Whatever the target: an effect changes the file, or is named as lost.
+#[test]
+fn no_target_loses_an_effect_in_silence() {
+    let options = Options { torque_per_volt: Some(0.1), ..OPTIONS };
+    let all = [
+        Format::Mujoco,
+        Format::Modelica,
+        Format::Python,
+        Format::C,
+        Format::Wpilib,
+        Format::Bam,
+        Format::Isaac,
+        Format::Urdf,
+    ];
+    // Targets that hold one joint's actuator leave the load to the robot, and say so.
+    let of_the_robot = [Kind::Gravity, Kind::ConstantLoad, Kind::Spring];
+    for format in all {
+        let plain = export(&model(&[]), format, &options).unwrap();
+        for kind in Kind::ALL.iter().copied().chain([own("y_torque", "torque", "-size * tanh(speed)")]) {
+            let spec = kind.spec();
+            let sizes: Vec<f64> = spec.parameters.iter().map(|p| p.typical).collect();
+            let exported = export(&model(&[(kind, &sizes)]), format, &options).unwrap();
+            let named = exported.lost.iter().any(|lost| lost.effect == kind);
+            let there = exported.content != plain.content || exported.beside != plain.beside;
+            let said = of_the_robot.contains(&kind)
+                && exported.notes.iter().any(|note| note.contains("belong to the robot"));
+            assert!(named || there || said, "{format:?} loses {kind} in silence");
+            assert!(
+                !named || !exported.carried.kinds().contains(&kind),
+                "{format:?} says that it loses {kind}, and has it"
+            );
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! Exported models in the tools that they are for: MuJoCo, and a Modelica compiler.
+//! Exported models in the tools that they are for: MuJoCo, a Modelica compiler, FMPy, WPILib's mathematics, a URDF reader.
 //!
-//! Neither is in Debian's archive (OpenModelica has one of its own), so both come from Python's registry into a
-//! virtual environment: MuJoCo itself, and rumoca, which compiles and simulates Modelica.
+//! None is in Debian's archive (OpenModelica has one of its own), so all come from Python's registry into a virtual
+//! environment; rumoca is the one that compiles and simulates Modelica.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,14 @@ use anyhow::Result;
 use crate::report::Count;
 use crate::{apt, process};
 
-const PYTHON: [&str; 2] = ["mujoco", "rumoca"];
+/// What is imported, and what to install for it.
+const PYTHON: [(&str, &str); 5] = [
+    ("mujoco", "mujoco>=4"),
+    ("rumoca", "rumoca"),
+    ("fmpy", "fmpy"),
+    ("wpimath.controller", "robotpy-wpimath"),
+    ("yourdfpy", "yourdfpy"),
+];
 
 /// Runs the tests that need the tools.
 pub fn tests() -> Result<Count> {
@@ -19,19 +26,31 @@ pub fn tests() -> Result<Count> {
     let python = environment(&process::root().join("target/exports/venv"), &PYTHON)?;
     process::run_tests(
         process::cargo()
-            .args(["test", "--package", "motorlens", "--test", "export_tools", "--locked"])
+            .args([
+                "test",
+                "--package",
+                "motorlens",
+                "--test",
+                "export",
+                "--test",
+                "export_tools",
+                "--locked",
+            ])
+            .env("MOTORLENS_LONG_TESTS", "1")
             .env("MOTORLENS_EXPORT_PYTHON", python),
     )
 }
 
-/// A Python of its own with `modules`, made on first use.
-pub fn environment(directory: &Path, modules: &[&str]) -> Result<PathBuf> {
+/// A Python of its own with `modules` (each with its package), made on first use.
+pub fn environment(directory: &Path, modules: &[(&str, &str)]) -> Result<PathBuf> {
     let python = directory.join("bin/python");
-    let imports: String = modules.iter().map(|name| format!("import {name}\n")).collect();
+    let imports: String = modules.iter().map(|(name, _)| format!("import {name}\n")).collect();
     let ready = Command::new(&python).args(["-c", &imports]).output();
     if !ready.is_ok_and(|output| output.status.success()) {
         process::run(Command::new("python3").args(["-m", "venv"]).arg(directory))?;
-        process::run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(modules))?;
+        process::run(
+            Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(modules.iter().map(|m| m.1)),
+        )?;
     }
     Ok(python)
 }

@@ -13,6 +13,7 @@ mod licences;
 mod peers;
 mod pico;
 mod process;
+mod python;
 mod real_logs;
 mod report;
 mod sizes;

@@ -14,7 +14,7 @@ pub fn run() -> Result<()> {
     apt::ensure_apt(&["octave", "octave-control", "python3-venv"])?;
     let directory = process::root().join("target/peers");
     std::fs::create_dir_all(&directory)?;
-    let python = exports::environment(&directory.join("venv"), &PYTHON)?;
+    let python = exports::environment(&directory.join("venv"), &PYTHON.map(|name| (name, name)))?;
     process::run(
         process::cargo()
             .current_dir(crate_directory())

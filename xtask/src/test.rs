@@ -6,7 +6,9 @@ use anyhow::Result;
 use clap::Args;
 
 use crate::report::{Count, Report};
-use crate::{arm, avr, bench, browser, cortex_m0, exports, instructions, licences, pico, process, sizes};
+use crate::{
+    arm, avr, bench, browser, cortex_m0, exports, instructions, licences, pico, process, python, sizes,
+};
 
 /// What to run.
 #[derive(Args)]
@@ -17,13 +19,13 @@ pub struct Options {
 }
 
 /// The crates that run on boards.
-const ON_BOARDS: [&str; 2] = ["motorlens-shared", "motorlens-firmware"];
+const ON_BOARDS: [&str; 3] = ["motorlens-shared", "motorlens-model", "motorlens-firmware"];
 
 /// A part of the run: its name and what it does.
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 17] = [
+const PARTS: [Part; 18] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -41,6 +43,7 @@ const PARTS: [Part; 17] = [
         process::run_tests(&mut tests)
     }),
     ("exports in their tools", exports::tests),
+    ("Python package", python::tests),
     ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
     ("decoders of host and board on ten million inputs each", || {
         let test = ["test", "--release", "-p", "motorlens-shared", "--test", "link_any_bytes"];
@@ -78,6 +81,7 @@ fn format() -> Result<()> {
         bench::directory(),
         browser::directory(),
         cortex_m0::directory(),
+        python::directory(),
     ];
     for directory in std::iter::once(process::root()).chain(beside) {
         process::run(process::cargo().current_dir(directory).args(["fmt", "--all", "--check"]))?;

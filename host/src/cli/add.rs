@@ -16,6 +16,8 @@ use crate::model_file::Model;
 
 /// Options of `add`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens add model.json coulomb run1.csv run2.csv -v unseen.csv -o better.json")]
 pub struct Args {
     /// The model to extend
     model: PathBuf,
@@ -24,7 +26,7 @@ pub struct Args {
     #[command(flatten)]
     input: LogArgs,
     /// Write the new model here; without it the old one stays as it is
-    #[arg(long, value_name = "MODEL.json")]
+    #[arg(short, long, value_name = "MODEL.json")]
     out: Option<PathBuf>,
 }
 

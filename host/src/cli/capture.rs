@@ -43,10 +43,10 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE.json", default_value = "default")]
     pub programme: String,
     /// Directory for the logs
-    #[arg(long, value_name = "DIR", default_value = "captured")]
+    #[arg(short, long, value_name = "DIR", default_value = "captured")]
     pub out: PathBuf,
     /// What is known of the motor; counts_per_rev turns counts into angles
-    #[arg(long, value_name = "motor.toml")]
+    #[arg(short, long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
     /// Counts per turn of the output shaft, after x4 and gearing, where no motor file says it
     #[arg(long, value_name = "COUNTS")]

@@ -15,13 +15,15 @@ use crate::log::Record;
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens compare model.json unseen.csv -m motor.toml -t run.csv")]
 pub struct Args {
     /// The model
     model: PathBuf,
     #[command(flatten)]
     input: LogArgs,
     /// Write the free runs here: record,time_s,measured,simulated
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(short, long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
 }
 

@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "SEED", default_value_t = Args::default().hidden)]
     hidden: u64,
     /// Directory for logs, model and report
-    #[arg(long, value_name = "DIR", default_value = "motorlens-demo")]
+    #[arg(short, long, value_name = "DIR", default_value = "motorlens-demo")]
     out: PathBuf,
 }
 

@@ -63,7 +63,7 @@ pub struct FitArgs {
     #[arg(long, value_name = "COUNTS")]
     pub counts_per_rev: Option<f64>,
     /// What is known of the motor
-    #[arg(long, value_name = "motor.toml")]
+    #[arg(short, long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
 }
 

@@ -14,6 +14,8 @@ use crate::model_file::Model;
 
 /// Options of `diagnose`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens diagnose model.json run1.csv run2.csv -v unseen.csv --json")]
 pub struct Args {
     /// The model
     model: PathBuf,

@@ -15,17 +15,20 @@ use crate::report::words::taken_back;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens discover run1.csv run2.csv -v unseen.csv -m motor.toml -o model.json
+  motorlens discover logs/*.csv --map time=t:ms,voltage=u,speed=y:rpm --json")]
 pub struct Args {
     #[command(flatten)]
     pub input: LogArgs,
     /// Most effects to add
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
     pub most: u8,
     /// By what an effect is accepted; likelihood is under examination (docs/DIAGNOSIS.md)
     #[arg(long, value_enum, default_value_t)]
     pub criterion: Criterion,
     /// Write the model here
-    #[arg(long, value_name = "MODEL.json")]
+    #[arg(short, long, value_name = "MODEL.json")]
     pub out: Option<PathBuf>,
 }
 

@@ -1,54 +1,150 @@
 //! `export`: the model for other tools.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::Console;
 use crate::atomic_file;
-use crate::error::Result;
-use crate::export::{Format, Options, export};
+use crate::error::{Error, Result};
+use crate::export::cost::{Cost, cost};
+use crate::export::{Exported, Format, Lost, Options, export};
+use crate::log::mapping::Mapping;
+use crate::log::{self, ReadOptions};
 use crate::model_file::Model;
+use crate::motor_file::{self, MotorFile};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens export model.json -f c -o motor.c
+  motorlens export model.json -f mujoco -o motor.xml --torque-per-volt 0.12
+  motorlens export model.json -f bam -o m5.json --torque-per-volt 0.12 --allow-missing --on steps.csv")]
 pub struct Args {
     /// The model
     model: PathBuf,
     /// The target
-    #[arg(long, value_enum)]
+    #[arg(short, long, value_enum)]
     format: Format,
     /// Write it here
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Step of a C or Python program, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 1e-3, value_parser = step)]
-    step: f64,
-    /// Stall torque per volt at the output shaft in N m/V, for MuJoCo [default: torques in volts]
-    #[arg(long, value_name = "TORQUE", default_value_t = 1.0, hide_default_value = true, value_parser = positive)]
-    torque_per_volt: f64,
+    /// Step of a program or of MuJoCo's simulation, in seconds [default: 0.001, MuJoCo 0.00025]
+    #[arg(long, value_name = "SECONDS", value_parser = step)]
+    step: Option<f64>,
+    /// Stall torque per volt at the output shaft in N m/V [default: unknown; MuJoCo then has torques in volts]
+    #[arg(long, value_name = "TORQUE", value_parser = positive)]
+    torque_per_volt: Option<f64>,
+    /// Name of the joint, or of BAM's actuator
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Which of BAM's models, 1 to 6 [default: the smallest that holds the effects]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=6))]
+    bam_model: Option<u8>,
+    /// Write it though the target lacks effects of the model
+    #[arg(long)]
+    allow_missing: bool,
+    /// A record on which to tell what the target's lack costs; repeatable [default: a standard programme]
+    #[arg(long, value_name = "LOG")]
+    on: Vec<PathBuf>,
+    /// What is known of the motor that made the record
+    #[arg(short, long, value_name = "motor.toml")]
+    motor: Option<PathBuf>,
+    /// Columns of the record, where it is a foreign table
+    #[arg(long, value_name = "MAP")]
+    map: Option<Mapping>,
 }
 
 #[derive(Serialize)]
 struct Document<'a> {
     schema: u32,
     format: Format,
-    out: &'a PathBuf,
-    left_out: &'a [String],
+    out: &'a Path,
+    /// The second file.
+    beside: Option<PathBuf>,
+    notes: &'a [String],
+    /// Sentences for what is lacking.
+    left_out: Vec<String>,
+    lost: &'a [Lost],
+    cost: Option<&'a Cost>,
 }
 
-/// Writes the file and says what it does not have.
+/// Writes the file, or refuses where the target lacks effects, and says what that costs.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let model = Model::read(&args.model)?;
-    let options = Options { step_s: args.step, torque_per_volt: args.torque_per_volt };
-    let exported = export(&model, args.format, &options);
-    atomic_file::write(&args.out, &exported.text)?;
-    let document = Document { schema: 1, format: args.format, out: &args.out, left_out: &exported.left_out };
+    let options = Options {
+        step_s: args.step,
+        torque_per_volt: args.torque_per_volt,
+        name: args.name.clone(),
+        bam_model: args.bam_model,
+    };
+    let format = args.format;
+    let exported = export(&model, format, &options)?;
+    let price = if exported.lost.is_empty() && args.on.is_empty() {
+        None
+    } else {
+        let motor = args.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
+        let reading = ReadOptions { map: args.map.clone(), motor: motor.clone(), ..ReadOptions::default() };
+        let mut records = Vec::new();
+        for path in &args.on {
+            records.extend(log::read(path, &reading)?);
+        }
+        Some(cost(&model, &exported, &records, &motor)?)
+    };
+    let missing = sentences(&exported, format, price.as_ref());
+    if !exported.lost.is_empty() && !args.allow_missing {
+        let why = missing.join("\n  ");
+        return Err(Error::usage(
+            why,
+            "give --allow-missing to write it all the same, or take another format",
+        ));
+    }
+    atomic_file::write(&args.out, &exported.content)?;
+    let beside = exported.beside.as_ref().map(|(ending, _)| args.out.with_extension(ending));
+    if let (Some(path), Some((_, text))) = (&beside, &exported.beside) {
+        atomic_file::write(path, text)?;
+    }
+    let document = Document {
+        schema: 1,
+        format,
+        out: &args.out,
+        beside: beside.clone(),
+        notes: &exported.notes,
+        left_out: missing.iter().chain(&exported.notes).cloned().collect(),
+        lost: &exported.lost,
+        cost: price.as_ref(),
+    };
     console.answer(&document, || {
-        let said: String = exported.left_out.iter().map(|s| format!("  {s}\n")).collect();
-        format!("{}\n{said}", args.out.display())
+        let files = [Some(&args.out), beside.as_ref()].into_iter().flatten();
+        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+        let said: String = missing.iter().chain(&exported.notes).map(|s| format!("  {s}\n")).collect();
+        let kept = match (&price, exported.lost.is_empty()) {
+            (Some(price), true) => format!("  Nothing is lost: {}.\n", price.clause()),
+            _ => String::new(),
+        };
+        format!("{}\n{said}{kept}", files.join(", "))
     });
     Ok(())
+}
+
+/// What is lacking and what it costs, a sentence each.
+fn sentences(exported: &Exported, format: Format, price: Option<&Cost>) -> Vec<String> {
+    let each = exported.lost.iter().map(|lost| {
+        let own = price.and_then(|price| price.each.iter().find(|of| of.effect == lost.effect));
+        let cost = own.map_or(String::new(), |of| {
+            let unit = price.map_or("rad", |price| price.unit);
+            format!(", which costs {:.3e} {unit} (rms; at most {:.3e})", of.apart.rms, of.apart.worst)
+        });
+        format!("{} has no place for {}: {}{cost}.", capital(format.title()), lost.effect, lost.why)
+    });
+    let all =
+        price.filter(|_| !exported.lost.is_empty()).map(|price| format!("Together: {}.", price.clause()));
+    each.chain(all).collect()
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -17,6 +17,9 @@ use crate::report::shown_by_fit;
 
 /// Options of `fit`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens fit run1.csv run2.csv -e coulomb,backlash -m motor.toml -o model.json
+  motorlens fit run1.csv --method ga --seed 7")]
 pub struct Args {
     #[command(flatten)]
     input: LogArgs,
@@ -24,7 +27,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t)]
     method: Method,
     /// Effects of the model, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(short, long, value_name = "NAMES", value_delimiter = ',')]
     effects: Vec<String>,
     /// Chromosomes of the genetic algorithm
     #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u16).range(2..=1024))]
@@ -36,7 +39,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Write the model here
-    #[arg(long, value_name = "MODEL.json")]
+    #[arg(short, long, value_name = "MODEL.json")]
     out: Option<PathBuf>,
 }
 

@@ -4,10 +4,12 @@
 //! To add a verb: a file with `Args` and `run`, its `mod` line, and its rows in `Verb`.
 
 mod add;
+#[cfg(feature = "device")]
 mod capture;
 mod compare;
 mod console;
 mod demo;
+#[cfg(feature = "device")]
 mod device;
 mod diagnose;
 mod discover;
@@ -16,11 +18,13 @@ mod exam;
 mod export;
 mod fit;
 mod input;
+#[cfg(feature = "device")]
 mod listen;
 mod paper;
 mod plan;
 mod prose;
 mod report;
+#[cfg(feature = "serve")]
 mod serve;
 mod simulate;
 mod watch;
@@ -40,10 +44,10 @@ use crate::formula;
 #[command(name = "motorlens", version, arg_required_else_help = false)]
 struct Cli {
     /// Print one JSON document on standard output and nothing else there
-    #[arg(long, global = true)]
+    #[arg(short, long, global = true)]
     json: bool,
     /// Print no progress and no prose, only errors
-    #[arg(long, global = true)]
+    #[arg(short, long, global = true)]
     quiet: bool,
     /// An effect of your own: a text file with name, port, formula and parameters; repeatable
     #[arg(long, global = true, value_name = "FILE.toml")]
@@ -78,12 +82,15 @@ enum Verb {
     /// The loop by itself, told in one HTML file that opens without a network
     Report(report::Args),
     /// Run programmes on the board and save the logs
+    #[cfg(feature = "device")]
     Capture(capture::Args),
     /// Ask the board, fit on it, stop it, flash it
+    #[cfg(feature = "device")]
     Device(device::Args),
     /// The five steps of the work, live in a browser on this machine
+    #[cfg(feature = "serve")]
     Serve(serve::Args),
-    /// Write a model for MuJoCo, Modelica, Python or C
+    /// Write a model for MuJoCo, Modelica, Python, C, FMI, WPILib, BAM, Isaac Lab or URDF
     Export(export::Args),
     /// Hide effects in virtual motors and count how often the loop finds them
     Exam(exam::Args),
@@ -105,8 +112,11 @@ impl Verb {
             Self::Plan(args) => plan::run(args, console),
             Self::Effects(args) => effects::run(args, console),
             Self::Report(args) => report::run(args, console),
+            #[cfg(feature = "device")]
             Self::Capture(args) => capture::run(args, console),
+            #[cfg(feature = "device")]
             Self::Device(args) => device::run(args, console),
+            #[cfg(feature = "serve")]
             Self::Serve(args) => serve::run(args, console),
             Self::Export(args) => export::run(args, console),
             Self::Exam(args) => exam::run(args, console),

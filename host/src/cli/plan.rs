@@ -25,7 +25,7 @@ pub struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 8.0)]
     seconds: f64,
     /// Write the programme here, for motorlens capture --programme
-    #[arg(long, value_name = "PROGRAMME.json")]
+    #[arg(short, long, value_name = "PROGRAMME.json")]
     out: Option<PathBuf>,
 }
 

@@ -15,14 +15,16 @@ use crate::report::{self, Story, words};
 
 /// Options of `report`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens report run1.csv run2.csv -v unseen.csv -m motor.toml -o report.html")]
 pub struct Args {
     #[command(flatten)]
     pub input: LogArgs,
     /// Most effects to add
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
     pub most: u8,
     /// Write the report here
-    #[arg(long, value_name = "FILE.html", default_value = "motorlens-report.html")]
+    #[arg(short, long, value_name = "FILE.html", default_value = "motorlens-report.html")]
     pub out: PathBuf,
 }
 

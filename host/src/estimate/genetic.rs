@@ -10,6 +10,7 @@ use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::{Block, LANES, predict_block};
+use crate::stop;
 use motorlens_shared::effects::Rig;
 
 /// Largest population.
@@ -56,7 +57,7 @@ fn run<const G: usize>(
         Box::new(Genetic::start(&settings, &space, options.population, first, &mut objective));
     let mut history = vec![search.best_objective()];
     progress(1, search.best_objective());
-    while search.generation() < settings.generations {
+    while search.generation() < settings.generations && !stop::asked() {
         search.advance(&settings, &space, &mut objective);
         history.push(search.best_objective());
         progress(search.generation(), search.best_objective());

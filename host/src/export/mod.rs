@@ -1,25 +1,35 @@
 //! The model for other tools.
 //!
-//! C, Python and Modelica get the exact step of the model itself, written down by the model while it runs on numbers that
-//! record what is computed with them; MuJoCo a joint with armature, damping, friction loss and gear. What a target cannot
-//! express is left out and named.
+//! C, Python, Modelica and FMU get the exact step of the model itself, written down by the model while it runs on numbers that
+//! record what is computed with them; MuJoCo its own motor, and beside it the laws that it lacks. The others take a few numbers.
+//! What a target cannot express is never dropped in silence: [`Exported::lost`] names it, and [`cost`] says what it costs in rad.
 
+mod actuator;
+mod bam;
+pub mod cost;
 mod expression;
+mod fmu;
+mod hook;
+mod isaac;
 mod modelica;
 mod mujoco;
 mod program;
 mod record;
 mod step;
+mod urdf;
+mod wpilib;
 
 use motorlens_shared::effects::Kind;
 
+use crate::error::{Error, Result};
+use crate::fit::layout::Values;
 use crate::model_file::Model;
 
 /// A target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
-    /// MJCF: a hinge with its actuator
+    /// MJCF with MuJoCo 4's dcmotor, and a Python file with the laws that MJCF lacks
     Mujoco,
     /// A Modelica model
     Modelica,
@@ -27,41 +37,136 @@ pub enum Format {
     Python,
     /// A C99 file without dependencies
     C,
+    /// A unit for co-simulation, FMI 3.0 (Simulink, Dymola, FMPy)
+    Fmu,
+    /// kS, kV, kA and kG for WPILib in Java, C++ and Python
+    Wpilib,
+    /// Parameters of Rhoban's BAM, models m1 to m6
+    Bam,
+    /// An actuator configuration for Isaac Lab
+    Isaac,
+    /// Limits and friction of a URDF joint, with its ros2_control block
+    Urdf,
 }
 
-/// What a target cannot know from voltage and motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Step of the generated program, s.
-    pub step_s: f64,
-    /// Stall torque per volt at the output shaft, N m/V; 1 makes torques volt-equivalents.
-    pub torque_per_volt: f64,
-}
-
-/// A model in another language.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Exported {
-    /// The file.
-    pub text: String,
-    /// What it does not have, and why; in whole sentences.
-    pub left_out: Vec<String>,
-}
-
-impl Exported {
-    /// With everything that the model has.
-    fn whole(text: String) -> Self {
-        Self { text, left_out: Vec::new() }
+impl Format {
+    /// What it is called in a sentence.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Mujoco => "MuJoCo",
+            Self::Modelica => "Modelica",
+            Self::Python => "Python",
+            Self::C => "C",
+            Self::Fmu => "an FMU",
+            Self::Wpilib => "WPILib's feedforward",
+            Self::Bam => "BAM",
+            Self::Isaac => "Isaac Lab's DC motor",
+            Self::Urdf => "URDF",
+        }
     }
 }
 
-/// Writes `model` in `format`.
-pub fn export(model: &Model, format: Format, options: &Options) -> Exported {
-    match format {
+/// What a target cannot know from voltage and motion.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// Step of the generated program or of MuJoCo's simulation, s; none takes the target's usual one.
+    pub step_s: Option<f64>,
+    /// Stall torque per volt at the output shaft, N m/V; none where it is unknown.
+    pub torque_per_volt: Option<f64>,
+    /// Name of the joint, of BAM's actuator.
+    pub name: Option<String>,
+    /// Which of BAM's models, m1 to m6; none takes the smallest that holds the effects.
+    pub bam_model: Option<u8>,
+}
+
+impl Options {
+    /// Step of a program, s.
+    fn step_s(&self) -> f64 {
+        self.step_s.unwrap_or(1e-3)
+    }
+
+    /// The torque scale, for targets whose numbers are in N m.
+    fn torque(&self, format: Format) -> Result<f64> {
+        self.torque_per_volt.ok_or_else(|| {
+            let why = format!(
+                "{} takes torques in N m, and voltage and motion do not tell how large they are",
+                format.title()
+            );
+            Error::usage(
+                why,
+                "give --torque-per-volt, the stall torque at the output shaft per volt, in N m/V",
+            )
+        })
+    }
+}
+
+/// An effect that a target does not have.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Lost {
+    /// Which.
+    pub effect: Kind,
+    /// Why, as a clause.
+    pub why: String,
+}
+
+impl Lost {
+    fn new(effect: Kind, why: impl Into<String>) -> Self {
+        Self { effect, why: why.into() }
+    }
+}
+
+/// A model for another tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The file: text, or an archive.
+    pub content: Vec<u8>,
+    /// A second file and its ending.
+    pub beside: Option<(&'static str, String)>,
+    /// What to know of it, in whole sentences.
+    pub notes: Vec<String>,
+    /// Effects that it does not have.
+    pub lost: Vec<Lost>,
+    /// The model that it does have.
+    pub carried: Values,
+}
+
+impl Exported {
+    /// With everything that `model` has.
+    fn whole(text: String, model: &Model) -> Self {
+        let carried = model.values();
+        Self { content: text.into_bytes(), beside: None, notes: Vec::new(), lost: Vec::new(), carried }
+    }
+
+    /// The file as text.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.content).into_owned()
+    }
+}
+
+/// Writes `model` in `format`. Whether it may lack what [`Exported::lost`] names is for the caller to decide.
+///
+/// # Errors
+/// A target that needs a number which `options` do not have.
+///
+/// ```no_run
+/// use motorlens::export::{Format, Options, export};
+/// let model = motorlens::Model::read("model.json".as_ref())?;
+/// let exported = export(&model, Format::Python, &Options::default())?;
+/// std::fs::write("motor.py", exported.content).expect("written");
+/// # Ok::<(), motorlens::Error>(())
+/// ```
+pub fn export(model: &Model, format: Format, options: &Options) -> Result<Exported> {
+    Ok(match format {
         Format::Mujoco => mujoco::export(model, options),
         Format::Modelica => modelica::export(model, options),
         Format::Python => program::export(model, options, &program::PYTHON),
         Format::C => program::export(model, options, &program::C),
-    }
+        Format::Fmu => fmu::export(model, options)?,
+        Format::Wpilib => wpilib::export(model),
+        Format::Bam => bam::export(model, options)?,
+        Format::Isaac => isaac::export(model, options)?,
+        Format::Urdf => urdf::export(model, options)?,
+    })
 }
 
 /// The effects with their parameters in the registry's order, in which they apply.
@@ -69,9 +174,4 @@ fn effects(model: &Model) -> Vec<(Kind, Vec<f64>)> {
     let mut effects = model.values().effects;
     effects.sort_by_key(|(kind, _)| *kind);
     effects
-}
-
-/// The sentence for an effect that a target does not have.
-fn not_expressed(kind: Kind, target: &str) -> String {
-    format!("{kind} ({}) is left out: {target} has no place for it.", kind.spec().title)
 }

@@ -28,7 +28,7 @@ const SYNTAX: Syntax = Syntax {
 /// One model, no libraries.
 pub(super) fn export(model: &Model, options: &Options) -> Exported {
     let effects = effects(model);
-    let step = trace(&model.base.base(), &effects, &model.rig(options.step_s));
+    let step = trace(&model.base.base(), &effects, &model.rig(options.step_s()));
     let names = |input: Input| name(&effects, input);
     let printer = Printer::new(&step.tape, &SYNTAX, &effects, &names);
     let next: Vec<Recorded> = step.changing.iter().map(|c| c.next).chain([step.reading]).collect();
@@ -89,7 +89,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
         ("@ADVANCED@\n", advanced),
         ("@STORED@\n", stored),
         ("@HEADING@", heading(model)),
-        ("@STEP@", format!("{:?}", options.step_s)),
+        ("@STEP@", format!("{:?}", options.step_s())),
         ("@PARTS@", step.parts.to_string()),
         ("@SIZE@", size.to_string()),
         ("@READING@", kept.len().to_string()),
@@ -100,5 +100,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
     for (place, block) in places {
         text = text.replace(place, &block);
     }
-    Exported::whole(text)
+    Exported::whole(text, model)
 }

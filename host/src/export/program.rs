@@ -11,7 +11,7 @@ use crate::model_file::Model;
 /// A language: its file with places to fill, and how statements stand in it.
 pub(super) struct Language {
     template: &'static str,
-    syntax: Syntax,
+    pub(super) syntax: Syntax,
     /// Before a statement of a function, and of the loop within.
     indents: [&'static str; 2],
     end: &'static str,
@@ -22,7 +22,7 @@ pub(super) struct Language {
     /// Declares such a variable, where the language asks for it.
     field: Option<fn(&str, &str) -> String>,
     /// Past voltages: their declaration, what they are at the start, how they move on.
-    past: fn(usize) -> [String; 3],
+    pub(super) past: fn(usize) -> [String; 3],
 }
 
 pub(super) const C: Language = Language {
@@ -61,6 +61,9 @@ pub(super) const C: Language = Language {
         ]
     },
 };
+
+/// What Python lacks of a floating-point unit.
+pub(super) const NUMBERS: &str = include_str!("numbers.py.in");
 
 pub(super) const PYTHON: Language = Language {
     template: include_str!("motor.py.in"),
@@ -110,6 +113,10 @@ pub(super) fn name(effects: &[(Kind, Vec<f64>)], input: Input) -> String {
         Input::LoadSpeed => "load_speed".into(),
         Input::LoadAngle => "load_angle".into(),
         Input::Origin => "start".into(),
+        Input::WasCurrent => "was_current".into(),
+        Input::WasSpeed => "was_speed".into(),
+        Input::WasAngle => "was_angle".into(),
+        Input::Asked => "asked".into(),
         Input::Store(k) => format!("{}_memory", effects[k].0.name()),
         Input::Age(k) => format!("{}_age", effects[k].0.name()),
     }
@@ -126,6 +133,10 @@ pub(super) fn meaning(effects: &[(Kind, Vec<f64>)], input: Input) -> String {
         Input::LoadSpeed => "rad/s, of the output shaft".into(),
         Input::LoadAngle => "rad, of the output shaft".into(),
         Input::Origin => "rad: the first angle".into(),
+        Input::WasCurrent => "V: current at the beginning of the step".into(),
+        Input::WasSpeed => "rad/s, at the beginning of the step".into(),
+        Input::WasAngle => "rad, at the beginning of the step".into(),
+        Input::Asked => "V, that the bridge was told in the step".into(),
         Input::Store(k) => format!("what {} remembers", effects[k].0.name()),
         Input::Age(k) => format!("s: age of what {} holds", effects[k].0.name()),
     }
@@ -151,7 +162,7 @@ pub(super) fn heading(model: &Model) -> String {
 /// Fills the template of `language`.
 pub(super) fn export(model: &Model, options: &Options, language: &Language) -> Exported {
     let effects = effects(model);
-    let step = trace(&model.base.base(), &effects, &model.rig(options.step_s));
+    let step = trace(&model.base.base(), &effects, &model.rig(options.step_s()));
     let names = |input: Input| name(&effects, input);
     let printer = Printer::new(&step.tape, &language.syntax, &effects, &names);
     let next: Vec<Recorded> = step.changing.iter().map(|c| c.next).chain([step.reading]).collect();
@@ -167,6 +178,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
         .filter_map(|c| Some(language.field?(&names(c.input), &meaning(&effects, c.input))))
         .collect();
     let blocks = [
+        ("NUMBERS", NUMBERS.to_owned()),
         ("FIELDS", fields + &past_field),
         ("COUNTER", if language.field.is_some() { counter.to_owned() } else { String::new() }),
         ("BEGIN", language.begin(&step, &names, &printer.text(&first)) + &past_begin),
@@ -197,17 +209,17 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     }
     let words = [
         ("HEADING", heading(model)),
-        ("STEP", format!("{:?}", options.step_s)),
+        ("STEP", format!("{:?}", options.step_s())),
         ("PARTS", step.parts.to_string()),
     ];
     for (place, word) in words {
         text = text.replace(&format!("@{place}@"), &word);
     }
-    Exported::whole(text)
+    Exported::whole(text, model)
 }
 
 impl Language {
-    fn definitions(&self, text: &Text) -> Vec<String> {
+    pub(super) fn definitions(&self, text: &Text) -> Vec<String> {
         text.defined
             .iter()
             .map(|(name, value)| format!("{}{name} = {value}{}", self.define[0], self.end))

@@ -35,6 +35,12 @@ pub(super) enum Input {
     LoadAngle,
     /// Angle of the load at the start, rad.
     Origin,
+    /// Current, speed and angle at the beginning of a step that has ended.
+    WasCurrent,
+    WasSpeed,
+    WasAngle,
+    /// What the bridge was told in that step, V.
+    Asked,
     /// What the effect of this number remembers.
     Store(usize),
     /// How long ago something happened to it, s.

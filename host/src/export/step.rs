@@ -93,11 +93,11 @@ pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -
     Step { tape, ..step }
 }
 
-fn lit(x: f64) -> Recorded {
+pub(super) fn lit(x: f64) -> Recorded {
     motorlens_shared::scalar::Scalar::lit(x)
 }
 
-fn input(input: Input) -> Recorded {
+pub(super) fn input(input: Input) -> Recorded {
     Recorded::input(input)
 }
 
@@ -111,7 +111,7 @@ fn state() -> State<Recorded> {
     }
 }
 
-fn memory(effect: usize) -> Memory<Recorded> {
+pub(super) fn memory(effect: usize) -> Memory<Recorded> {
     Memory {
         store: input(Input::Store(effect)),
         age: input(Input::Age(effect)),

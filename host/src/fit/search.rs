@@ -13,6 +13,7 @@ use super::fixed::Fixed;
 use super::grid::Grid;
 use super::layout::{Layout, Prior};
 use super::simulate::{Block, LANES};
+use crate::stop;
 
 /// Records, rig and beliefs: everything a fit needs but the model.
 #[derive(Debug)]
@@ -110,6 +111,9 @@ impl Problem {
         let mut damping = 1e-3;
         let mut slope = self.linearise(layout, objective, &x, &free);
         for round in 0..iterations {
+            if stop::asked() {
+                break;
+            }
             let trials: Vec<Vec<f64>> =
                 (0..LANES).map(|l| damped_step(layout, &x, &free, &slope, damping * DAMPINGS[l])).collect();
             let costs = self.costs(layout, objective, &trials);

@@ -11,6 +11,7 @@ use motorlens_shared::step::State;
 
 use super::grid::{Grid, Quantity};
 use super::layout::{BASE_PARAMETERS, Layout};
+use crate::stop;
 
 /// Plain values, base first, then the effects' in order.
 struct Parameters<'a, S> {
@@ -166,6 +167,12 @@ pub(super) fn rotor_speeds(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: 
 
 /// Up to eight search vectors; missing lanes repeat the first.
 pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
+    if stop::asked() {
+        // The search's answer is thrown away: a shaft that stands still will do.
+        out.clear();
+        out.resize(grid.len(), Lanes([0.0; LANES]));
+        return;
+    }
     let plain: Vec<Block> = (0..layout.len())
         .map(|k| Lanes(std::array::from_fn(|l| layout.plain(k, xs.get(l).unwrap_or(&xs[0])[k]))))
         .collect();

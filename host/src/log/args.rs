@@ -27,7 +27,7 @@ pub struct ReadArgs {
     #[arg(long, value_enum)]
     pub hold: Option<Hold>,
     /// What is known of the motor: gear_ratio, counts_per_rev, its name plate, values to keep fixed
-    #[arg(long, value_name = "motor.toml")]
+    #[arg(short, long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
     /// Supply of the driver in volts, where the log gives duty only
     #[arg(long, value_name = "VOLTS", value_parser = positive)]
@@ -36,7 +36,7 @@ pub struct ReadArgs {
     #[arg(long, value_name = "GAIN", value_parser = positive)]
     pub servo_gain: Option<f64>,
     /// A log to keep out of every fit and to judge by; repeatable
-    #[arg(long, value_name = "LOG")]
+    #[arg(short, long, value_name = "LOG")]
     pub validate: Vec<PathBuf>,
 }
 

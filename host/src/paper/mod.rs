@@ -42,7 +42,7 @@ pub struct PaperArgs {
     #[arg(long, value_name = "LOG", num_args = 1..)]
     pub on: Vec<PathBuf>,
     /// Directory for figures, tables and the model with the missing effect
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Picks the genetic algorithm's and the virtual motor's random numbers
     #[arg(long, default_value_t = 1)]

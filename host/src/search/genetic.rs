@@ -3,6 +3,7 @@
 use super::crew::Crew;
 use super::dispatch::Level;
 use super::record::{Candidates, LinearRecord, RecordError, Records};
+use crate::stop;
 use motorlens_shared::ga::{Genetic, Settings, Space};
 use motorlens_shared::motor::{Combinations, PARAMETERS, PaperMotor};
 use motorlens_shared::random::Stream;
@@ -121,6 +122,9 @@ pub fn genetic_on(
             run.advance(&mut objective);
             history.push(run.best_objective());
             progress(generation, run.best_objective());
+            if stop::asked() {
+                break;
+            }
         }
     });
     finish(records, start, &[run], history, began)

@@ -2,6 +2,7 @@
 
 use super::genetic::{GaOptions, GaResult, Run, Start, finish};
 use super::record::{Candidates, Records};
+use crate::stop;
 use motorlens_shared::motor::PARAMETERS;
 use std::time::Instant;
 
@@ -22,7 +23,7 @@ pub(super) fn search(
     let share = islands.len().div_ceil(options.threads.max(1));
     let mut history = Vec::with_capacity(options.generations as usize);
     let mut done = 0;
-    while done < options.generations.max(1) {
+    while done < options.generations.max(1) && !(done > 0 && stop::asked()) {
         let epoch = EPOCH.min(options.generations.max(1) - done);
         let parts: Vec<Vec<f64>> = std::thread::scope(|scope| {
             let work = |part: &mut [Run]| best_of(records, start, part, epoch);

@@ -25,10 +25,10 @@ pub enum MotorChoice {
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArgs {
     /// Directory for the logs, motor.toml and the sealed answer
-    #[arg(long, value_name = "DIR", default_value = "simulated")]
+    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
     pub out: PathBuf,
     /// An effect, at its typical size or a given one: coulomb, coulomb=0.3, stribeck=0.3,speed=0.02; repeatable
-    #[arg(long = "effect", value_name = "NAME[=SIZE]", conflicts_with = "hidden")]
+    #[arg(short, long = "effect", value_name = "NAME[=SIZE]", conflicts_with = "hidden")]
     pub effects: Vec<String>,
     /// Let this number pick effects (and a motor, without --motor) and tell nobody
     #[arg(long, value_name = "SEED")]

@@ -9,7 +9,8 @@ use motorlens_shared::effects::{Kind, Rig};
 use motorlens_shared::simulator::Simulator;
 use motorlens_shared::step::State;
 
-pub const OPTIONS: Options = Options { step_s: 1e-3, torque_per_volt: 1.0 };
+pub const OPTIONS: Options =
+    Options { step_s: Some(1e-3), torque_per_volt: None, name: None, bam_model: None };
 
 pub fn rig() -> Rig {
     Rig {

@@ -1,0 +1,127 @@
+//! What a target's lack costs: the model is simulated with and without, on records where there are any.
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::Exported;
+use crate::compare::free_run::{FreeRun, free_runs, pooled};
+use crate::compare::problem_of;
+use crate::error::Result;
+use crate::fit::layout::Values;
+use crate::log::Record;
+use crate::model_file::Model;
+use crate::motor_file::MotorFile;
+
+/// How far two simulations part.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Apart {
+    /// Root mean square over all samples, rad (rad/s where only speed is measured).
+    pub rms: f64,
+    /// Largest difference.
+    pub worst: f64,
+}
+
+/// The cost of one effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Of {
+    /// The effect that is lacking.
+    pub effect: Kind,
+    /// The model against itself without it.
+    #[serde(flatten)]
+    pub apart: Apart,
+}
+
+/// What a target costs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cost {
+    /// On what it was simulated.
+    pub on: String,
+    /// rad or rad/s.
+    pub unit: &'static str,
+    /// The whole model against what the target has of it.
+    pub all: Apart,
+    /// Each effect by itself.
+    pub each: Vec<Of>,
+    /// rms errors against the measurement: of the model, and of what the target has; none without records.
+    pub errors: Option<[f64; 2]>,
+}
+
+impl Cost {
+    /// The cost in a clause, such as "0.333 rad (rms, at most 0.91) on steps.csv".
+    pub fn clause(&self) -> String {
+        let Apart { rms, worst } = self.all;
+        let errors = self.errors.map_or(String::new(), |[with, without]| {
+            format!("; error against the measurement {without:.3e} {0} instead of {with:.3e} {0}", self.unit)
+        });
+        format!("{rms:.3e} {} (rms; at most {worst:.3e}) on {}{errors}", self.unit, self.on)
+    }
+}
+
+/// What `exported` costs beside `model` on `records`, or on a standard programme where there are none.
+///
+/// # Errors
+/// Records that cannot be simulated.
+pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &MotorFile) -> Result<Cost> {
+    if records.is_empty() {
+        let (time, volts) = standard(model.rig.nominal_v);
+        let run = |values: &Values| -> Result<Vec<f64>> {
+            Model { base: values.base, ..as_model(model, values) }.simulate(&time, &volts, 0.0)
+        };
+        let whole = run(&model.values())?;
+        let against = |values: &Values| -> Result<Apart> { Ok(apart(whole.iter().zip(&run(values)?))) };
+        return Ok(Cost {
+            on: "a standard programme of 8 s".into(),
+            unit: "rad",
+            all: against(&exported.carried)?,
+            each: each(model, exported, &against)?,
+            errors: None,
+        });
+    }
+    let mut problem = problem_of(model, records, motor)?;
+    problem.fixed.clear();
+    let whole = free_runs(&problem, &model.values());
+    let against = |values: &Values| -> Result<Apart> {
+        let other = free_runs(&problem, values);
+        let pairs = whole.iter().zip(&other).flat_map(|(a, b)| a.simulated.iter().zip(&b.simulated));
+        Ok(apart(pairs))
+    };
+    let rmse = |runs: &[FreeRun]| pooled(runs).unwrap_or_default().rmse;
+    let names: Vec<&str> = records.iter().map(|r| r.name.as_str()).collect();
+    Ok(Cost {
+        on: names.join(", "),
+        unit: whole.first().map_or("rad", |run| run.quantity.unit()),
+        all: against(&exported.carried)?,
+        each: each(model, exported, &against)?,
+        errors: Some([rmse(&whole), rmse(&free_runs(&problem, &exported.carried))]),
+    })
+}
+
+fn each(model: &Model, exported: &Exported, against: &dyn Fn(&Values) -> Result<Apart>) -> Result<Vec<Of>> {
+    let without = |effect: Kind| against(&model.values().without(effect));
+    exported.lost.iter().map(|lost| Ok(Of { effect: lost.effect, apart: without(lost.effect)? })).collect()
+}
+
+fn as_model(model: &Model, values: &Values) -> Model {
+    Model::new(values, &model.rig(1e-3), &model.prior(), model.origin.clone())
+}
+
+fn apart<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> Apart {
+    let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0_u32);
+    for (a, b) in pairs {
+        sum += (a - b) * (a - b);
+        worst = worst.max((a - b).abs());
+        count += 1;
+    }
+    Apart { rms: (sum / f64::from(count.max(1))).sqrt(), worst }
+}
+
+/// 8 s at a kilohertz within 0.9 of the nominal voltage: levels of half a second, then a slow sine that turns the motor round.
+fn standard(nominal_v: f64) -> (Vec<f64>, Vec<f64>) {
+    const LEVELS: [f64; 8] = [0.5, 0.0, -0.4, 0.2, 0.9, -0.7, 0.1, -0.1];
+    let at = |k: u32| {
+        let level = LEVELS[(k / 500) as usize % LEVELS.len()];
+        let sine = 0.5 * (std::f64::consts::TAU * 0.5 * f64::from(k) * 1e-3).sin();
+        nominal_v * if k < 4000 { level } else { sine }
+    };
+    (0..8000).map(|k| (f64::from(k) * 1e-3, at(k))).unzip()
+}

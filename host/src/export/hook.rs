@@ -1,0 +1,180 @@
+//! Effects that a simulator of bodies lacks, as a Python program around its step: the laws' own drive, memory and reading.
+//!
+//! The simulator integrates winding and shaft; before a step the laws say what voltage, torque and friction act in it, and after
+//! it what they remember and what the sensor shows. All of it is written down by the laws themselves, see [`super::record`].
+
+use motorlens_shared::base::Base;
+use motorlens_shared::effects::together::{Effects, MAX_EFFECTS, Several};
+use motorlens_shared::effects::{Kind, Memory, Now, Rig};
+use motorlens_shared::simulator::{Prepared, in_order};
+use motorlens_shared::step::{Drive, State};
+
+use super::expression::{Printer, Text, reach};
+use super::program::{NUMBERS, PYTHON, name};
+use super::record::{Input, Recorded, Tape, record};
+use super::step::{input, lit, memory};
+use crate::model_file::Model;
+
+/// What of a [`Drive`] the program applies, by its names there.
+const APPLIED: [&str; 11] = [
+    "asked",
+    "voltage",
+    "torque",
+    "forward",
+    "backward",
+    "meshing",
+    "meshing_knee",
+    "drop",
+    "brush",
+    "brush_knee",
+    "series",
+];
+
+/// A memory that changes: at the start, and after a step.
+struct Remembered {
+    input: Input,
+    first: Recorded,
+    next: Recorded,
+}
+
+struct Traced {
+    tape: Tape,
+    drive: [Recorded; 11],
+    remembered: Vec<Remembered>,
+    reading: Recorded,
+}
+
+fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
+    let (traced, tape) = record(|| {
+        let base = Base {
+            gain: lit(base.gain),
+            tau_m: lit(base.tau_m),
+            tau_e: lit(base.tau_e),
+            viscous_share: lit(base.viscous_share),
+        };
+        let numbers: Vec<(Kind, Vec<Recorded>)> =
+            effects.iter().map(|(kind, p)| (*kind, p.iter().map(|x| lit(*x)).collect())).collect();
+        let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
+        let prepared = Prepared::new(&base, &effects, rig);
+        let several = Several::new(&effects, &prepared.setting);
+        let now_at = |state, command| Now { command, state, voltages: &[], index: 1, pulses: lit(0.0) };
+
+        let seen = State::moving(input(Input::Current), input(Input::Speed), input(Input::Angle));
+        let mut first = [Memory::empty(input(Input::Angle)); MAX_EFFECTS];
+        several.begin(&State { current: lit(0.0), ..seen }, &mut first);
+
+        let before: [Memory<Recorded>; MAX_EFFECTS] = std::array::from_fn(memory);
+        let command = input(Input::Command);
+        let voltages = [lit(0.0), command];
+        let mut d = Drive::plain(command);
+        several.drive(&Now { voltages: &voltages, ..now_at(seen, command) }, &before, &mut d);
+
+        let was = State::moving(input(Input::WasCurrent), input(Input::WasSpeed), input(Input::WasAngle));
+        let asked = input(Input::Asked);
+        let mut after = before;
+        several.settle(&Now { voltages: &voltages, ..now_at(was, asked) }, &seen, &mut after);
+        let mut reading = seen.angle;
+        several.read(&seen, &after, &mut reading);
+
+        let remembered = (0..effects.len()).flat_map(|k| {
+            [
+                (Input::Store(k), first[k].store, before[k].store, after[k].store),
+                (Input::Age(k), first[k].age, before[k].age, after[k].age),
+            ]
+        });
+        Traced {
+            tape: Tape::default(),
+            drive: [
+                d.asked,
+                d.voltage,
+                d.torque + d.load_torque,
+                d.friction_forward,
+                d.friction_backward,
+                d.meshing,
+                d.meshing_knee,
+                d.drop,
+                d.brush,
+                d.brush_knee,
+                d.series,
+            ],
+            remembered: remembered
+                .filter(|(.., old, new)| old != new)
+                .map(|(input, first, _, next)| Remembered { input, first, next })
+                .collect(),
+            reading,
+        }
+    });
+    Traced { tape, ..traced }
+}
+
+/// What stands in the MJCF beside which the program runs.
+pub(super) struct Beside {
+    /// N m/V.
+    pub torque_per_volt: f64,
+    /// Ohm.
+    pub resistance: f64,
+    /// Dry friction of the joint, N m.
+    pub friction: f64,
+    /// s.
+    pub step_s: f64,
+}
+
+/// The program for `effects`.
+pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Beside) -> String {
+    let traced = trace(&model.base.base(), effects, &model.rig(beside.step_s));
+    let names = |input: Input| name(effects, input);
+    let printer = Printer::new(&traced.tape, &PYTHON.syntax, effects, &names);
+    let kept: Vec<String> = traced.remembered.iter().map(|m| names(m.input)).collect();
+    let first: Vec<Recorded> = traced.remembered.iter().map(|m| m.first).collect();
+    let next: Vec<Recorded> = traced.remembered.iter().map(|m| m.next).chain([traced.reading]).collect();
+    let [_, past_begin, past_move] =
+        reach(&traced.tape, &traced.drive).map_or_else(Default::default, PYTHON.past);
+
+    let lines = |text: &Text, targets: &[String]| -> String {
+        let mut lines = PYTHON.definitions(text);
+        // Together: one may stand in another's expression.
+        if !targets.is_empty() {
+            lines.push(format!("{} = {}", targets.join(", "), text.outputs.join(", ")));
+        }
+        lines.iter().map(|line| format!("        {line}\n")).collect()
+    };
+    let own: Vec<String> = kept.iter().map(|name| format!("self.{name}")).collect();
+    let applied: Vec<String> = APPLIED.iter().map(|name| (*name).to_owned()).collect();
+    let shown: Vec<String> = kept.iter().cloned().chain(["reading".into()]).collect();
+    let each = |line: &dyn Fn(&String) -> String| -> String {
+        kept.iter().map(|name| format!("        {}\n", line(name))).collect()
+    };
+    let blocks = [
+        ("NUMBERS", NUMBERS.to_owned()),
+        ("BEGIN", lines(&printer.text(&first), &own) + &past_begin),
+        ("LOAD", each(&|name| format!("{name} = self.{name}"))),
+        ("MOVE", past_move),
+        ("DRIVE", lines(&printer.text(&traced.drive), &applied)),
+        ("SETTLE", lines(&printer.text(&next), &shown)),
+        ("STORE", each(&|name| format!("self.{name} = {name}"))),
+    ];
+    let mut text = include_str!("hook.py.in").to_owned();
+    for (place, block) in blocks {
+        text = text.replace(&format!("@{place}@\n"), &block);
+    }
+    let heading: Vec<String> = effects
+        .iter()
+        .map(|(kind, p)| {
+            let spec = kind.spec();
+            let numbers: Vec<String> =
+                spec.parameters.iter().zip(p).map(|(q, x)| format!("{} = {x} {}", q.name, q.unit)).collect();
+            format!("{}: {} ({}).", spec.name, spec.equation, numbers.join(", "))
+        })
+        .collect();
+    let words = [
+        ("HEADING", heading.join("\n   ")),
+        ("SCALE", format!("{:?}", beside.torque_per_volt)),
+        ("RESISTANCE", format!("{:?}", beside.resistance)),
+        ("FRICTION", format!("{:?}", beside.friction)),
+        ("STEP", format!("{:?}", beside.step_s)),
+    ];
+    for (place, word) in words {
+        text = text.replace(&format!("@{place}@"), &word);
+    }
+    text
+}

@@ -1,0 +1,65 @@
+//! A URDF joint's limits and dynamics, and its ros2_control block.
+//!
+//! `effort` and `velocity` are stall torque and no-load speed at the nominal voltage, `damping` the viscous friction, `friction` the
+//! dry one. URDF has no armature: Gazebo and others take the rotor's inertia from a link. Source: the URDF specification of a joint.
+
+use motorlens_shared::effects::Kind;
+
+use super::actuator::{one_level, take};
+use super::{Exported, Format, Options};
+use crate::error::Result;
+use crate::model_file::Model;
+
+const TAKEN: [Kind; 4] = [Kind::Coulomb, Kind::ConstantLoad, Kind::Gravity, Kind::Spring];
+
+/// Two elements to paste into a robot's description.
+pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
+    let scale = options.torque(Format::Urdf)?;
+    let (a, lost, carried) = take(model, &TAKEN, "a URDF joint has limits, damping and one friction only");
+    let b = &model.base;
+    let volts = model.rig.nominal_v;
+    let notes = vec![
+        format!(
+            "URDF has no armature: give the link {:.4e} kg m^2 about the joint's axis.",
+            scale * b.tau_m / b.gain
+        ),
+        "Weight, spring and constant load belong to the robot that the joint moves.".to_owned(),
+    ];
+    let text = format!(
+        r#"<robot name="motorlens">
+  <!-- Written by motorlens. Output shaft at {volts} V; rotor and gear seen there: {armature:.6e} kg m^2. -->
+  <link name="base"/>
+  <link name="shaft"/>
+  <joint name="{name}" type="continuous">
+    <parent link="base"/>
+    <child link="shaft"/>
+    <axis xyz="0 0 1"/>
+    <limit effort="{stall:.9}" velocity="{no_load:.9}"/>
+    <dynamics damping="{viscous:.9}" friction="{friction:.9}"/>
+  </joint>
+  <ros2_control name="motor" type="actuator">
+    <joint name="{name}">
+      <command_interface name="effort">
+        <param name="min">-{stall:.9}</param>
+        <param name="max">{stall:.9}</param>
+      </command_interface>
+      <command_interface name="velocity">
+        <param name="min">-{no_load:.9}</param>
+        <param name="max">{no_load:.9}</param>
+      </command_interface>
+      <state_interface name="position"/>
+      <state_interface name="velocity"/>
+    </joint>
+  </ros2_control>
+</robot>
+"#,
+        armature = scale * b.tau_m / b.gain,
+        name = options.name.as_deref().unwrap_or("output"),
+        stall = scale * volts,
+        no_load = b.gain * volts,
+        viscous = scale * b.viscous_share / b.gain,
+        friction = scale * a.friction,
+    );
+    let carried = one_level(carried, a.friction, &[]);
+    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, carried })
+}

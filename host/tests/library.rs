@@ -1,0 +1,118 @@
+//! The library as a stranger calls it: slices in, findings out, stopped from outside.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use motorlens::{Discovered, Error, Event, Measured, Options, discover, estimate, fit, record};
+use motorlens_shared::effects::Kind;
+
+/// A second-order motor with dry friction, by semi-implicit Euler at 0.1 ms: 6 s of steps at 500 Hz.
+fn measured(friction: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let steps = [6.0, 0.0, -4.0, 2.0, 9.0, -7.0, 1.5, -1.2];
+    let time: Vec<f64> = (0..3000).map(|k| f64::from(k) * 2e-3).collect();
+    let volts: Vec<f64> = (0..3000).map(|k| steps[k / 200 % steps.len()]).collect();
+    let (mut angle, mut speed) = (0.0_f64, 0.0_f64);
+    let mut angles = Vec::new();
+    for v in &volts {
+        angles.push((angle / 1e-3).round() * 1e-3);
+        for _ in 0..20 {
+            let free = speed + 1e-4 * (0.9 * v - speed) / 0.05;
+            speed = free.signum() * (free.abs() - 1e-4 * 0.9 * friction / 0.05).max(0.0);
+            angle += 1e-4 * speed;
+        }
+    }
+    (time, volts, angles)
+}
+
+fn found(friction: f64, observe: &mut dyn FnMut(&Event) -> ControlFlow<()>) -> Result<Discovered, Error> {
+    let (time, volts, angle) = measured(friction);
+    discover(&time, &volts, Measured::Angle(&angle), &Options::default(), observe)
+}
+
+#[test]
+fn slices_become_findings_and_a_model_that_runs_like_the_record() {
+    let found = found(0.6, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(found.findings.effects, [Kind::Coulomb], "{}", found.findings.headline);
+    let (time, volts, angle) = measured(0.6);
+    let simulated = found.model.simulate(&time, &volts, 0.0).unwrap();
+    let far = angle.iter().zip(&simulated).fold(0.0_f64, |far, (a, b)| far.max((a - b).abs()));
+    assert!(far < 0.02, "{far}");
+}
+
+/// Stopped at any of several moments, a search ends in a small part of its time and takes nobody down with it.
+#[test]
+fn an_observer_that_breaks_ends_the_call_soon_with_cancelled() {
+    let begun = Instant::now();
+    let mut events = 0_u32;
+    found(0.6, &mut |_| {
+        events += 1;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let whole = begun.elapsed();
+    for at in [1, events / 3, 2 * events / 3] {
+        let mut seen = 0;
+        let mut asked = Instant::now();
+        let stopped = found(0.6, &mut |_| {
+            seen += 1;
+            asked = Instant::now();
+            if seen >= at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
+        let after = asked.elapsed();
+        assert!(after < whole / 2, "{after:?} of {whole:?} after event {at} of {events}");
+    }
+}
+
+#[test]
+fn a_genetic_fit_stops_after_the_generation_in_hand() {
+    let (time, volts, angle) = measured(0.6);
+    let records = [record("run", &time, &volts, Measured::Angle(&angle)).unwrap()];
+    for effects in [vec![], vec![Kind::Coulomb]] {
+        let how = estimate::Options {
+            method: estimate::Method::Ga,
+            effects,
+            population: 40,
+            generations: 1_000_000,
+            seed: 1,
+        };
+        let mut generations = 0;
+        let stopped = fit(&records, &Options::default(), &how, &mut |event| match event {
+            Event::Generation { .. } if generations == 3 => ControlFlow::Break(()),
+            Event::Generation { .. } => {
+                generations += 1;
+                ControlFlow::Continue(())
+            }
+            _ => ControlFlow::Continue(()),
+        });
+        assert!(matches!(stopped, Err(Error::Cancelled)));
+    }
+}
+
+/// Calls side by side share nothing: each finds its own motor's friction.
+#[test]
+fn calls_on_several_threads_do_not_disturb_each_other() {
+    let alone = |friction| {
+        let found = found(friction, &mut |_| ControlFlow::Continue(())).unwrap();
+        (found.findings.simulations, found.model)
+    };
+    let together: Vec<_> = std::thread::scope(|scope| {
+        let calls = [0.4, 0.9].map(|friction| scope.spawn(move || alone(friction)));
+        calls.into_iter().map(|call| call.join().unwrap()).collect()
+    });
+    assert_eq!(together[0], alone(0.4));
+    assert_ne!(together[0].1, together[1].1);
+}
+
+#[test]
+fn slices_that_do_not_belong_together_are_refused_with_the_place() {
+    let (time, mut volts, angle) = measured(0.6);
+    volts[7] = f64::NAN;
+    let refused = record("bench", &time, &volts, Measured::Angle(&angle)).unwrap_err().to_string();
+    assert!(
+        refused.contains("bench") && refused.contains("voltage_v") && refused.contains("value 7"),
+        "{refused}"
+    );
+    let short = record("bench", &time[1..], &angle, Measured::Angle(&angle)).unwrap_err().to_string();
+    assert!(short.contains("3000 values, and 2999 times"), "{short}");
+}

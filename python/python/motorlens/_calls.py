@@ -1,0 +1,149 @@
+"""The verbs."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._model import Model
+from ._progress import Progress, as_callback
+from ._records import KnownMotor, Record, as_list, as_motor, as_records
+from ._results import Addition, Comparison, Findings, Fit, Run, as_frame
+
+
+def discover(
+    records: Iterable[Record],
+    validate: Iterable[Record] = (),
+    motor: KnownMotor = None,
+    most: int = 4,
+    progress: Progress = None,
+) -> Findings:
+    """Fits, diagnoses and adds effects until nothing is worth adding.
+
+    ``records`` and ``validate`` are lists of paths or tables (see :mod:`motorlens`); those of ``validate`` touch no fit and no
+    choice of an effect. ``motor`` is the path of a motor.toml or its content as a dict, ``most`` the largest number of
+    effects. Ctrl-C stops it; other threads run meanwhile. Raises :class:`MotorlensError` on records that no fit can use.
+    """
+    records, validate = as_list(records), as_list(validate)
+    path, text = as_motor(motor)
+    document, native = _native.discover(
+        as_records(records), as_records(validate), path, text, most, as_callback(progress)
+    )
+    found, model = json.loads(document), Model(native)
+    return Findings(
+        effects=found["effects"],
+        verdict=found["verdict"],
+        headline=found["headline"],
+        parameters=as_frame(found["parameters"]),
+        candidates=as_frame(found["candidates"]),
+        rivals=found["rivals"],
+        detection_limits=found.get("detection_limits", []),
+        data_faults=found["data_faults"],
+        model=model,
+        runs=compare(model, records + validate, motor).runs,
+        document=found,
+    )
+
+
+def fit(
+    records: Iterable[Record],
+    effects: Sequence[str] = (),
+    validate: Iterable[Record] = (),
+    motor: KnownMotor = None,
+    method: str = "fast",
+    population: int = 80,
+    generations: int = 800,
+    seed: int = 1,
+    progress: Progress = None,
+) -> Fit:
+    """Finds the parameters of a model with the given ``effects``.
+
+    ``method`` is fast, ga, conventional, paper or feedforward; ``population``, ``generations`` and ``seed`` are the genetic
+    algorithm's. Records and ``motor`` as in :func:`discover`.
+    """
+    path, text = as_motor(motor)
+    how = (method, list(effects), int(population), int(generations), int(seed))
+    document, native = _native.fit(
+        as_records(records), as_records(validate), path, text, how, as_callback(progress)
+    )
+    found = json.loads(document)
+    parameters = as_frame(found["parameters"])
+    return Fit(Model(native), parameters, found["train"], found["validation"], found)
+
+
+def add(
+    model: Model,
+    effect: str,
+    records: Iterable[Record],
+    validate: Iterable[Record] = (),
+    motor: KnownMotor = None,
+) -> Addition:
+    """Adds ``effect`` to ``model``, refits, and says whether it is worth it."""
+    path, text = as_motor(motor)
+    document, native = _native.add(
+        model._native, effect, as_records(records), as_records(validate), path, text
+    )
+    found = json.loads(document)
+    parameters = as_frame(found["parameters"])
+    return Addition(effect, found["worth_adding"], found["why"], Model(native), parameters, found)
+
+
+def compare(model: Model, records: Iterable[Record], motor: KnownMotor = None) -> Comparison:
+    """Runs ``model`` freely over every record; nothing is fitted."""
+    path, text = as_motor(motor)
+    document, runs = _native.compare(model._native, as_records(records), path, text)
+    found = json.loads(document)
+    arrays = [
+        Run(name, unit, *(np.frombuffer(column).copy() for column in columns))
+        for name, unit, *columns in runs
+    ]
+    return Comparison(found["pooled"], as_frame(found["records"]), arrays, found["unit"])
+
+
+def plan(
+    records: Iterable[Record],
+    motor: KnownMotor = None,
+    volts: Optional[float] = None,
+    seconds: float = 8.0,
+    progress: Progress = None,
+) -> Optional[dict[str, Any]]:
+    """The experiment that would tell apart what ``records`` leave open; None where nothing is open.
+
+    A dict with ``why``, a sentence, and ``programme``, which ``motorlens capture --programme`` runs, within ``volts`` (V; what the
+    records reached, if not given) and ``seconds``.
+    """
+    path, text = as_motor(motor)
+    answer = _native.plan(as_records(records), path, text, volts, float(seconds), as_callback(progress))
+    return None if answer is None else json.loads(answer)
+
+
+def effects() -> Any:
+    """The effects: name, port, title, equation, source, signature and parameters, as a DataFrame."""
+    return as_frame(json.loads(_native.effects()))
+
+
+def simulate(
+    out: Union[str, "os.PathLike[str]"],
+    effects: Sequence[str] = (),
+    hidden: Optional[int] = None,
+    **options: Any,
+) -> dict[str, Any]:
+    """Writes logs of the virtual motor into the directory ``out``.
+
+    ``effects`` are names, with or without a size (``"coulomb=0.3"``); ``hidden`` is a seed that picks effects and does not tell.
+    ``options`` are those of ``motorlens simulate``: ``seed=2``, ``seconds=8``, ``rate=500``, ``excitation="steps"``. Returns a
+    dict with the paths: ``motor``, ``training``, ``repeats``, ``held_out``.
+    """
+    words = ["--out", os.fspath(out)]
+    for effect in effects:
+        words += ["--effect", effect]
+    if hidden is not None:
+        words += ["--hidden", str(hidden)]
+    for name, value in options.items():
+        words += [f"--{name.replace('_', '-')}", str(value)]
+    return json.loads(_native.simulate(words))

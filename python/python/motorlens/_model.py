@@ -1,0 +1,133 @@
+"""A model: simulate, step, save, export."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._native import MotorlensError
+from ._records import as_array
+
+
+class Motor:
+    """A model on its way, from rest; see :meth:`Model.start`."""
+
+    def __init__(self, native: _native.NativeRun) -> None:
+        self._native = native
+
+    def step(self, voltage_v: float) -> float:
+        """Advances by a step under ``voltage_v`` (V); returns what the sensor shows, rad of the output shaft."""
+        return self._native.step(float(voltage_v))
+
+    @property
+    def angle_rad(self) -> float:
+        """What the sensor shows, rad of the output shaft."""
+        return self._native.angle_rad
+
+    @property
+    def speed_rad_s(self) -> float:
+        """Speed of the output shaft, rad/s."""
+        return self._native.speed_rad_s
+
+    @property
+    def time_s(self) -> float:
+        """Time since the start, s."""
+        return self._native.time_s
+
+
+class Model:
+    """A fitted motor: base model and effects."""
+
+    def __init__(self, native: _native.NativeModel) -> None:
+        self._native = native
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of the model file."""
+        return json.loads(self._native.to_json())
+
+    @property
+    def effects(self) -> list[str]:
+        """Names of its effects, in the order they were added."""
+        return [effect["effect"] for effect in self.to_dict()["effects"]]
+
+    def simulate(self, time_s: Any, voltage_v: Any, angle_rad: float = 0.0) -> np.ndarray:
+        """Angle of the output shaft as the sensor shows it, without its counting.
+
+        ``time_s`` (n,) rises, s; ``voltage_v`` (n,) is held from each time to the next, V; the motor rests at ``angle_rad``
+        (rad) at the first time. Returns (n,), rad. As ``motorlens compare`` runs it.
+        """
+        time, volts = as_array(time_s), as_array(voltage_v)
+        return np.frombuffer(self._native.simulate(time.tobytes(), volts.tobytes(), float(angle_rad))).copy()
+
+    def start(self, step_s: float = 1e-3, angle_rad: float = 0.0) -> Motor:
+        """The motor at rest at ``angle_rad`` (rad), to be advanced in steps of ``step_s`` (s, at most 0.01)."""
+        return Motor(self._native.start(float(step_s), float(angle_rad)))
+
+    def step(self, voltage_v: float) -> float:
+        """Advances a motor of this model's own by a millisecond under ``voltage_v`` (V); returns its angle, rad.
+
+        It begins at rest at angle 0. For more than one motor, other steps or another beginning, see :meth:`start`.
+        """
+        if not hasattr(self, "_motor"):
+            self._motor = self.start()
+        return self._motor.step(voltage_v)
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the model file, whole or not at all."""
+        self._native.write(os.fspath(path))
+
+    def export(
+        self,
+        format: str,
+        out: Union[str, os.PathLike[str]],
+        step_s: Optional[float] = None,
+        torque_per_volt: Optional[float] = None,
+        name: Optional[str] = None,
+        allow_missing: bool = False,
+    ) -> list[str]:
+        """Writes the model for another tool; see :func:`export`."""
+        return export(self, format, out, step_s, torque_per_volt, name, allow_missing)
+
+    def __repr__(self) -> str:
+        base = self.to_dict()["base"]
+        return (
+            f"Model(gain={base['gain']:.4g} rad/(s V), tau_m={base['tau_m']:.4g} s, "
+            f"effects={self.effects or ['none']})"
+        )
+
+
+def load_model(path: Union[str, os.PathLike[str]]) -> Model:
+    """Reads a model file that ``motorlens`` or :meth:`Model.save` wrote."""
+    return Model(_native.NativeModel.read(os.fspath(path)))
+
+
+def export(
+    model: Model,
+    format: str,
+    out: Union[str, os.PathLike[str]],
+    step_s: Optional[float] = None,
+    torque_per_volt: Optional[float] = None,
+    name: Optional[str] = None,
+    allow_missing: bool = False,
+) -> list[str]:
+    """Writes ``model`` for another tool into ``out``, and a second file beside it where the tool needs one.
+
+    ``format`` is one that ``motorlens export --help`` lists. ``step_s`` is the step of a generated program or of MuJoCo's
+    simulation, s; ``torque_per_volt`` the stall torque at the output shaft per volt, N m/V; ``name`` the joint's. Returns what
+    to know of the files, and what the tool lacks, in sentences; raises :class:`MotorlensError` where it lacks an effect of the
+    model, unless ``allow_missing``.
+    """
+    content, beside, notes, lost = model._native.export(format, step_s, torque_per_volt, name)
+    if lost and not allow_missing:
+        raise MotorlensError("; ".join(lost) + "\n  do: give allow_missing=True to write it all the same")
+    out = pathlib.Path(out)
+    out.write_bytes(content)
+    if beside is not None:
+        ending, text = beside
+        out.with_suffix(f".{ending}").write_text(text, encoding="utf-8")
+    return notes + lost

@@ -1,0 +1,146 @@
+"""Answers as dataclasses, with tables where pandas is installed and plots where matplotlib is."""
+
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+import numpy as np
+
+from ._model import Model
+
+
+def as_frame(rows: list[dict[str, Any]]) -> Any:
+    """A DataFrame, or the rows themselves where pandas is not installed."""
+    try:
+        import pandas
+    except ImportError:
+        return rows
+    return pandas.DataFrame(rows)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A record and the model's free run beside it; arrays of one length."""
+
+    record: str
+    unit: str
+    time_s: np.ndarray
+    measured: np.ndarray
+    simulated: np.ndarray
+
+    def plot(self, axes: Any = None) -> Any:
+        """Measured and simulated over time, and returns the axes. Needs matplotlib."""
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots()
+        axes.plot(self.time_s, self.measured, label="measured")
+        axes.plot(self.time_s, self.simulated, label="simulated", linestyle="--")
+        axes.set(xlabel="time / s", ylabel=self.unit, title=self.record)
+        axes.legend()
+        return axes
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Free runs of a model over records, and how far they are off."""
+
+    #: rmse, ae, me, iae, nrmse_fit_percent and samples over all records.
+    pooled: dict[str, float]
+    #: The same for each record: a DataFrame.
+    records: Any
+    runs: list[Run]
+    unit: str
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters of a model whose effects were given."""
+
+    model: Model
+    #: name, value, unit, low, high (95 %), identifiable: a DataFrame.
+    parameters: Any
+    train: dict[str, float]
+    validation: Optional[dict[str, float]]
+    document: dict[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that ``motorlens fit --json`` prints."""
+        return self.document
+
+
+@dataclass(frozen=True)
+class Addition:
+    """What adding an effect did."""
+
+    effect: str
+    worth_adding: bool
+    why: str
+    model: Model
+    parameters: Any
+    document: dict[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that ``motorlens add --json`` prints."""
+        return self.document
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a discovery found."""
+
+    #: Accepted effects, in the order they were added; empty where nothing is worth adding.
+    effects: list[str]
+    #: explained, partly_explained, unexplained or bad_data.
+    verdict: str
+    #: The verdict in a sentence.
+    headline: str
+    #: name, value, unit, low, high (95 %), identifiable: a DataFrame.
+    parameters: Any
+    #: The first diagnosis, best first: a DataFrame.
+    candidates: Any
+    #: Sets of effects that these records cannot tell apart.
+    rivals: list[list[str]]
+    #: For each effect the smallest size that these records would show.
+    detection_limits: list[dict[str, Any]]
+    #: What is odd about the records.
+    data_faults: list[dict[str, str]]
+    model: Model
+    runs: list[Run] = field(repr=False)
+    document: dict[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that ``motorlens discover --json`` prints."""
+        return self.document
+
+    def plot(self) -> Any:
+        """Each record with the model's free run, and returns the figure. Needs matplotlib."""
+        from matplotlib import pyplot
+
+        figure, axes = pyplot.subplots(len(self.runs), 1, squeeze=False, figsize=(8, 2.6 * len(self.runs)))
+        for run, place in zip(self.runs, axes[:, 0]):
+            run.plot(place)
+        figure.tight_layout()
+        return figure
+
+    def _repr_html_(self) -> str:
+        parameters = self.parameters
+        table = parameters.to_html(index=False) if hasattr(parameters, "to_html") else html.escape(str(parameters))
+        rivals = "".join(f"<p>These records cannot tell apart: {', '.join(set_)}.</p>" for set_ in self.rivals)
+        return f"<p><b>{html.escape(self.headline)}</b></p>{rivals}{table}{self._picture()}"
+
+    def _picture(self) -> str:
+        try:
+            import base64
+            import io
+
+            from matplotlib import pyplot
+        except ImportError:
+            return ""
+        figure = self.plot()
+        file = io.BytesIO()
+        figure.savefig(file, format="png", dpi=80)
+        pyplot.close(figure)
+        return f'<img src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"/>'
