@@ -2,7 +2,8 @@
 //!
 //! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
 //! [`record`] or [`log::read`] made, with records to judge by; [`fit`], [`add`] and [`plan`] are its parts. A [`Model`] simulates
-//! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]). All quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
+//! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]) and gets its gains
+//! ([`tune`]). All quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
 //!
 //! Features, all on by default: `cli` (the program), `serve` (the page in a browser), `device` (boards at a serial port).
 //! Without them (`default-features = false`) the library reads logs, fits, diagnoses, simulates and exports.
@@ -39,12 +40,14 @@ mod nearest;
 pub mod paper;
 pub mod report;
 mod run;
+pub mod same;
 pub mod search;
 pub mod select;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod simulate;
 mod stop;
+pub mod tune;
 
 pub use api::{
     Discovered, Error, Event, Measured, Model, Observer, Options, Result, add, discover, discover_records,

@@ -24,9 +24,12 @@ mod paper;
 mod plan;
 mod prose;
 mod report;
+mod same;
 #[cfg(feature = "serve")]
 mod serve;
+mod shell;
 mod simulate;
+mod tune;
 mod watch;
 
 use std::path::PathBuf;
@@ -92,6 +95,14 @@ enum Verb {
     Serve(serve::Args),
     /// Write a model for MuJoCo, Modelica, Python, C, FMI, WPILib, BAM, Isaac Lab or URDF
     Export(export::Args),
+    /// Gains for velocity and position from a model, and what its effects cost in tracking
+    Tune(tune::Args),
+    /// Tell whether two sets of records come from one motor, and which parameters differ
+    Same(same::Args),
+    /// Print the completion script for a shell
+    Completions(shell::Completions),
+    /// Write the manual pages
+    Man(shell::Man),
     /// Hide effects in virtual motors and count how often the loop finds them
     Exam(exam::Args),
     /// The paper's run with one command, and what the paper does not say
@@ -119,6 +130,10 @@ impl Verb {
             #[cfg(feature = "serve")]
             Self::Serve(args) => serve::run(args, console),
             Self::Export(args) => export::run(args, console),
+            Self::Tune(args) => tune::run(args, console),
+            Self::Same(args) => same::run(args, console),
+            Self::Completions(args) => shell::completions(args, console),
+            Self::Man(args) => shell::man(args, console),
             Self::Exam(args) => exam::run(args, console),
             Self::Paper(args) => paper::run(args, console),
         }

@@ -1,0 +1,97 @@
+//! `same`: do two sets of records come from one motor?
+
+use std::path::PathBuf;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::Console;
+use crate::diagnose::discover::{self, discover};
+use crate::error::Result;
+use crate::estimate::effect_by_name;
+use crate::log::{self, ReadArgs};
+use crate::model_file::Model;
+use crate::same::{Comparison, Verdict, same};
+
+/// Options of `same`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens same monday-1.csv monday-2.csv -- friday.csv
+  motorlens same left/*.csv -- right/*.csv --model left.json --motor motor.toml")]
+pub struct Args {
+    /// Logs of the first set; those of the second follow after --
+    #[arg(required = true, value_name = "LOG")]
+    first: Vec<PathBuf>,
+    /// Logs of the second set
+    #[arg(last = true, required = true, value_name = "LOG")]
+    second: Vec<PathBuf>,
+    /// Take the effects of this model [default: what discover finds on the first set]
+    #[arg(long, value_name = "MODEL", conflicts_with = "effects")]
+    model: Option<PathBuf>,
+    /// Take these effects; none for the base model
+    #[arg(short, long, value_delimiter = ',', value_name = "EFFECTS")]
+    effects: Option<Vec<String>>,
+    #[command(flatten)]
+    reading: ReadArgs,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+/// Fits, compares, and tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let motor = args.reading.motor_file()?;
+    let [first, second] = [log::load(&args.first, &args.reading)?, log::load(&args.second, &args.reading)?];
+    let effects: Vec<Kind> = if let Some(path) = &args.model {
+        Model::read(path)?.values().kinds()
+    } else if let Some(names) = &args.effects {
+        let named = names.iter().filter(|name| *name != "none");
+        named.map(|name| effect_by_name(name)).collect::<Result<_>>()?
+    } else {
+        console.say("Looking for the effects on the first set ...");
+        discover(&first, &[], &motor, &discover::Options::default(), &mut |_| {})?.effects
+    };
+    let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
+    console.answer(&document, || text(&document.comparison));
+    Ok(())
+}
+
+fn text(c: &Comparison) -> String {
+    let verdict = match c.verdict {
+        Verdict::Same => "One motor",
+        Verdict::Different => "Two motors",
+        Verdict::Open => "Not settled",
+    };
+    let names: Vec<&str> = c.effects.iter().map(|k| k.name()).collect();
+    let mut text = format!(
+        "{verdict}: {}.\n\nModel with {}\n",
+        c.why,
+        if names.is_empty() { "no effects".into() } else { names.join(", ") }
+    );
+    text += &format!(
+        "{:<12} {:>12} {:>14} {:>14}   rms, {}\n",
+        "", "own model", "model of both", "other's model", c.unit
+    );
+    for (name, e) in ["first set", "second set"].iter().zip(&c.errors) {
+        text += &format!("{name:<12} {:>12.4e} {:>14.4e} {:>14.4e}\n", e.own, e.both, e.other);
+    }
+    text += &format!("\n{:<28} {:>12} {:>12} {:>11}\n", "parameter", "first", "second", "deviations");
+    for p in &c.parameters {
+        let mark = if p.differs { "  differs" } else { "" };
+        text += &format!(
+            "{:<28} {:>12.4e} {:>12.4e} {:>11.1}{mark}\n",
+            format!("{} / {}", p.name, p.unit),
+            p.first[0],
+            p.second[0],
+            p.deviations
+        );
+    }
+    if !c.open.is_empty() {
+        text += &format!("Not determined by both: {}.\n", c.open.join(", "));
+    }
+    text
+}

@@ -1,0 +1,101 @@
+//! `tune`: gains from a model, and what its effects cost under them.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::Console;
+use crate::atomic_file;
+use crate::error::{Error, Result};
+use crate::model_file::Model;
+use crate::tune::{Loop, Options, Tuned, plot, tune};
+
+/// Options of `tune`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens tune model.json
+  motorlens tune model.json --period 0.02 --phase-margin 50 --plot tune.svg")]
+pub struct Args {
+    /// The model
+    model: PathBuf,
+    /// Period of the controller, in seconds
+    #[arg(short, long, value_name = "SECONDS", default_value_t = 0.005)]
+    period: f64,
+    /// Phase margin of both loops, in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 60, value_parser = clap::value_parser!(u8).range(20..=80))]
+    phase_margin: u8,
+    /// Largest voltage of the controller [default: the model's supply]
+    #[arg(long, value_name = "VOLTS")]
+    limit: Option<f64>,
+    /// Draw the trials here
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    period_s: f64,
+    #[serde(flatten)]
+    tuned: Tuned,
+}
+
+/// Designs, tries, and tells.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let model = Model::read(&args.model)?;
+    if let Some(limit) = args.limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+        return Err(Error::usage(format!("a controller limited to {limit} V"), "give a positive voltage"));
+    }
+    let options = Options {
+        period_s: args.period,
+        phase_margin_deg: f64::from(args.phase_margin),
+        limit_v: args.limit,
+    };
+    let tuned = tune(&model, &options)?;
+    if let Some(path) = &args.plot {
+        let drawing = plot(&tuned).map_err(|e| Error::Io {
+            doing: format!("cannot draw {}", path.display()),
+            source: std::io::Error::other(e.to_string()),
+        })?;
+        atomic_file::write(path, drawing)?;
+    }
+    let document = Document { schema: 1, period_s: args.period, tuned };
+    console.answer(&document, || text(&document.tuned, args.period));
+    Ok(())
+}
+
+fn text(tuned: &Tuned, period: f64) -> String {
+    let row = |name: &str, l: &Loop, unit: &str| {
+        let m = &l.margins;
+        format!(
+            "{name:<9} kp {:>9.4} {unit:<8} ki {:>9.4}  kd {:>8.5}   crossover {:.2} Hz, phase margin {:.0} deg, gain margin {:.1}, delay margin {:.1} ms\n",
+            l.kp,
+            l.ki,
+            l.kd,
+            m.crossover_hz,
+            m.phase_deg,
+            m.gain,
+            1e3 * m.delay_s
+        )
+    };
+    let f = &tuned.feedforward;
+    let mut text =
+        format!("Period {:.1} ms; the loops are {:.2} ms late.\n", 1e3 * period, 1e3 * tuned.delay_s);
+    text += &row("velocity", &tuned.velocity, "V s/rad");
+    text += &row("position", &tuned.position, "V/rad");
+    text += &format!(
+        "feedforward  kS {:.4} V  kV {:.5} V s/rad  kA {:.6} V s^2/rad  kG {:.4} V  dead zone {:.4} V\n\n",
+        f.ks_v, f.kv_v_s_per_rad, f.ka_v_s2_per_rad, f.kg_v, f.dead_zone_v
+    );
+    text += &format!(
+        "{:<44} {:>11} {:>11} {:>11} {:>13}\n",
+        "a move there and back", "rms / rad", "worst", "at the end", "rms / rad/s"
+    );
+    for t in &tuned.trials {
+        text += &format!(
+            "{:<44} {:>11.3e} {:>11.3e} {:>11.3e} {:>13.3e}\n",
+            t.compensation, t.position.rms, t.position.worst, t.position.at_the_end, t.velocity.rms
+        );
+    }
+    text + "\n" + &tuned.advice.join("\n") + "\n"
+}

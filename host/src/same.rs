@@ -1,0 +1,210 @@
+//! Do two sets of records come from one motor?
+//!
+//! One model is fitted to either set and to both together. Where one motor made them, the model of both is as good on each set as
+//! that set's own, and no parameter differs by more than both intervals explain. A parameter's difference is measured in standard
+//! deviations of the difference, from the intervals of [`crate::fit::uncertainty`]; the bar is Bonferroni's for all parameters
+//! that both sets determine.
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::problem_of;
+use crate::error::Result;
+use crate::estimate::{self, Fit};
+use crate::fit::uncertainty::Estimate;
+use crate::log::Record;
+use crate::model_file::Model;
+use crate::motor_file::MotorFile;
+
+/// Loss below which the model of both sets is as good as each set's own.
+const AS_GOOD: f64 = 0.1;
+/// Two-sided risk of calling any parameter different where none is.
+const RISK: f64 = 0.01;
+/// Half a 95 % interval, in standard deviations.
+const HALF_WIDTH: f64 = 1.96;
+
+/// One motor or two?
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model of both is as good as each one's own, and no parameter differs.
+    Same,
+    /// A parameter differs, and the model of both is worse.
+    Different,
+    /// Only one of the two.
+    Open,
+}
+
+/// A parameter that both sets determine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// `gain`, or `coulomb.level`.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Value and 95 % interval from the first set.
+    pub first: [f64; 3],
+    /// From the second.
+    pub second: [f64; 3],
+    /// Difference in standard deviations of the difference.
+    pub deviations: f64,
+    /// Beyond the bar.
+    pub differs: bool,
+}
+
+/// Errors on one set, rms in the measured unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// Of its own model.
+    pub own: f64,
+    /// Of the model of both sets.
+    pub both: f64,
+    /// Of the other set's model.
+    pub other: f64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// One motor or two.
+    pub verdict: Verdict,
+    /// Why, in a sentence.
+    pub why: String,
+    /// Effects of the models.
+    pub effects: Vec<Kind>,
+    /// Errors on the first set and on the second.
+    pub errors: [Errors; 2],
+    /// Unit of the errors.
+    pub unit: &'static str,
+    /// The bar for a difference, standard deviations.
+    pub bar: f64,
+    /// Parameters that both sets determine, the most different first.
+    pub parameters: Vec<Difference>,
+    /// Parameters that one set or both leave open.
+    pub open: Vec<String>,
+}
+
+/// Compares `first` and `second` by models with `effects`.
+///
+/// # Errors
+/// Records that no fit can use.
+pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<Comparison> {
+    let how = estimate::Options {
+        method: estimate::Method::Fast,
+        effects: effects.to_vec(),
+        population: 80,
+        generations: 800,
+        seed: 1,
+    };
+    let fit = |records: &[Record]| estimate::fit(records, &[], motor, &how, &mut |_, _| {});
+    let sets = [first, second];
+    let [own, other] = [fit(first)?, fit(second)?];
+    let all: Vec<Record> = sets.concat();
+    let both = fit(&all)?;
+    let error = |records: &[Record], model: &Model| rmse(records, model, motor);
+    let errors = [
+        Errors { own: own.train.rmse, both: error(first, &both.model)?, other: error(first, &other.model)? },
+        Errors {
+            own: other.train.rmse,
+            both: error(second, &both.model)?,
+            other: error(second, &own.model)?,
+        },
+    ];
+    let (parameters, open, bar) = differences(&own, &other);
+    let (verdict, why) = judge(&errors, &parameters);
+    let unit = if first.iter().any(|r| r.angle_rad.is_some()) { "rad" } else { "rad/s" };
+    Ok(Comparison { verdict, why, effects: effects.to_vec(), errors, unit, bar, parameters, open })
+}
+
+fn rmse(records: &[Record], model: &Model, motor: &MotorFile) -> Result<f64> {
+    let mut problem = problem_of(model, records, motor)?;
+    problem.fixed.clear();
+    Ok(pooled(&free_runs(&problem, &model.values())).unwrap_or_default().rmse)
+}
+
+/// What both determine, the most different first; what stays open; the bar.
+fn differences(first: &Fit, second: &Fit) -> (Vec<Difference>, Vec<String>, f64) {
+    let (mut pairs, mut open): (Vec<(&Estimate, &Estimate)>, Vec<String>) = (Vec::new(), Vec::new());
+    for a in &first.parameters {
+        match second.parameters.iter().find(|b| b.name == a.name) {
+            Some(b) if a.identifiable && b.identifiable => pairs.push((a, b)),
+            _ => open.push(a.name.clone()),
+        }
+    }
+    let bar = normal_quantile(1.0 - RISK / (2.0 * pairs.len().max(1) as f64));
+    let mut parameters: Vec<Difference> = pairs
+        .into_iter()
+        .map(|(a, b)| {
+            // Intervals of logarithms are not even: the side that faces the other value counts.
+            let (low, high) = if a.value < b.value { (a, b) } else { (b, a) };
+            let spread = (low.high - low.value).hypot(high.value - high.low) / HALF_WIDTH;
+            let deviations = (high.value - low.value) / spread.max(f64::MIN_POSITIVE);
+            Difference {
+                name: a.name.clone(),
+                unit: a.unit.clone(),
+                first: [a.value, a.low, a.high],
+                second: [b.value, b.low, b.high],
+                deviations,
+                differs: deviations > bar,
+            }
+        })
+        .collect();
+    parameters.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    (parameters, open, bar)
+}
+
+fn judge(errors: &[Errors; 2], parameters: &[Difference]) -> (Verdict, String) {
+    let loss = errors.iter().map(|e| e.both / e.own.max(f64::MIN_POSITIVE) - 1.0).fold(0.0, f64::max);
+    let names: Vec<&str> = parameters.iter().filter(|p| p.differs).map(|p| p.name.as_str()).collect();
+    let percent = 100.0 * loss;
+    match (names.is_empty(), loss < AS_GOOD) {
+        (true, true) => (
+            Verdict::Same,
+            format!(
+                "one model is within {percent:.1} % of each set's own, and no parameter differs beyond its interval"
+            ),
+        ),
+        (false, false) => (
+            Verdict::Different,
+            format!(
+                "one model of both leaves up to {percent:.0} % more error, and {} differ",
+                names.join(", ")
+            ),
+        ),
+        (false, true) => (
+            Verdict::Open,
+            format!(
+                "{} differ beyond their intervals, but one model of both costs {percent:.1} % at most: a difference too small to matter here",
+                names.join(", ")
+            ),
+        ),
+        (true, false) => (
+            Verdict::Open,
+            format!(
+                "one model of both leaves up to {percent:.0} % more error, but no parameter differs beyond its interval: \
+                 the effects of the model may be wrong (motorlens discover tells), or the records are too short"
+            ),
+        ),
+    }
+}
+
+/// The standard normal's quantile above one half: Abramowitz and Stegun 26.2.23, to 4.5e-4.
+fn normal_quantile(p: f64) -> f64 {
+    let t = (-2.0 * (1.0 - p).ln()).sqrt();
+    let above = 2.515_517 + t * (0.802_853 + t * 0.010_328);
+    let below = 1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308));
+    t - above / below
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_normal_quantiles_are_those_of_the_tables() {
+        for (p, z) in [(0.975, 1.959_964), (0.995, 2.575_829), (0.999, 3.090_232)] {
+            assert!((normal_quantile(p) - z).abs() < 4.5e-4, "{p}");
+        }
+    }
+}

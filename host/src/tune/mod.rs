@@ -1,0 +1,118 @@
+//! Gains for a motor's velocity and position loops, from its model, and what its effects cost in tracking.
+//!
+//! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
+//! lag of the effects ([`loops`]). Then the whole model, effects and encoder included, follows a profile under those gains, with one
+//! compensation after the other added ([`trial`]).
+
+mod loops;
+mod plot;
+mod trial;
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+pub use loops::{Loop, Margins};
+pub use plot::plot;
+pub use trial::{Course, Tracking, Trial};
+
+use crate::error::{Error, Result};
+use crate::model_file::Model;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Period of the controller, s.
+    pub period_s: f64,
+    /// Phase margin of the design, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest voltage of the controller, V; the supply where absent.
+    pub limit_v: Option<f64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { period_s: 5e-3, phase_margin_deg: 60.0, limit_v: None }
+    }
+}
+
+/// Feedforward: volts = kS sign(w) + kV w + kA a + kG.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Feedforward {
+    /// Static friction, V.
+    pub ks_v: f64,
+    /// V s/rad.
+    pub kv_v_s_per_rad: f64,
+    /// V s^2/rad.
+    pub ka_v_s2_per_rad: f64,
+    /// Constant load, V.
+    pub kg_v: f64,
+    /// Command that the driver swallows, V: added in the direction of the command.
+    pub dead_zone_v: f64,
+}
+
+/// Gains, margins, and how they track.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tuned {
+    /// PI of the velocity: u = kp e + ki (integral of e).
+    pub velocity: Loop,
+    /// PD of the position: u = kp e + kd (de/dt).
+    pub position: Loop,
+    /// What is commanded beside them.
+    pub feedforward: Feedforward,
+    /// Everything that delays the loops, s.
+    pub delay_s: f64,
+    /// The profile followed with one compensation after the other.
+    pub trials: Vec<Trial>,
+    /// Which compensation pays, a sentence each.
+    pub advice: Vec<String>,
+}
+
+/// Designs the loops of `model` and tries them.
+///
+/// # Errors
+/// A period that no loop can hold.
+///
+/// ```no_run
+/// let model = motorlens::Model::read("model.json".as_ref())?;
+/// let tuned = motorlens::tune::tune(&model, &motorlens::tune::Options::default())?;
+/// println!("kp = {} V/rad, kd = {} V s/rad", tuned.position.kp, tuned.position.kd);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
+pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
+    if !(options.period_s > 0.0 && options.period_s <= 0.1) {
+        let why = format!("a controller with a period of {} s", options.period_s);
+        return Err(Error::usage(why, "give a period of at most 0.1 s"));
+    }
+    let delay_s = 0.5 * options.period_s + lag_s(model);
+    let margin = options.phase_margin_deg.to_radians();
+    let velocity = loops::velocity(&model.base, delay_s, margin);
+    let position = loops::position(&model.base, delay_s, margin);
+    let feedforward = feedforward(model);
+    let trials = trial::all(model, options, &velocity, &position, &feedforward);
+    let advice = trial::advice(&trials);
+    Ok(Tuned { velocity, position, feedforward, delay_s, trials, advice })
+}
+
+/// Value of a parameter of an effect; 0 where the model has none.
+fn parameter(model: &Model, kind: Kind, place: usize) -> f64 {
+    model.effects.iter().find(|e| e.effect == kind).map_or(0.0, |e| e.parameters[place].value)
+}
+
+/// How late the effects make voltage and reading, s.
+fn lag_s(model: &Model) -> f64 {
+    // A filter lags by its time constant, a held reading by half of its holding.
+    parameter(model, Kind::Delay, 0)
+        + parameter(model, Kind::SensorLag, 0)
+        + 0.5 * parameter(model, Kind::SensorLag, 1)
+}
+
+fn feedforward(model: &Model) -> Feedforward {
+    let of = |kind| parameter(model, kind, 0);
+    Feedforward {
+        ks_v: of(Kind::Coulomb) + of(Kind::CoulombAsymmetric) + of(Kind::Stribeck) + of(Kind::VoltageDrop),
+        kv_v_s_per_rad: 1.0 / model.base.gain,
+        ka_v_s2_per_rad: model.base.tau_m / model.base.gain,
+        kg_v: of(Kind::ConstantLoad) + parameter(model, Kind::CoulombAsymmetric, 1),
+        dead_zone_v: of(Kind::DeadZone),
+    }
+}

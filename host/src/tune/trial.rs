@@ -1,0 +1,223 @@
+//! The whole model under the gains: a move there and back, and a velocity that reverses.
+
+use serde::Serialize;
+
+use super::loops::Loop;
+use super::{Feedforward, Options};
+use crate::model_file::Model;
+
+/// How well a profile was followed, in rad for the position's and rad/s for the velocity's.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Tracking {
+    /// rms error.
+    pub rms: f64,
+    /// Largest error.
+    pub worst: f64,
+    /// Error that is left in the last tenth of the profile, rms.
+    pub at_the_end: f64,
+}
+
+/// A loop with some compensations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// What is added to the feedback.
+    pub compensation: &'static str,
+    /// On the base model alone: no effect costs anything.
+    pub without_effects: bool,
+    /// The position under PD.
+    pub position: Tracking,
+    /// The velocity under PI.
+    pub velocity: Tracking,
+    /// The position's course, for a plot.
+    #[serde(skip)]
+    pub course: Course,
+}
+
+/// A position over time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Course {
+    /// s.
+    pub time_s: Vec<f64>,
+    /// rad.
+    pub wanted: Vec<f64>,
+    /// rad.
+    pub reached: Vec<f64>,
+}
+
+/// What is commanded beside the feedback.
+#[derive(Debug, Clone, Copy, Default)]
+struct Compensation {
+    motion: bool,
+    friction: bool,
+    dead_zone: bool,
+}
+
+/// A set point: place, speed, acceleration.
+type Point = [f64; 3];
+
+/// Runs every trial.
+pub(super) fn all(
+    model: &Model,
+    options: &Options,
+    velocity: &Loop,
+    position: &Loop,
+    feedforward: &Feedforward,
+) -> Vec<Trial> {
+    let plain = Model { effects: Vec::new(), ..model.clone() };
+    let none = Compensation::default();
+    let motion = Compensation { motion: true, ..none };
+    let friction = Compensation { friction: true, ..motion };
+    let mut rows = vec![
+        ("feedback alone, base model without effects", true, none),
+        ("feedback alone", false, none),
+        ("with kV, kA and kG", false, motion),
+        ("with kS too", false, friction),
+    ];
+    if feedforward.dead_zone_v > 0.0 {
+        rows.push(("with the dead zone's inverse too", false, Compensation { dead_zone: true, ..friction }));
+    }
+    rows.into_iter()
+        .map(|(compensation, without_effects, with)| {
+            let run = Run { model: if without_effects { &plain } else { model }, options, feedforward, with };
+            let (position, course) = run.follow(position, false);
+            let (velocity, _) = run.follow(velocity, true);
+            Trial { compensation, without_effects, position, velocity, course }
+        })
+        .collect()
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    options: &'a Options,
+    feedforward: &'a Feedforward,
+    with: Compensation,
+}
+
+impl Run<'_> {
+    /// The profile: a minimum-jerk move there and back within three tenths of the no-load speed, with rests between.
+    fn wanted(&self, time_s: f64) -> Point {
+        let base = &self.model.base;
+        let length = 12.0 * base.tau_m.max(0.05);
+        let top = 0.3 * base.gain * self.limit_v();
+        // A minimum-jerk move of D in T is fastest at 15/8 D/T.
+        let way = top * length * 8.0 / 15.0;
+        let move_at = |s: f64| -> Point {
+            let s = s.clamp(0.0, 1.0);
+            [
+                way * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
+                way / length * 30.0 * s * s * (1.0 - s).powi(2),
+                way / (length * length) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+            ]
+        };
+        let phase = time_s / length - 0.25;
+        if phase < 1.5 {
+            return move_at(phase);
+        }
+        let back = move_at(phase - 1.5);
+        [way - back[0], -back[1], -back[2]]
+    }
+
+    fn seconds(&self) -> f64 {
+        3.5 * 12.0 * self.model.base.tau_m.max(0.05)
+    }
+
+    fn limit_v(&self) -> f64 {
+        self.options.limit_v.unwrap_or(self.model.rig.supply_v)
+    }
+
+    /// Feedback by what the encoder shows, renewed once a period, and the profile's own command.
+    fn follow(&self, gains: &Loop, velocity: bool) -> (Tracking, Course) {
+        let period = self.options.period_s;
+        let parts = (period / 1e-3).ceil().max(1.0);
+        let mut motor = self.model.start(period / parts, 0.0);
+        let count = self.model.rig.count_rad.max(1e-9);
+        let shown = |angle: f64| (angle / count).round() * count;
+        let (mut last, mut sum, mut kept) = (shown(motor.angle_rad()), 0.0, Vec::new());
+        let mut course = Course::default();
+        for k in 0..(self.seconds() / period) as usize {
+            let time = k as f64 * period;
+            let point @ [place, speed, _] = self.wanted(time);
+            let seen = shown(motor.angle_rad());
+            let moving = (seen - last) / period;
+            last = seen;
+            let feedback = if velocity {
+                let error = speed - moving;
+                sum += error * period;
+                gains.kp * error + gains.ki * sum
+            } else {
+                gains.kp * (place - seen) + gains.kd * (if self.with.motion { speed } else { 0.0 } - moving)
+            };
+            let asked = self.command(feedback, point);
+            let limited = asked.clamp(-self.limit_v(), self.limit_v());
+            if velocity && limited != asked {
+                // No winding up at the limit.
+                sum -= (speed - moving) * period;
+            }
+            for _ in 0..parts as usize {
+                motor.step(limited);
+            }
+            let [place, speed, _] = self.wanted(time + period);
+            kept.push(if velocity { speed - motor.speed_rad_s() } else { place - motor.angle_rad() });
+            course.time_s.push(time + period);
+            course.wanted.push(place);
+            course.reached.push(motor.angle_rad());
+        }
+        (tracking(&kept), course)
+    }
+
+    fn command(&self, feedback: f64, [_, speed, acceleration]: Point) -> f64 {
+        let f = self.feedforward;
+        let mut volts = feedback;
+        if self.with.motion {
+            volts += f.kv_v_s_per_rad * speed + f.ka_v_s2_per_rad * acceleration + f.kg_v;
+        }
+        if self.with.friction && speed != 0.0 {
+            volts += f.ks_v * speed.signum();
+        }
+        // Round zero the inverse would jump at every count: it begins where the command is worth a tenth of the dead zone.
+        if self.with.dead_zone {
+            volts += f.dead_zone_v * (volts / (0.1 * f.dead_zone_v)).clamp(-1.0, 1.0);
+        }
+        volts
+    }
+}
+
+fn tracking(errors: &[f64]) -> Tracking {
+    let rms = |e: &[f64]| (e.iter().map(|x| x * x).sum::<f64>() / e.len().max(1) as f64).sqrt();
+    Tracking {
+        rms: rms(errors),
+        worst: errors.iter().fold(0.0, |worst, x| worst.max(x.abs())),
+        at_the_end: rms(&errors[errors.len() * 9 / 10..]),
+    }
+}
+
+/// Which compensation pays.
+pub(super) fn advice(trials: &[Trial]) -> Vec<String> {
+    let mut said = Vec::new();
+    if let [ideal, real, ..] = trials {
+        said.push(format!(
+            "Under feedback alone the effects cost {:.2e} rad rms beside the {:.2e} rad of the base model.",
+            (real.position.rms.powi(2) - ideal.position.rms.powi(2)).max(0.0).sqrt(),
+            ideal.position.rms
+        ));
+    }
+    for pair in trials[1..].windows(2) {
+        let (before, after) = (pair[0].position.rms, pair[1].position.rms);
+        let verdict = if after < 0.9 * before { "pays" } else { "does not pay" };
+        said.push(format!(
+            "{} {verdict}: {before:.2e} to {after:.2e} rad rms.",
+            capital(pair[1].compensation)
+        ));
+    }
+    said
+}
+
+fn capital(text: &str) -> String {
+    let text = text.strip_suffix(" too").unwrap_or(text).strip_prefix("with ").unwrap_or(text);
+    let mut letters = text.chars();
+    // kS and its like keep their letters.
+    if text.starts_with('k') {
+        return text.to_owned();
+    }
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

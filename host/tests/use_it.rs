@@ -1,0 +1,142 @@
+//! From a model to where it is used, through the built program: export, tune, same, completions, manual pages.
+
+mod program;
+
+use std::path::Path;
+
+use program::{files, run};
+
+/// A model file with these effects, each with named parameters.
+fn model(directory: &Path, name: &str, gain: f64, effects: &str) {
+    let text = format!(
+        r#"{{"schema":1,"rig":{{"gear_ratio":30.0,"encoder_on_motor":true,"nominal_v":12.0,"supply_v":12.0,
+        "reference_speed_rad_s":11.0,"count_rad":0.001}},"prior":{{"tau_e":[5e-4,0.4],"viscous_share":[0.08,0.05]}},
+        "base":{{"gain":{gain},"tau_m":0.05,"tau_e":6e-4,"viscous_share":0.1}},"effects":[{effects}],
+        "origin":{{"motorlens":"","records":[],"method":""}}}}"#
+    );
+    std::fs::write(directory.join(name), text).unwrap();
+}
+
+const DRY: &str = r#"{"effect":"coulomb","parameters":[{"name":"level","value":0.4,"unit":"V"}]}"#;
+const DEAD: &str = r#"{"effect":"dead_zone","parameters":[{"name":"width","value":0.5,"unit":"V"},
+    {"name":"offset","value":0.0,"unit":"V"}]}"#;
+
+#[test]
+fn an_export_that_would_lose_an_effect_is_refused_with_its_cost_and_allowed_on_request() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    model(here, "m.json", 0.9, &format!("{DRY},{DEAD}"));
+    let refused = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1").ends(2);
+    assert!(
+        refused.err.contains("no place for dead_zone") && refused.err.contains(" rad (rms"),
+        "{}",
+        refused.err
+    );
+    assert!(refused.err.contains("--allow-missing") && !here.join("m.urdf").exists(), "{}", refused.err);
+    let allowed = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1 --allow-missing --json")
+        .ends(0)
+        .json();
+    assert_eq!(allowed["lost"][0]["effect"], "dead_zone");
+    assert!(allowed["cost"]["all"]["rms"].as_f64().unwrap() > 0.05, "{allowed}");
+    assert!(std::fs::read_to_string(here.join("m.urdf")).unwrap().contains("<dynamics damping="));
+    let scale = run(here, "export m.json -f bam -o m1.json --allow-missing").ends(2);
+    assert!(scale.err.contains("--torque-per-volt"), "{}", scale.err);
+}
+
+#[test]
+fn the_cost_on_a_record_holds_the_errors_against_the_measurement_with_and_without() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    run(here, "simulate --effect coulomb=0.4 --rate 200 --seconds 4 --out s --quiet").ends(0);
+    let fit =
+        "fit s/multisine.csv s/prbs.csv s/triangle.csv --effects coulomb,dead_zone --motor s/motor.toml";
+    run(here, &format!("{fit} --out m.json --quiet")).ends(0);
+    let words = "export m.json -f urdf -o m.urdf --torque-per-volt 0.1 --allow-missing --on s/prbs.csv --motor s/motor.toml --json";
+    let written = run(here, words).ends(0).json();
+    let errors = written["cost"]["errors"].as_array().expect("errors on a record");
+    assert!(errors.iter().all(|e| e.as_f64().is_some_and(|e| e > 0.0)), "{written}");
+    assert_eq!(written["cost"]["on"], "prbs");
+}
+
+#[test]
+fn mujocos_second_file_stands_beside_the_first() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    model(here, "m.json", 0.9, DEAD);
+    let written = run(here, "export m.json --format mujoco --out motor.xml --json").ends(0).json();
+    assert_eq!(written["beside"], "motor.py");
+    let [xml, program] = ["motor.xml", "motor.py"].map(|f| std::fs::read_to_string(here.join(f)).unwrap());
+    assert!(xml.contains("<dcmotor") && program.contains("dead_zone"), "{xml}{program}");
+}
+
+#[test]
+fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    model(here, "m.json", 0.9, &format!("{DRY},{DEAD}"));
+    let tuned = run(here, "tune m.json --plot t.svg --json").ends(0).json();
+    let trials = tuned["trials"].as_array().unwrap();
+    assert_eq!(trials.len(), 5);
+    let rms: Vec<f64> = trials.iter().map(|t| t["position"]["rms"].as_f64().unwrap()).collect();
+    // Friction and dead zone cost; kS and the inverse win most of it back.
+    assert!(rms[1] > rms[0], "{rms:?}");
+    assert!(rms[2] < rms[1] && rms[3] < 0.7 * rms[2], "{rms:?}");
+    for name in ["velocity", "position"] {
+        let margins = &tuned[name]["margins"];
+        assert!(
+            margins["phase_deg"].as_f64().unwrap() > 59.0 && margins["gain"].as_f64().unwrap() > 1.5,
+            "{margins}"
+        );
+    }
+    assert!(std::fs::read_to_string(here.join("t.svg")).unwrap().contains("<svg"));
+    let said = run(here, "tune m.json").ends(0).err;
+    assert!(said.contains("phase margin 60") && said.contains("kS pays"), "{said}");
+    run(here, "tune m.json --period 2").ends(2);
+}
+
+#[test]
+fn records_of_one_motor_are_the_same_and_of_another_are_not() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    for (out, effect, seed) in [("a", "coulomb=0.4", 1), ("b", "coulomb=0.4", 2), ("c", "coulomb=0.7", 3)] {
+        run(
+            here,
+            &format!("simulate --effect {effect} --rate 100 --seconds 6 --seed {seed} --out {out} --quiet"),
+        )
+        .ends(0);
+    }
+    let set = |d: &str| format!("{d}/multisine.csv {d}/prbs.csv {d}/triangle.csv");
+    let ask = |other: &str| {
+        let words =
+            format!("same --effects coulomb --motor a/motor.toml --json {} -- {}", set("a"), set(other));
+        run(here, &words).ends(0).json()
+    };
+    let one = ask("b");
+    assert_eq!(one["verdict"], "same", "{one}");
+    let two = ask("c");
+    assert_eq!(two["verdict"], "different", "{two}");
+    assert_eq!(two["parameters"][0]["name"], "coulomb.level", "{two}");
+    run(here, &format!("same {}", set("a"))).ends(2);
+}
+
+#[test]
+fn every_shell_gets_its_completions_and_every_verb_its_page() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = run(here, &format!("completions {shell}")).ends(0).out;
+        assert!(script.contains("discover") && script.contains("torque-per-volt"), "{shell}");
+    }
+    run(here, "man pages").ends(0);
+    let pages = files(&here.join("pages"));
+    let help = run(here, "--help").ends(0).out;
+    for verb in ["discover", "tune", "same", "export", "completions"] {
+        assert!(help.contains(verb), "{verb}");
+        let page = pages.iter().find(|p| p.ends_with(format!("motorlens-{verb}.1"))).expect(verb);
+        let text = std::fs::read_to_string(page).unwrap();
+        assert!(text.starts_with(".ie") && text.contains(".SH NAME"), "{text}");
+    }
+    assert!(
+        std::fs::read_to_string(here.join("pages/motorlens-export.1")).unwrap().contains("allow\\-missing")
+    );
+}
