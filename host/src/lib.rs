@@ -1,7 +1,7 @@
 //! Fits a geared DC motor's model to logs, and names the missing physical effect.
 //!
 //! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
-//! [`record`] or [`log::read`] made, with records to judge by; [`fit`], [`add`] and [`plan`] are its parts. A [`Model`] simulates
+//! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts. A [`Model`] simulates
 //! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]) and gets its gains
 //! ([`tune`]). All quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
 //!

@@ -1,8 +1,8 @@
 //! Gains for a motor's velocity and position loops, from its model, and what its effects cost in tracking.
 //!
 //! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
-//! lag of the effects ([`loops`]). Then the whole model, effects and encoder included, follows a profile under those gains, with one
-//! compensation after the other added ([`trial`]).
+//! lag of the effects. Then the whole model, effects and encoder included, follows a profile under those gains, with one
+//! compensation after the other added.
 
 mod loops;
 mod plot;
