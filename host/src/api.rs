@@ -216,6 +216,22 @@ pub fn discover(
 ///
 /// # Errors
 /// As [`discover`].
+///
+/// ```no_run
+/// use std::ops::ControlFlow;
+/// use motorlens::{Options, discover_records, log, motor_file};
+///
+/// let motor = motor_file::read("motor.toml".as_ref())?;
+/// let reading = log::ReadOptions { motor: motor.clone(), ..log::ReadOptions::default() };
+/// let [run, unseen] = ["run.csv", "unseen.csv"].map(|path| log::read(path.as_ref(), &reading));
+/// let options = Options { validation: unseen?, motor, ..Options::default() };
+/// let found = discover_records(&run?, &options, &mut |event| {
+///     eprintln!("{event:?}");
+///     ControlFlow::Continue(())
+/// })?;
+/// println!("{}", found.findings.headline);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn discover_records(records: &[Record], options: &Options, observer: Observer) -> Result<Discovered> {
     watched(observer, move |tell| {
         let asked = search::Options {
@@ -237,6 +253,17 @@ pub fn discover_records(records: &[Record], options: &Options, observer: Observe
 ///
 /// # Errors
 /// As [`discover`].
+///
+/// ```no_run
+/// use std::ops::ControlFlow;
+/// use motorlens::{Options, log, plan};
+///
+/// let runs = log::read("run.csv".as_ref(), &log::ReadOptions::default())?;
+/// if let Some(next) = plan(&runs, &Options::default(), Some(12.0), 8.0, &mut |_| ControlFlow::Continue(()))? {
+///     println!("{}: {} segments", next.why, next.programme.segments.len());
+/// }
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn plan(
     records: &[Record],
     options: &Options,
@@ -260,6 +287,26 @@ pub fn plan(
 ///
 /// # Errors
 /// Records that no fit can use, effects that no model can hold, [`Error::Cancelled`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use motorlens::{Measured, Options, estimate, fit, record};
+/// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
+/// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
+/// # let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
+/// # for k in 0..1499 {
+/// #     for _ in 0..20 {
+/// #         w += 1e-4 * (0.9 * volts[k] - w) / 0.05;
+/// #         x += 1e-4 * w;
+/// #     }
+/// #     angle.push((x / 1e-3).round() * 1e-3);
+/// # }
+/// let run = record("run", &time, &volts, Measured::Angle(&angle))?;
+/// let fitted = fit(&[run], &Options::default(), &estimate::Options::default(), &mut |_| ControlFlow::Continue(()))?;
+/// let gain = fitted.parameters.iter().find(|p| p.name == "gain").expect("every model has one");
+/// assert!((gain.value - 0.9).abs() < 0.01);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn fit(
     records: &[Record],
     options: &Options,
@@ -277,6 +324,28 @@ pub fn fit(
 ///
 /// # Errors
 /// Records that no fit can use, an effect that the model cannot take, [`Error::Cancelled`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use motorlens::{Measured, Options, add, estimate, fit, record};
+/// use motorlens_shared::effects::Kind;
+/// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
+/// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
+/// # let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
+/// # for k in 0..1499 {
+/// #     for _ in 0..20 {
+/// #         w += 1e-4 * (0.9 * volts[k] - w) / 0.05;
+/// #         x += 1e-4 * w;
+/// #     }
+/// #     angle.push((x / 1e-3).round() * 1e-3);
+/// # }
+/// let runs = [record("run", &time, &volts, Measured::Angle(&angle))?];
+/// let options = Options::default();
+/// let plain = fit(&runs, &options, &estimate::Options::default(), &mut |_| ControlFlow::Continue(()))?;
+/// let added = add(&plain.model, Kind::Coulomb, &runs, &options, &mut |_| ControlFlow::Continue(()))?;
+/// assert!(!added.worth, "this motor has no dry friction: {}", added.why);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn add(
     model: &Model,
     effect: Kind,

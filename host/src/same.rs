@@ -90,13 +90,7 @@ pub struct Comparison {
 /// # Errors
 /// Records that no fit can use.
 pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<Comparison> {
-    let how = estimate::Options {
-        method: estimate::Method::Fast,
-        effects: effects.to_vec(),
-        population: 80,
-        generations: 800,
-        seed: 1,
-    };
+    let how = estimate::Options { effects: effects.to_vec(), ..estimate::Options::default() };
     let fit = |records: &[Record]| estimate::fit(records, &[], motor, &how, &mut |_, _| {});
     let sets = [first, second];
     let [own, other] = [fit(first)?, fit(second)?];

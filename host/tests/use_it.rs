@@ -90,7 +90,10 @@ fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
     }
     assert!(std::fs::read_to_string(here.join("t.svg")).unwrap().contains("<svg"));
     let said = run(here, "tune m.json").ends(0).err;
-    assert!(said.contains("phase margin 60") && said.contains("kS pays"), "{said}");
+    assert!(
+        said.contains("phase margin 60") && said.contains("kS: ") && said.contains("which pays"),
+        "{said}"
+    );
     run(here, "tune m.json --period 2").ends(2);
 }
 

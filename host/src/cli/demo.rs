@@ -21,6 +21,8 @@ use crate::simulate::{self, RevealArgs, SimulateArgs};
 
 /// Options of `demo`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens demo -o demo")]
 pub struct Args {
     /// Which hidden effects: any number
     #[arg(long, value_name = "SEED", default_value_t = Args::default().hidden)]

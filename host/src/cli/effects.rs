@@ -10,6 +10,9 @@ use crate::formula;
 
 /// Options of `effects`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens effects
+  motorlens effects stribeck backlash")]
 pub struct Args {
     /// Tell all about these only
     #[arg(value_name = "EFFECT")]

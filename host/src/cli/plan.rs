@@ -15,6 +15,8 @@ use crate::findings::NextExperiment;
 
 /// Options of `plan`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens plan run1.csv run2.csv -m motor.toml -o next.json")]
 pub struct Args {
     #[command(flatten)]
     input: LogArgs,

@@ -9,6 +9,8 @@ use crate::serve::{self, Session};
 
 /// Options of `serve`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens serve run1.csv run2.csv -m motor.toml")]
 pub struct Args {
     /// Log files; without any, the demo's
     #[arg(value_name = "LOG")]

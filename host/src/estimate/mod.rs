@@ -66,6 +66,12 @@ pub struct Options {
     pub seed: u64,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self { method: Method::Fast, effects: Vec::new(), population: 80, generations: 800, seed: 1 }
+    }
+}
+
 /// A fitted model and how good it is.
 #[derive(Debug)]
 pub struct Fit {

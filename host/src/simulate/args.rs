@@ -23,6 +23,9 @@ pub enum MotorChoice {
 
 /// Make logs from the virtual motor.
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:
+  motorlens simulate -e coulomb=0.3 -e backlash -o logs
+  motorlens simulate --hidden 5 -o logs && motorlens reveal logs")]
 pub struct SimulateArgs {
     /// Directory for the logs, motor.toml and the sealed answer
     #[arg(short, long, value_name = "DIR", default_value = "simulated")]

@@ -18,6 +18,9 @@ pub use trial::{Course, Tracking, Trial};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 
+/// Share of the voltage by which a count of the encoder may move the command.
+const COARSE: f64 = 0.1;
+
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -89,7 +92,15 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     let position = loops::position(&model.base, delay_s, margin);
     let feedforward = feedforward(model);
     let trials = trial::all(model, options, &velocity, &position, &feedforward);
-    let advice = trial::advice(&trials);
+    let mut advice = trial::advice(&trials);
+    let count_v = position.kp * model.rig.count_rad + position.kd * model.rig.count_rad / options.period_s;
+    let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
+    if count_v > COARSE * limit_v {
+        advice.push(format!(
+            "A count of the encoder moves the position's command by {count_v:.2} V of {limit_v:.1} V: a longer period or a larger \
+             phase margin makes it calmer."
+        ));
+    }
     Ok(Tuned { velocity, position, feedforward, delay_s, trials, advice })
 }
 

@@ -203,9 +203,9 @@ pub(super) fn advice(trials: &[Trial]) -> Vec<String> {
     }
     for pair in trials[1..].windows(2) {
         let (before, after) = (pair[0].position.rms, pair[1].position.rms);
-        let verdict = if after < 0.9 * before { "pays" } else { "does not pay" };
+        let verdict = if after < 0.9 * before { "which pays" } else { "which does not pay" };
         said.push(format!(
-            "{} {verdict}: {before:.2e} to {after:.2e} rad rms.",
+            "{}: {before:.2e} to {after:.2e} rad rms, {verdict}.",
             capital(pair[1].compensation)
         ));
     }
