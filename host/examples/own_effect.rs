@@ -32,7 +32,8 @@ fn main() -> motorlens::Result<()> {
     let found = discover(&time_s, &voltage_v, Measured::Angle(&angle_rad), &options, &mut |_| {
         ControlFlow::Continue(())
     })?;
-    println!("{}: {:?}", found.findings.headline, found.findings.effects);
+    let names: Vec<&str> = found.findings.effects.iter().map(|kind| kind.name()).collect();
+    println!("{}: {}", found.findings.headline, names.join(", "));
     Ok(())
 }
 
