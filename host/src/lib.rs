@@ -33,6 +33,7 @@ pub mod export;
 pub mod findings;
 pub mod fit;
 pub mod formula;
+pub mod glossary;
 pub mod log;
 pub mod model_file;
 pub mod motor_file;

@@ -1,6 +1,7 @@
 //! The live page and the report, driven in a headless browser.
 
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::Result;
 
@@ -10,6 +11,13 @@ use crate::{apt, process};
 /// Sets up the browser, builds the program, runs the tests on both. Screenshots stay in `target/screenshots`.
 pub fn tests() -> Result<Count> {
     apt::ensure_apt(&["chromium"])?;
+    if !directory().join("node_modules").is_dir() {
+        // Not everybody's npm is Debian's.
+        if Command::new("npm").arg("--version").output().is_err() {
+            apt::ensure_apt(&["nodejs", "npm"])?;
+        }
+        process::run(Command::new("npm").current_dir(directory()).args(["ci", "--no-audit", "--no-fund"]))?;
+    }
     process::run(process::cargo().args(["build", "-p", "motorlens", "--locked"]))?;
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| process::root().join("target"), PathBuf::from);

@@ -11,6 +11,7 @@ use super::{Console, prose};
 use crate::error::Result;
 use crate::estimate::{Addition, add, effect_by_name};
 use crate::estimate::{Errors, Moved};
+use crate::findings::{Action, NextStep};
 use crate::fit::uncertainty::Estimate;
 use crate::model_file::Model;
 
@@ -70,6 +71,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
+    if !console.json() {
+        // What is not worth adding is not built upon: the model that was there is.
+        let base = args.out.as_ref().filter(|_| done.worth).unwrap_or(&args.model);
+        let next = NextStep::new(Action::Diagnose, None);
+        console.say(prose::next(&next, Some(base), &args.input.logs));
+    }
     Ok(())
 }
 
@@ -80,7 +87,7 @@ fn story(done: &Addition, unit: &str) -> String {
     {
         text += &format!("{}\n", prose::measures(name, &errors.train, unit));
         if let Some(m) = &errors.validation {
-            text += &format!("{}\n", prose::measures("  on unseen records", m, unit));
+            text += &format!("{}\n", prose::measures("  on validation records", m, unit));
         }
     }
     text += &format!("\n{}\n\n", done.why);
@@ -94,6 +101,16 @@ fn story(done: &Addition, unit: &str) -> String {
         );
     }
     let new = &done.parameters[done.moved.len()..];
-    text + &prose::parameters(new)
-        + if done.worth { "" } else { "\nNot worth adding: unseen data do not confirm it." }
+    text + &prose::parameters(new) + &verdict(done)
+}
+
+/// Whether it is worth it, and a rise called a rise.
+fn verdict(done: &Addition) -> String {
+    let error = |errors: &Errors| errors.validation.unwrap_or(errors.train).rmse;
+    let (before, after) = (error(&done.before), error(&done.after));
+    let on = if done.after.validation.is_some() { "validation records" } else { "the records fitted" };
+    let way = if after > before { "rises" } else { "falls" };
+    let percent = 100.0 * (after / before.max(1e-300) - 1.0).abs();
+    let worth = if done.worth { "worth adding" } else { "not worth adding: held-out data do not confirm it" };
+    format!("\n{}: {worth}; with it the error on {on} {way} by {percent:.0} %.\n", done.effect)
 }

@@ -10,7 +10,9 @@ use super::{Console, prose};
 use crate::compare::free_run::{FreeRun, free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::{FailureMap, Slice, failure_map, write_trace};
+use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
+use crate::findings::{Errors, Facts, Standing};
 use crate::log::Record;
 
 /// Options of `compare`.
@@ -70,11 +72,29 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.trace {
         console.say(format!("trace: {}", path.display()));
     }
+    if !console.json() {
+        let noise = noise_floor(&all, &[], &problem);
+        let error = together.rmse;
+        console.say(prose::standing(
+            &Standing::of(&Facts {
+                errors: Errors { base: error, model: error, noise },
+                effects: &model.values().kinds().iter().map(ToString::to_string).collect::<Vec<_>>(),
+                clean: None,
+                suggested: None,
+                doubted: None,
+                experiment: false,
+                data_problems: false,
+            }),
+            Some(&args.model),
+            &args.input.logs,
+        ));
+    }
     Ok(())
 }
 
 fn story(document: &Document, map: &FailureMap) -> String {
-    let mut text = format!("{}, run freely over every record\n\n", prose::effects(&document.effects));
+    let mut text =
+        format!("{}, simulated over every record by itself\n\n", prose::effects(&document.effects));
     for r in &document.records {
         text += &format!("{}\n", prose::measures(&r.record, &r.measures, map.unit));
     }

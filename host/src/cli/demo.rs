@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use clap::{Args as _, FromArgMatches};
 use serde::Serialize;
 
-use super::discover::{search, story, unit};
+use super::discover::{search, story};
 use super::input::Logs;
 use super::{Console, prose};
 use crate::compare::failure_map;
 use crate::compare::free_run::free_runs;
 use crate::diagnose::discover::Options;
-use crate::diagnose::ladder::Rung;
 use crate::error::{Error, Result};
 use crate::estimate;
 use crate::findings::Findings;
@@ -70,33 +69,28 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("   {:<30} {}", slice.title, slice.reading));
     }
 
-    console.say("3. Every effect is tried on it; what unseen data confirm is added:");
+    console.say("3. Every effect is tried on it; what held-out data confirm is added:");
     let (found, findings) = search(&logs, &Options::default(), console)?;
     console.say(story(&found, &findings, &logs.records));
+    let standing = findings.standing();
+    console.say(format!("{}: {}", standing.badge, standing.headline));
     let model = args.out.join("model.json");
     found.model.write(&model)?;
 
     let answer = simulate::reveal(&RevealArgs { directory: args.out.clone() })?;
     console.say(format!("\n4. What was hidden: {}", prose::effects(&answer.sizes)));
-    if let Some(rung) = found.ladder.last() {
-        console.say(verdict(rung, found.noise_floor, unit(&logs.records)));
-    }
+    let right = answer.effects.len() == found.effects.len()
+        && found.effects.iter().all(|k| answer.effects.iter().any(|name| name == k.name()));
+    console.say(if right { "   Found right." } else { "   Not what was found." });
     let report = args.out.join("report.html");
-    let faults = findings.data_faults.clone();
-    report::write(&Story::of(&found, &logs.records, faults), &report)?;
+    report::write(&Story::of(&found, &findings, &logs.records), &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
-    console.answer(&document, || format!("report: {}", report.display()));
+    console.answer(&document, || {
+        let next = prose::next(&findings.next_step, Some(&document.model), &training);
+        format!("report: {}\n{next}or see it live: motorlens serve", report.display())
+    });
     Ok(())
-}
-
-fn verdict(rung: &Rung, floor: f64, unit: &str) -> String {
-    let unseen = rung.validation.unwrap_or(rung.train).rmse;
-    format!(
-        "   On unseen data the error is now {} {unit}, {:.2} times the noise floor.",
-        prose::figure(unseen),
-        unseen / floor.max(1e-12)
-    )
 }
 
 fn simulation(args: &Args) -> Result<SimulateArgs> {

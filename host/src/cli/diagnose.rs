@@ -9,7 +9,7 @@ use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
 use crate::error::Result;
-use crate::findings::Findings;
+use crate::findings::{Action, Findings, NextStep};
 use crate::model_file::Model;
 
 /// Options of `diagnose`.
@@ -36,8 +36,14 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let mut found = or_bad_data(found, logs.faults(), console)?;
     let own = model.values().kinds();
     found.effects.retain(|k| !own.contains(k));
-    let findings = Findings::new(&found, logs.faults());
+    let mut findings = Findings::new(&found, logs.faults());
+    if let Some(first) = found.effects.first() {
+        findings.next_step = NextStep::new(Action::Add, Some(*first));
+    }
     console.answer(&findings, || story(&found, &findings, unit));
+    if !console.json() {
+        console.say(prose::standing(&findings.standing(), Some(&args.model), &args.input.logs));
+    }
     Ok(())
 }
 
@@ -46,17 +52,17 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
     for (k, c) in found.candidates.iter().enumerate() {
         let unseen = c
             .validation
-            .map_or(String::new(), |v| format!("   unseen rmse {} {unit}", prose::figure(v.rmse)));
+            .map_or(String::new(), |v| format!("   validation rmse {} {unit}", prose::figure(v.rmse)));
         text += &format!("{:>2}. {:<20} {:>4.0} %{unseen}\n", k + 1, c.effect.name(), 100.0 * c.score);
         text += &format!("      {}\n      look for: {}\n", c.evidence, c.effect.spec().signature);
     }
-    text += &format!("\n{}.\n", findings.headline);
-    if !found.effects.is_empty() {
-        text += "The first is worth adding.\n";
-    }
+    text += match found.effects.first() {
+        Some(_) => "\nThe first is worth adding.\n",
+        None => "\nNo effect is worth adding to this model.\n",
+    };
     for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
-        text += &format!("These data cannot tell apart: {}.\n", names.join(", "));
+        text += &format!("These records cannot tell apart: {}.\n", names.join(", "));
     }
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);

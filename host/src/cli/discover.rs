@@ -44,6 +44,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
+    if !console.json() {
+        console.say(prose::standing(&findings.standing(), args.out.as_deref(), &args.input.logs));
+    }
     Ok(())
 }
 
@@ -78,17 +81,16 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    text += &format!("{}.\n", findings.headline);
     if found.effects.is_empty() && !found.climb.withdrawn.is_empty() {
         text += &(taken_back(&found.climb.withdrawn) + "\n");
     }
-    text += &format!("A perfect model would leave {} {unit} rms.\n\n", prose::figure(found.noise_floor));
+    text += &format!("The noise level is {} {unit} rms.\n\n", prose::figure(found.noise_floor));
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";
     text += &prose::parameters(&findings.combinations);
     for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
-        text += &format!("\nThese data cannot tell apart: {}.\n", names.join(", "));
+        text += &format!("\nThese records cannot tell apart: {}.\n", names.join(", "));
     }
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);

@@ -7,6 +7,7 @@ use super::Console;
 use crate::error::Result;
 use crate::estimate::effect_by_name;
 use crate::formula;
+use crate::glossary;
 
 /// Options of `effects`.
 #[derive(Debug, clap::Args)]
@@ -43,6 +44,10 @@ struct Parameter {
 #[derive(Serialize)]
 struct Registry {
     schema: u32,
+    /// The base model, which every effect is added to.
+    base_equations: [&'static str; 4],
+    /// Its parameters, and those of the effects.
+    terms: Vec<glossary::Term>,
     effects: Vec<Row>,
 }
 
@@ -52,9 +57,14 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         [] => formula::all(),
         names => names.iter().map(|n| effect_by_name(n)).collect::<Result<_>>()?,
     };
-    let registry = Registry { schema: 1, effects: kinds.iter().map(|k| row(*k)).collect() };
+    let registry = Registry {
+        schema: 1,
+        base_equations: glossary::BASE_EQUATIONS,
+        terms: glossary::terms(&kinds),
+        effects: kinds.iter().map(|k| row(*k)).collect(),
+    };
     console.list(&registry, || {
-        if args.names.is_empty() { table(&registry.effects) } else { pages(&registry.effects) }
+        if args.names.is_empty() { base() + &table(&registry.effects) } else { pages(&registry.effects) }
     });
     Ok(())
 }
@@ -79,12 +89,26 @@ fn row(kind: Kind) -> Row {
     }
 }
 
+/// The base model's equations and parameters.
+fn base() -> String {
+    let equations = glossary::BASE_EQUATIONS.map(|line| format!("  {line}\n")).concat();
+    let parameters: String = glossary::terms(&[])
+        .iter()
+        .map(|t| format!("  {:<14} {:<12} {}\n", t.symbol, t.unit, t.meaning))
+        .collect();
+    format!("base model\n{equations}{parameters}\n")
+}
+
+/// Every effect with its equation and its parameters.
 fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     for row in rows {
-        text += &format!("{:<18} {:<12} {}\n", row.name, row.port.name(), row.title);
+        text += &format!("{} ({}): {}\n  {}\n", row.name, row.port.name(), row.title, row.equation);
+        for p in &row.parameters {
+            text += &format!("  {:<14} {:<12} {}\n", p.name, p.unit, p.meaning);
+        }
     }
-    text + "\nmotorlens effects NAME tells the equation, the parameters and what to look for in data."
+    text + "\nmotorlens effects NAME tells what to look for in data and where the equation is from."
 }
 
 fn pages(rows: &[Row]) -> String {

@@ -6,11 +6,14 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::discover::unit;
-use super::input::LogArgs;
+use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
 use crate::compare::measures::Measures;
+use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
+use crate::findings::{Errors, Facts, NextStep, Standing, named};
+use crate::fit::setup;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::report::shown_by_fit;
@@ -59,6 +62,9 @@ struct Document<'a> {
     seed: u64,
     evaluations: u64,
     seconds: f64,
+    noise_level: f64,
+    headline: &'a str,
+    next_step: &'a NextStep,
 }
 
 /// Fits, writes, tells.
@@ -94,6 +100,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(prose::fault(warning));
     }
     faults.extend(lacking);
+    let standing = standing(&fitted, noise(&logs));
     let document = Document {
         schema: 1,
         method: options.method,
@@ -109,12 +116,38 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         seed: options.seed,
         evaluations: fitted.evaluations,
         seconds: fitted.seconds,
+        noise_level: noise(&logs),
+        headline: &standing.headline,
+        next_step: &standing.next,
     };
     console.answer(&document, || story(&fitted, unit(&logs.records)));
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
+    if !console.json() {
+        console.say(prose::standing(&standing, args.out.as_deref(), &args.input.logs));
+    }
     Ok(())
+}
+
+/// Noise level of the logs, in the measured unit.
+fn noise(logs: &Logs) -> f64 {
+    let (problem, _) = setup::problem(&logs.records, &logs.motor);
+    noise_floor(&logs.records, &logs.validation, &problem)
+}
+
+/// Whether the model is enough, and what to do next.
+fn standing(fit: &Fit, noise: f64) -> Standing {
+    let error = fit.validation.unwrap_or(fit.train).rmse;
+    Standing::of(&Facts {
+        errors: Errors { base: error, model: error, noise },
+        effects: &named(&fit.model.values().kinds(), &fit.parameters),
+        clean: None,
+        suggested: None,
+        doubted: None,
+        experiment: false,
+        data_problems: false,
+    })
 }
 
 fn story(fit: &Fit, unit: &str) -> String {
@@ -126,7 +159,7 @@ fn story(fit: &Fit, unit: &str) -> String {
     text += &open(&fit.identifiability);
     text += &format!("\n{}\n", prose::measures("records fitted", &fit.train, unit));
     if let Some(m) = &fit.validation {
-        text += &format!("{}\n", prose::measures("records kept out", m, unit));
+        text += &format!("{}\n", prose::measures("validation records", m, unit));
     }
     text + &format!("{:.2} s, {} simulations", fit.seconds, fit.evaluations)
 }
@@ -142,7 +175,7 @@ fn doubts(profiles: &[Profile]) -> String {
             (true, true) => ", open on both sides",
         };
         text += &format!(
-            "{:<28} by profile {} .. {} {}{open}: its interval above is a parabola's and misleads\n",
+            "{:<28} by profile {} .. {} {}{open}: the quadratic (Wald) interval above misleads\n",
             p.name,
             prose::figure(p.low),
             prose::figure(p.high),

@@ -11,7 +11,7 @@ use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::diagnose::plan::Limits;
 use crate::error::Result;
-use crate::findings::NextExperiment;
+use crate::findings::{Findings, NextExperiment, Verdict};
 
 /// Options of `plan`.
 #[derive(Debug, clap::Args)]
@@ -43,7 +43,7 @@ struct Answer {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = or_bad_data(args.input.load(), &[], console)?;
     let options = Options { most: 1, ..Options::default() };
-    let (found, _) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
+    let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
     let answer =
@@ -52,11 +52,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
         atomic_file::write(path, text + "\n")?;
     }
-    console.answer(&answer, || story(&answer));
+    console.answer(&answer, || story(&answer, &findings));
     Ok(())
 }
 
-fn story(answer: &Answer) -> String {
+fn story(answer: &Answer, findings: &Findings) -> String {
     match &answer.next_experiment {
         Some(next) => {
             let programme = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
@@ -65,6 +65,17 @@ fn story(answer: &Answer) -> String {
                 next.why
             )
         }
-        None => "These data leave no rival effects to tell apart; motorlens discover says how much is left unexplained.".into(),
+        None => {
+            let left = match findings.verdict {
+                Verdict::Explained => "",
+                _ => {
+                    " Much is left all the same: another excitation, data problems or physics outside the library may be behind it."
+                }
+            };
+            format!(
+                "{} No two models are left that an experiment could tell apart.{left}",
+                findings.standing().headline
+            )
+        }
     }
 }

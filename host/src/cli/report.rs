@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::Console;
 use super::discover::search;
 use super::input::LogArgs;
+use super::{Console, prose};
 use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
 use crate::findings::Verdict;
@@ -43,7 +43,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = search(&logs, &options, console)?;
-    let story = Story::of(&found, &logs.records, findings.data_faults);
+    let story = Story::of(&found, &findings, &logs.records);
     report::write(&story, &args.out)?;
     let size = std::fs::metadata(&args.out)
         .map_err(|source| Error::Io { doing: format!("cannot look at {}", args.out.display()), source })?;
@@ -55,6 +55,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         verdict: findings.verdict,
         effects: found.effects.clone(),
     };
-    console.answer(&document, || format!("{}\nreport: {}", document.summary, args.out.display()));
+    console.answer(&document, || {
+        let standing = prose::standing(&findings.standing(), None, &args.input.logs);
+        format!("{}\nreport: {}\n{standing}", document.summary, args.out.display())
+    });
     Ok(())
 }

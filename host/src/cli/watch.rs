@@ -13,7 +13,9 @@ pub fn bar(console: &Console, length: u64, unit: &str) -> ProgressBar {
     if !console.shows_progress() {
         return ProgressBar::hidden();
     }
-    let template = format!("{{bar:30}} {{pos}}/{{len}} {unit}  {{msg}}  {{elapsed}}");
+    // What is being done comes first, and is cut where the terminal ends; the bar takes a third of it.
+    let bar = (prose::width() / 3).clamp(8, 30);
+    let template = format!("{{bar:{bar}}} {{pos}}/{{len}} {unit} {{elapsed}} {{wide_msg}}");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(length).with_style(style);
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -28,8 +30,13 @@ pub fn climb<'a>(
 ) -> impl FnMut(Progress) + 'a {
     move |progress| match progress {
         Progress::Trying { depth, effect } => {
-            bar.set_message(format!("trying {effect} on {depth} effects"));
+            // Effects are tried more than once; a bar that is full would say that all is done.
             bar.inc(1);
+            if bar.length().is_some_and(|all| bar.position() > all) {
+                bar.set_position(1);
+            }
+            let step = depth + 1;
+            bar.set_message(format!("step {step}: trying {effect}"));
         }
         Progress::Rung(rung) => {
             bar.set_position(0);
@@ -42,10 +49,10 @@ pub fn climb<'a>(
 pub fn rung_line(rung: &Rung, unit: &str) -> String {
     let validation = rung
         .validation
-        .map_or(String::new(), |v| format!("   unseen rmse {:>10} {unit}", prose::figure(v.rmse)));
-    format!(
-        "{:<44} rmse {:>10} {unit}{validation}",
-        prose::effects(&rung.effects),
-        prose::figure(rung.train.rmse)
-    )
+        .map_or(String::new(), |v| format!("   validation {:>9} {unit}", prose::figure(v.rmse)));
+    // The numbers stay on one line; many effects get one of their own before it.
+    let (effects, wide) = (prose::effects(&rung.effects), prose::width().saturating_sub(47));
+    let effects =
+        if effects.len() > wide { format!("{effects}\n{:wide$}", "") } else { format!("{effects:<wide$}") };
+    format!("{effects} rmse {:>9} {unit}{validation}", prose::figure(rung.train.rmse))
 }

@@ -8,6 +8,7 @@ pub mod free_run;
 pub mod measures;
 pub mod residual_torque;
 pub mod residual_views;
+pub mod rise;
 mod slices;
 mod stage;
 mod trace;

@@ -64,7 +64,7 @@ pub(crate) fn rank(climb: &Climb, evidence: &Evidence) -> Vec<Ranked> {
                 score,
                 validation: unseen(evidence, &c.values()),
                 evidence: format!(
-                    "with {effect} the error falls to {:.0} % on the records fitted and to {:.0} % on unseen data",
+                    "with {effect} the error is {:.0} % of the base model's on the records fitted, and {:.0} % on blocks held out",
                     100.0 * c.train.increments / base.train.increments,
                     100.0 * c.unseen.increments / base.unseen.increments
                 ),

@@ -99,7 +99,7 @@ pub fn add(
     };
     let share = |a: f64, b: f64| 100.0 * a / b.max(1e-300);
     let why = format!(
-        "with {effect} the error's increments fall to {:.0} % on the records fitted and to {:.0} % on unseen data{}",
+        "with {effect} the 50 ms differences of the error are {:.0} % of what they were on the records fitted, and {:.0} % on blocks held out{}",
         share(new.train.increments, old.train.increments),
         share(new.unseen.increments, old.unseen.increments),
         if better { "" } else { "; that is not worth its parameters" }

@@ -3,7 +3,7 @@
 mod added;
 mod combinations;
 mod fast;
-mod feedforward;
+pub(crate) mod feedforward;
 mod genetic;
 mod identifiability;
 mod linear;

@@ -1,5 +1,6 @@
 //! The one public result of a diagnosis: what terminal, JSON, report and page tell.
 
+mod standing;
 mod verdict;
 
 use std::path::Path;
@@ -15,9 +16,11 @@ use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::Warning;
-use crate::report::{falls::judged, shown_by_fit};
+use crate::report::falls::judged;
+use crate::report::shown_by_fit;
 
-pub use verdict::{Errors, Verdict};
+pub use standing::{Action, Facts, NextStep, Standing, named};
+pub use verdict::{Errors, Verdict, multiple};
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -29,6 +32,10 @@ pub struct Findings {
     pub verdict: Verdict,
     /// The verdict in one sentence.
     pub headline: String,
+    /// What to do next.
+    pub next_step: NextStep,
+    #[serde(skip)]
+    badge: &'static str,
     /// Error of the accepted model in multiples of the noise level.
     pub left_over: Option<f64>,
     /// Fraction of the error above the noise level that the effects explain.
@@ -80,28 +87,32 @@ impl Findings {
     pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
         let values = found.model.values();
         let parameters = estimates(&found.evidence.whole, &values);
-        let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
-        let errors = Errors {
-            base: error(found.ladder.first()),
-            model: error(found.ladder.last()),
-            noise: found.noise_floor,
-        };
-        let clean = found.verdict == discover::Verdict::Explained;
-        let verdict = errors.verdict(found.effects.len(), clean);
-        let names: Vec<&str> = found.effects.iter().map(|k| k.name()).collect();
+        let errors = errors_of(&found.ladder, found.noise_floor);
+        let next_experiment = next_experiment(found);
         let later = shown_by_fit::faults(&parameters, &found.effects);
+        let standing = Standing::of(&Facts {
+            errors,
+            effects: &named(&found.effects, &parameters),
+            clean: Some(found.verdict == discover::Verdict::Explained),
+            suggested: None,
+            doubted: None,
+            experiment: next_experiment.is_some(),
+            data_problems: !of_logs.is_empty() || !later.is_empty(),
+        });
         Self {
             schema: 1,
             effects: found.effects.clone(),
-            verdict,
-            headline: errors.headline(&names, verdict),
+            verdict: standing.verdict.unwrap_or(Verdict::Unexplained),
+            headline: standing.headline,
+            next_step: standing.next,
+            badge: standing.badge,
             left_over: errors.left_over(),
             explained_share: errors.explained_share(),
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: found.candidates.clone(),
             rivals: found.open_sets(),
-            next_experiment: next_experiment(found),
+            next_experiment,
             data_faults: of_logs.iter().cloned().chain(later).collect(),
             of_logs: of_logs.len(),
             parameters,
@@ -124,11 +135,14 @@ impl Findings {
                 fix: fault.remedy.clone(),
             });
         }
+        let standing = Standing::bad_data();
         Self {
             schema: 1,
             effects: Vec::new(),
             verdict: Verdict::BadData,
-            headline: "The data must be mended before a model can be judged".into(),
+            headline: standing.headline,
+            next_step: standing.next,
+            badge: standing.badge,
             left_over: None,
             explained_share: None,
             noise_floor_rad: 0.0,
@@ -148,10 +162,22 @@ impl Findings {
 }
 
 impl Findings {
+    /// What a person is told first.
+    pub fn standing(&self) -> Standing {
+        let (verdict, headline) = (Some(self.verdict), self.headline.clone());
+        Standing { verdict, badge: self.badge, headline, next: self.next_step.clone() }
+    }
+
     /// Faults that only the fit has shown; those of the logs were told before it.
     pub fn later_faults(&self) -> &[Warning] {
         &self.data_faults[self.of_logs..]
     }
+}
+
+/// The errors of a ladder's first and last model, with the noise level.
+pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
+    let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
+    Errors { base: error(ladder.first()), model: error(ladder.last()), noise }
 }
 
 /// The programme for the rivals, within the voltages that the logs reached.

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 /// Multiples of the noise level above which nothing is called explained.
 const MANY: f64 = 10.0;
+/// ... and above which a fit that nobody has diagnosed is doubted.
+const CLOSE: f64 = 1.5;
 
 /// How a diagnosis ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -17,6 +19,18 @@ pub enum Verdict {
     Unexplained,
     /// The data must be mended first.
     BadData,
+}
+
+impl Verdict {
+    /// In two words, for a badge.
+    pub fn badge(self) -> &'static str {
+        match self {
+            Self::Explained => "Explained",
+            Self::PartlyExplained => "Partly explained",
+            Self::Unexplained => "Unexplained",
+            Self::BadData => "Data problem",
+        }
+    }
 }
 
 /// The errors that a verdict rests on, rms of the simulation in the measured unit, all of the same records.
@@ -54,30 +68,71 @@ impl Errors {
         }
     }
 
-    /// The verdict on `effects` in one sentence.
-    pub fn headline(&self, effects: &[&str], verdict: Verdict) -> String {
-        let left = self.left_over().map_or_else(|| "an unknown multiple of".into(), |n| format!("{n:.1} x"));
-        let (names, verb) = (effects.join(" and "), if effects.len() == 1 { "explains" } else { "explain" });
-        match (verdict, self.explained_share()) {
-            (Verdict::BadData, _) => "The data must be mended before a model can be judged".into(),
-            (Verdict::Explained, _) if effects.is_empty() => {
-                format!("The model leaves {left} the noise, and these records show no missing effect")
+    /// Said of data that must be mended first.
+    pub const BAD_DATA: &str = "The data must be mended before a model can be judged";
+
+    /// What is left, in the one unit of all sentences.
+    fn left(&self) -> String {
+        self.left_over().map_or_else(|| "an unknown multiple of the noise".into(), multiple)
+    }
+
+    /// The verdict on `effects`, as a sentence names them, in one sentence without its full stop.
+    pub fn headline<S: AsRef<str>>(&self, effects: &[S], verdict: Verdict) -> String {
+        let left = self.left();
+        match verdict {
+            Verdict::BadData => Self::BAD_DATA.into(),
+            Verdict::Explained if effects.is_empty() => {
+                format!("The base model leaves {left}, and these records show no missing effect")
             }
-            (_, _) if effects.is_empty() => {
-                format!("No effect of the library helps; what is left is {left} the noise")
-            }
-            (_, Some(share)) if share < 0.0 => {
-                format!("With {names} the error rose; what is left is {left} the noise")
-            }
-            (_, Some(share)) => {
+            _ if effects.is_empty() => format!("No effect of the library helps; what is left is {left}"),
+            _ => self.share_of(effects),
+        }
+    }
+
+    /// How far a model with `effects` has come while nobody has looked for what it is missing.
+    pub fn so_far<S: AsRef<str>>(&self, effects: &[S]) -> String {
+        let said = if effects.is_empty() {
+            format!("The base model leaves {}", self.left())
+        } else if self.base == self.model {
+            let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
+            format!("The model with {} leaves {}", names.join(" and "), self.left())
+        } else {
+            self.share_of(effects)
+        };
+        said + match self.left_over() {
+            Some(n) if n > MANY => ": not enough",
+            Some(n) if n > CLOSE => ": something may be missing",
+            Some(_) => ": about as little as the noise allows",
+            None => "",
+        }
+    }
+
+    /// Said where held-out data do not confirm the effect added last.
+    pub fn doubt(&self, effect: &str, rises: bool) -> String {
+        let way = if rises { "the error rises" } else { "held-out data do not confirm it" };
+        format!("With {effect} {way}; what is left is {}", self.left())
+    }
+
+    fn share_of<S: AsRef<str>>(&self, effects: &[S]) -> String {
+        let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
+        let (names, verb) = (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" });
+        let left = self.left();
+        match self.explained_share() {
+            Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
+            Some(share) => {
                 format!(
-                    "{names} {verb} {:.0} % of the error; what is left is {left} the noise",
+                    "{names} {verb} {:.0} % of the error above the noise; what is left is {left}",
                     100.0 * share
                 )
             }
-            (_, None) => format!("With {names} what is left is {left} the noise"),
+            None => format!("With {names} what is left is {left}"),
         }
     }
+}
+
+/// So many times the noise, in words: two digits below ten.
+pub fn multiple(n: f64) -> String {
+    if n < 9.95 { format!("{n:.1} x the noise") } else { format!("{n:.0} x the noise") }
 }
 
 #[cfg(test)]
@@ -88,7 +143,7 @@ mod tests {
     fn a_hundred_times_the_noise_is_never_called_explained() {
         let errors = Errors { base: 151.0, model: 151.0, noise: 1.0 };
         assert_eq!(errors.verdict(0, true), Verdict::Unexplained);
-        assert!(errors.headline(&[], Verdict::Unexplained).ends_with("151.0 x the noise"));
+        assert!(errors.headline::<&str>(&[], Verdict::Unexplained).ends_with("151 x the noise"));
     }
 
     #[test]
@@ -96,13 +151,16 @@ mod tests {
         let errors = Errors { base: 101.0, model: 4.0, noise: 1.0 };
         assert_eq!(errors.verdict(1, false), Verdict::PartlyExplained);
         let said = errors.headline(&["coulomb"], Verdict::PartlyExplained);
-        assert_eq!(said, "coulomb explains 97 % of the error; what is left is 4.0 x the noise");
+        assert_eq!(
+            said,
+            "coulomb explains 97 % of the error above the noise; what is left is 4.0 x the noise"
+        );
     }
 
     #[test]
     fn a_rise_is_called_a_rise() {
         let errors = Errors { base: 2.0, model: 3.0, noise: 1.0 };
         assert_eq!(errors.verdict(1, false), Verdict::Unexplained);
-        assert!(errors.headline(&["delay"], Verdict::Unexplained).contains("the error rose"));
+        assert!(errors.headline(&["delay"], Verdict::Unexplained).contains("the error rises"));
     }
 }

@@ -185,6 +185,7 @@ fn figure(kind: Kind, view: View, look: Option<&str>, sorted: &Sorted) -> Figure
         }
     });
     let empty = Figure {
+        share_percent: None,
         id: format!("evidence-{name}"),
         title: format!("Law of {name} {title}"),
         reading: format!(
@@ -205,6 +206,7 @@ fn sines(kind: Kind, traces: &[EffectTrace]) -> Option<Figure> {
     // The first harmonic is the sine itself, which gain and time constants share.
     let strongest = (1..orders.len()).max_by(|a, b| seen.said[*a].total_cmp(&seen.said[*b]))?;
     let empty = Figure {
+        share_percent: None,
         id: format!("harmonics-{name}"),
         title: format!("Law of {name}, harmonics under the sine"),
         reading: format!(

@@ -1,4 +1,4 @@
-//! Step 2, Where it fails: the residual torque from every side, before and after.
+//! Step 2, Where it fails: the residual torque from every side, the one that accounts for most first.
 
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use super::story::{Shown, Torques};
@@ -92,10 +92,10 @@ impl Side {
             Self::Reversal => "the time since a reversal",
         };
         let verdict = match share {
-            _ if after < 0.1 * before => "the effects in the model have taken it away".to_owned(),
-            s if s >= 30.0 => format!("this is where it fails: {s:.0} % of it follows {depends}"),
-            s if s >= 8.0 => format!("{s:.0} % of it follows {depends}"),
-            s => format!("hardly any of it ({s:.0} %) follows {depends}"),
+            _ if after < 0.1 * before => "the effects in the model explain it".to_owned(),
+            s if s >= 30.0 => format!("{s:.0} % of its variance follows {depends}: this is where it fails"),
+            s if s >= 8.0 => format!("{s:.0} % of its variance follows {depends}"),
+            s => format!("hardly any of its variance ({s:.0} %) follows {depends}"),
         };
         let step = if self == Self::Speed { step_in_words(seen) } else { String::new() };
         format!(
@@ -144,6 +144,7 @@ pub fn view(side: Side, id: &str, base: &Binned, model: &Binned, names: [&str; 2
     let curves =
         vec![curve("base", names[0], 0, base), Curve { spread, ..curve("model", names[1], 1, model) }];
     Figure {
+        share_percent: (!model.at.is_empty()).then(|| (100.0 * model.explained).round()),
         id: id.into(),
         title: side.title().into(),
         reading: side.reading(base, model),
@@ -159,29 +160,33 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
 
 /// Every figure of the step, of records with the residual torques of base model and model.
 pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> Vec<Figure> {
+    let against = records.first().map_or("base model", |shown| shown.against.as_str());
     let geared = (gear_ratio - 1.0).abs() > 1e-6;
     let mut all: Vec<Figure> = Side::ALL
         .into_iter()
         .filter(|side| geared || *side != Side::MotorAngle)
         .map(|side| {
             let [base, model] = torques.map(|t| side.binned(t, gear_ratio));
-            view(side, side.id(), &base, &model, ["base model", "model"])
+            view(side, side.id(), &base, &model, [against, "model"])
         })
         .collect();
-    all.push(memory(records));
-    all.push(harmonics(torques, gear_ratio));
+    // The side that accounts for most comes first.
+    let share = |figure: &Figure| figure.share_percent.unwrap_or(-1.0);
+    all.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    all.push(memory(records, against));
+    all.push(harmonics(torques, gear_ratio, against));
     all
 }
 
 /// Curves of base model and model, each on its own column.
-fn both(base: &[f64], model: &[f64]) -> Vec<Curve> {
+fn both(base: &[f64], model: &[f64], against: &str) -> Vec<Curve> {
     let curve =
         |role, name, on, seen: &[f64]| Curve::line(role, name, on, Numbers::new(seen.iter().copied(), 3));
-    vec![curve("base", "base model", 0, base), curve("model", "model", 1, model)]
+    vec![curve("base", against, 0, base), curve("model", "model", 1, model)]
 }
 
 /// Autocorrelation of the error with its bounds.
-fn memory(records: &[&Shown]) -> Figure {
+fn memory(records: &[&Shown], against: &str) -> Figure {
     let of =
         |pick: fn(&Shown) -> &FreeRun| autocorrelation(&records.iter().map(|r| pick(r)).collect::<Vec<_>>());
     let (base, model) = (of(|r| &r.base), of(|r| &r.model));
@@ -189,17 +194,18 @@ fn memory(records: &[&Shown]) -> Figure {
     let share = 100 * outside / model.correlation.len().max(1);
     let reading = if share > 5 {
         format!(
-            "{share} % of the lags leave the 99 % bounds: the error has a memory, so it is not only noise."
+            "{share} % of the lags leave the 99 % bounds: the error is correlated in time, so it is not only noise."
         )
     } else {
         format!("{share} % of the lags leave the 99 % bounds: what is left looks like noise.")
     };
-    let curves = both(&base.correlation, &model.correlation);
+    let curves = both(&base.correlation, &model.correlation, against);
     let plain = panel("Autocorrelation of the error (1)", curves);
     let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
+        share_percent: None,
         id: "autocorrelation".into(),
-        title: "Memory of the error: autocorrelation".into(),
+        title: "Autocorrelation of the error".into(),
         reading,
         x: Axis::titled("Lag (s)"),
         columns: [&base, &model].map(|a| Numbers::new(a.lag_s.iter().copied(), 4)).into(),
@@ -208,7 +214,7 @@ fn memory(records: &[&Shown]) -> Figure {
 }
 
 /// Amplitudes by order of the motor's turn.
-fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
+fn harmonics(torques: [&Torques; 2], gear_ratio: f64, against: &str) -> Figure {
     let [base, model] = torques.map(|t| orders(&t.records, gear_ratio));
     let best = (0..model.order.len()).max_by(|a, b| model.amplitude_v[*a].total_cmp(&model.amplitude_v[*b]));
     let reading = best.map_or_else(
@@ -225,8 +231,9 @@ fn harmonics(torques: [&Torques; 2], gear_ratio: f64) -> Figure {
             }
         },
     );
-    let curves = both(&base.amplitude_v, &model.amplitude_v);
+    let curves = both(&base.amplitude_v, &model.amplitude_v, against);
     Figure {
+        share_percent: None,
         id: "harmonics".into(),
         title: "Harmonics of the motor's turn".into(),
         reading,
@@ -242,6 +249,14 @@ mod tests {
 
     fn binned(at: &[f64], mean_v: &[f64], explained: f64) -> Binned {
         Binned { at: at.into(), mean_v: mean_v.into(), spread_v: vec![0.01; at.len()], explained }
+    }
+
+    #[test]
+    fn the_share_of_a_side_is_that_of_its_bins() {
+        let seen = binned(&[-1.0, 1.0], &[0.3, -0.3], 0.634);
+        assert_eq!(view(Side::Speed, "s", &seen, &seen, ["base model", "model"]).share_percent, Some(63.0));
+        let nothing = binned(&[], &[], 0.0);
+        assert_eq!(view(Side::Speed, "s", &seen, &nothing, ["base model", "model"]).share_percent, None);
     }
 
     #[test]

@@ -1,10 +1,15 @@
-//! Step 5, Falls: the ladder from the base model to the noise floor.
+//! Step 5, Error: the models from the base model to the accepted one, in multiples of the noise.
 
+use serde::Serialize;
+
+use super::decimate::rounded;
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::measures::Measures;
+use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
+use crate::findings::multiple;
 
-/// The error that counts for a rung: on unseen records where there are any.
+/// The error that counts for a model: on validation records where there are any.
 pub fn judged(rung: &Rung) -> Measures {
     rung.validation.unwrap_or(rung.train)
 }
@@ -27,59 +32,149 @@ pub fn steps(ladder: &[Rung]) -> Vec<String> {
     names
 }
 
-/// The error of the last rung in noise floors.
-pub fn last_over_floor(ladder: &[Rung], floor: f64) -> f64 {
-    ladder.last().map_or(0.0, |rung| judged(rung).rmse) / floor.max(1e-300)
+/// The models from the base model to the accepted one, and what to judge them by.
+#[derive(Debug, Clone, Copy)]
+pub struct Ladder<'a> {
+    /// Their errors.
+    pub rungs: &'a [Rung],
+    /// Where each step raised the error most, if it did.
+    pub rises: &'a [Option<Rise>],
+    /// Errors of kS-kV-kA on the same records.
+    pub baseline: Option<&'a Rung>,
+    /// Noise level, in the measured unit.
+    pub noise: f64,
 }
 
-/// The waterfall: each rung's error, and above it what the step from the rung before has taken away.
-pub fn figure(ladder: &[Rung], floor: f64, unit: &str) -> Figure {
-    let values: Vec<f64> = ladder.iter().map(|rung| judged(rung).rmse).collect();
-    let unseen = ladder.iter().any(|r| r.validation.is_some());
-    let reading = format!(
-        "From {} to {}, {:.2} times the noise floor of {}{}.",
-        in_words(values.first().copied().unwrap_or(0.0), unit),
-        in_words(values.last().copied().unwrap_or(0.0), unit),
-        last_over_floor(ladder, floor),
-        in_words(floor, unit),
-        if unseen { ", on records that no fit has seen" } else { "" }
-    );
-    let before = values.iter().enumerate().map(|(k, v)| if k == 0 { *v } else { values[k - 1].max(*v) });
-    let bars = |role, name: &str, values: &mut dyn Iterator<Item = f64>| Curve {
-        draw: Draw::Bars,
-        ..Curve::line(role, name, 0, Numbers::new(values, 5))
-    };
-    let error = if unseen { "error on unseen records" } else { "error" };
-    let mut curves = vec![
-        bars("gone", "taken away by the step", &mut before.clone()),
-        Curve {
-            words: values.iter().map(|v| in_words(*v, unit)).collect(),
-            ..bars("model", error, &mut values.iter().copied())
-        },
-    ];
-    if unseen {
-        let train = Numbers::new(ladder.iter().map(|r| r.train.rmse), 5);
-        curves.push(Curve { draw: Draw::Points, ..Curve::line("measured", "on training records", 1, train) });
+/// A step as the table tells it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// What came or went.
+    pub step: String,
+    /// Error on the records fitted.
+    pub fit: String,
+    /// Error on the validation records.
+    pub validation: Option<String>,
+    /// The error that counts, in multiples of the noise.
+    pub multiple: String,
+    /// Where the error rose most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rise: Option<String>,
+}
+
+impl Ladder<'_> {
+    fn multiples(&self, of: impl Fn(&Rung) -> f64) -> Vec<f64> {
+        self.rungs.iter().map(|rung| of(rung) / self.noise.max(1e-300)).collect()
     }
-    // Room above the highest bar for its words, and below the lowest one for seeing that it is a bar.
-    let all = || before.clone().chain(values.iter().copied()).chain(ladder.iter().map(|r| r.train.rmse));
-    let high = 2.0 * all().fold(floor, f64::max).max(1e-300);
-    let low = 0.4 * all().filter(|v| *v > 0.0).fold(high, f64::min).min(floor.max(1e-4 * high));
-    Figure {
-        id: "ladder".into(),
-        title: "Error of each model".into(),
-        reading,
-        x: Axis { names: steps(ladder), ..Axis::titled("Model (step)") },
-        // The points stand beside the words over the bars.
-        columns: [0.0, 0.2]
-            .map(|beside| Numbers::new((0..ladder.len()).map(|k| k as f64 + beside), 5))
-            .into(),
-        panels: vec![Panel {
-            y: Axis { log: true, range: Some([low, high]), ..Axis::titled(format!("Error, rms ({unit})")) },
-            height: 300,
-            curves,
-            floor: Some([floor, floor]),
-        }],
+
+    /// The error of the last model in multiples of the noise.
+    pub fn last_over_noise(&self) -> f64 {
+        self.multiples(|rung| judged(rung).rmse).last().copied().unwrap_or(0.0)
+    }
+
+    /// Steps whose error is higher than that of the step before.
+    fn rising(&self) -> impl Iterator<Item = usize> + '_ {
+        let error = |k: usize| judged(&self.rungs[k]).rmse;
+        (1..self.rungs.len()).filter(move |k| error(*k) > error(k - 1) * (1.0 + 1e-6))
+    }
+
+    /// Where step `k` raised the error most, in words.
+    fn place(&self, k: usize) -> Option<String> {
+        let rise = self.rises.get(k)?.as_ref()?;
+        Some(format!("rises on {} around {:.1} s", rise.record, rise.at_s))
+    }
+
+    /// The steps as a table; kS-kV-kA stands first.
+    pub fn rows(&self, unit: &str) -> Vec<Row> {
+        let rising: Vec<usize> = self.rising().collect();
+        let row = |step: String, rung: &Rung, rise: Option<String>| Row {
+            step,
+            fit: in_words(rung.train.rmse, unit),
+            validation: rung.validation.map(|m| in_words(m.rmse, unit)),
+            multiple: multiple(judged(rung).rmse / self.noise.max(1e-300)),
+            rise,
+        };
+        let usual = self.baseline.map(|rung| row("kS-kV-kA".into(), rung, None));
+        let own = steps(self.rungs).into_iter().zip(self.rungs).enumerate().map(|(k, (step, rung))| {
+            let rise =
+                rising.contains(&k).then(|| self.place(k).unwrap_or_else(|| "the error rises".to_owned()));
+            row(step, rung, rise)
+        });
+        usual.into_iter().chain(own).collect()
+    }
+
+    fn reading(&self) -> String {
+        let values = self.multiples(|rung| judged(rung).rmse);
+        let on = if self.validated() { " on validation records" } else { " on the records fitted" };
+        let [first, last] = [values.first(), values.last()].map(|v| multiple(v.copied().unwrap_or(0.0)));
+        let mut text = match self.rungs.len() {
+            0 | 1 => format!("The base model's error is {first}{on}."),
+            _ => format!("The error goes from {first} to {last}{on}."),
+        };
+        let names = steps(self.rungs);
+        for k in self.rising() {
+            let place = self.place(k).map_or(String::new(), |p| format!(": it {p}"));
+            text += &format!(" Step {} raised it{place}.", names[k]);
+        }
+        if let Some(usual) = self.baseline {
+            let usual = judged(usual).rmse / self.noise.max(1e-300);
+            text += &format!(" kS-kV-kA, the usual model, leaves {}.", multiple(usual));
+        }
+        text
+    }
+
+    fn validated(&self) -> bool {
+        self.rungs.iter().any(|r| r.validation.is_some())
+    }
+
+    /// The models in order, each a dot at its error in multiples of the noise; a rise is a red line.
+    pub fn figure(&self) -> Figure {
+        let values = self.multiples(|rung| judged(rung).rmse);
+        let name = if self.validated() { "on validation records" } else { "on the records fitted" };
+        let mut columns = vec![Numbers::new((0..values.len()).map(|k| k as f64), 5)];
+        let mut curves = vec![Curve {
+            draw: Draw::Dotted,
+            words: values.iter().map(|v| format!("{} x", rounded(*v, 3))).collect(),
+            ..Curve::line("model", name, 0, Numbers::new(values.iter().copied(), 5))
+        }];
+        let mut all = values.clone();
+        if self.validated() {
+            let train = self.multiples(|rung| rung.train.rmse);
+            all.extend(&train);
+            let train = Numbers::new(train, 5);
+            curves.push(Curve {
+                draw: Draw::Points,
+                ..Curve::line("measured", "on the records fitted", 0, train)
+            });
+        }
+        for k in self.rising() {
+            columns.push(Numbers::new([(k - 1) as f64, k as f64], 5));
+            let rise = Numbers::new([values[k - 1], values[k]], 5);
+            let name = self.place(k).unwrap_or_else(|| "the error rises".into());
+            curves.push(Curve { draw: Draw::Dotted, ..Curve::line("fault", name, columns.len() - 1, rise) });
+        }
+        if let Some(usual) = self.baseline {
+            let usual = judged(usual).rmse / self.noise.max(1e-300);
+            all.push(usual);
+            let level = Numbers::new(values.iter().map(|_| usual), 5);
+            curves.push(Curve { draw: Draw::Points, ..Curve::line("base", "kS-kV-kA", 0, level) });
+        }
+        let high = all.iter().copied().fold(1.0, f64::max);
+        let low = all.iter().copied().filter(|v| *v > 0.0).fold(1.0, f64::min);
+        Figure {
+            x: Axis { names: steps(self.rungs), ..Axis::titled("Model (step)") },
+            columns,
+            panels: vec![Panel {
+                y: Axis {
+                    log: true,
+                    range: Some([0.6 * low, 2.0 * high]),
+                    ..Axis::titled("Error, multiples of the noise (1)")
+                },
+                height: 300,
+                curves,
+                floor: Some([1.0, 1.0]),
+            }],
+            ..Figure::titled("ladder", "Error of each model", self.reading())
+        }
     }
 }
 
@@ -107,8 +202,28 @@ mod tests {
     }
 
     #[test]
-    fn the_reading_compares_the_last_rung_with_the_floor() {
-        let figure = figure(&[rung(&[], 0.1), rung(&[Kind::Coulomb], 0.002)], 0.001, "rad");
-        assert!(figure.reading.contains("2.00 times the noise floor of 1 mrad"), "{}", figure.reading);
+    fn a_rise_is_red_and_names_record_and_time() {
+        let rungs = [rung(&[], 0.1), rung(&[Kind::Delay], 0.2), rung(&[Kind::Delay, Kind::Coulomb], 0.002)];
+        let rise = Rise { record: "stairs".into(), at_s: 3.25, times: 2.0 };
+        let ladder = Ladder { rungs: &rungs, rises: &[None, Some(rise), None], baseline: None, noise: 0.001 };
+        let figure = ladder.figure();
+        assert!(figure.reading.contains("from 100 x the noise to 2.0 x"), "{}", figure.reading);
+        assert!(
+            figure.reading.contains("+ delay raised it: it rises on stairs around 3.2 s"),
+            "{}",
+            figure.reading
+        );
+        let red: Vec<_> = figure.panels[0].curves.iter().filter(|c| c.role == "fault").collect();
+        assert_eq!(red.len(), 1);
+        let rows = ladder.rows("rad");
+        assert!(rows[0].rise.is_none() && rows[1].rise.is_some() && rows[2].rise.is_none());
+    }
+
+    #[test]
+    fn the_usual_model_stands_beside_the_others() {
+        let (rungs, usual) = ([rung(&[], 0.1)], rung(&[Kind::Coulomb], 0.05));
+        let ladder = Ladder { rungs: &rungs, rises: &[None], baseline: Some(&usual), noise: 0.01 };
+        assert!(ladder.figure().reading.ends_with("kS-kV-kA, the usual model, leaves 5.0 x the noise."));
+        assert_eq!(ladder.rows("rad")[0].step, "kS-kV-kA");
     }
 }

@@ -16,12 +16,31 @@ pub struct Figure {
     pub title: String,
     /// What it shows, in one line.
     pub reading: String,
+    /// Share of the residual's variance that it accounts for, percent, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_percent: Option<f64>,
     /// The horizontal axis of all panels.
     pub x: Axis,
     /// Places along it; a curve says on which of these columns it lies.
     pub columns: Vec<Numbers>,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+}
+
+impl Figure {
+    /// A figure without panels yet.
+    pub fn titled(id: impl Into<String>, title: impl Into<String>, reading: String) -> Self {
+        let (id, title) = (id.into(), title.into());
+        Self {
+            id,
+            title,
+            reading,
+            share_percent: None,
+            x: Axis::default(),
+            columns: Vec::new(),
+            panels: Vec::new(),
+        }
+    }
 }
 
 /// An axis.

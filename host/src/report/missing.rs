@@ -1,4 +1,4 @@
-//! Step 3, What is missing: a card for every suspect, the best and the accepted with their evidence drawn.
+//! Step 3, What is missing: the candidates ranked, and a card for each, the best and the accepted with their evidence drawn.
 
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
@@ -19,7 +19,9 @@ pub struct Card {
     pub equation: &'static str,
     /// What it looks like in data.
     pub signature: &'static str,
-    /// Share of the error that it takes away, percent.
+    /// Its place among those that are not in the model, from 1; indistinguishable ones share theirs.
+    pub rank: usize,
+    /// Share of the error that it explains, on blocks held out too, percent.
     pub gain_percent: f64,
     /// What the diagnosis says.
     pub evidence: String,
@@ -43,7 +45,7 @@ pub struct Setting<'a> {
 /// Cards in order, and the figures of those that have one.
 pub fn cards(suspects: &[Suspect], setting: &Setting) -> (Vec<Card>, Vec<Figure>) {
     let mut figures = Vec::new();
-    let cards = suspects
+    let mut cards: Vec<Card> = suspects
         .iter()
         .map(|suspect| {
             let kind = suspect.ranked.effect;
@@ -54,6 +56,7 @@ pub fn cards(suspects: &[Suspect], setting: &Setting) -> (Vec<Card>, Vec<Figure>
                 title: spec.title,
                 equation: spec.equation,
                 signature: spec.signature,
+                rank: 0,
                 gain_percent: (1000.0 * suspect.ranked.score).round() / 10.0,
                 evidence: suspect.ranked.evidence.clone(),
                 rivals: rivals.filter(|r| **r != kind).map(ToString::to_string).collect(),
@@ -64,7 +67,28 @@ pub fn cards(suspects: &[Suspect], setting: &Setting) -> (Vec<Card>, Vec<Figure>
             card
         })
         .collect();
+    rank(&mut cards);
     (cards, figures)
+}
+
+/// Gives every candidate its place: indistinguishable ones follow each other and share the first one's.
+fn rank(cards: &mut Vec<Card>) {
+    let mut left: Vec<Card> = std::mem::take(cards);
+    let mut place = 0;
+    while !left.is_empty() {
+        let mut card = left.remove(0);
+        place += usize::from(!card.added);
+        let set: Vec<String> = card.rivals.clone();
+        card.rank = place;
+        let alone = card.added;
+        cards.push(card);
+        let (same, others) = left.into_iter().partition(|c| !alone && !c.added && set.contains(&c.effect));
+        left = others;
+        for mut card in same {
+            card.rank = place;
+            cards.push(card);
+        }
+    }
 }
 
 /// An effect of the model as the ladder tells its coming; `figures` show it.
@@ -75,8 +99,8 @@ pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -
         || (0.0, "it was in the model from the start".into()),
         |pair| {
             let [before, after] = [&pair[0], &pair[1]].map(|rung| judged(rung).rmse);
-            let on = if pair[1].validation.is_some() { "unseen data" } else { "the records fitted" };
-            let way = if after < before { "fell" } else { "went" };
+            let on = if pair[1].validation.is_some() { "validation records" } else { "the records fitted" };
+            let way = if after < before { "fell" } else { "rose" };
             let words = [before, after].map(|error| in_words(error, unit));
             let evidence =
                 format!("when {kind} came in, the error {way} from {} to {} on {on}", words[0], words[1]);
@@ -90,6 +114,19 @@ pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -
 mod tests {
     use super::*;
     use crate::compare::measures::Measures;
+
+    #[test]
+    fn indistinguishable_candidates_share_a_place_and_follow_each_other() {
+        let suspect = |effect| Suspect {
+            ranked: Ranked { effect, score: 0.5, validation: None, evidence: String::new() },
+            figures: Vec::new(),
+        };
+        let all = [Kind::Coulomb, Kind::Delay, Kind::DeadZone, Kind::Gravity].map(suspect);
+        let rivals = [vec![Kind::Coulomb, Kind::DeadZone]];
+        let (cards, _) = cards(&all, &Setting { rivals: &rivals, in_model: Vec::new() });
+        let told: Vec<(&str, usize)> = cards.iter().map(|c| (c.effect.as_str(), c.rank)).collect();
+        assert_eq!(told, [("coulomb", 1), ("dead_zone", 1), ("delay", 2), ("gravity", 3)]);
+    }
 
     #[test]
     fn an_accepted_effect_is_told_by_the_step_that_brought_it() {

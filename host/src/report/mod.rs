@@ -18,6 +18,7 @@ use std::path::Path;
 
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
+use motorlens_shared::effects::Kind;
 use serde::Serialize;
 use serde_json::json;
 
@@ -25,6 +26,7 @@ pub use story::{DRAWN, Shown, Story, Suspect, Torques, title, torques};
 
 use crate::atomic_file;
 use crate::error::{Error, Result};
+use crate::glossary;
 use figure::Figure;
 
 /// How the pages look.
@@ -58,18 +60,29 @@ pub fn figures(story: &Story) -> (Figures, Vec<missing::Card>) {
     let compare = compare.map(|(k, shown)| records::figure(&format!("record-{k}"), shown, story.floor, None));
     let shown: Vec<&Shown> = story.records.iter().collect();
     let torques = [&story.base_torques, &story.model_torques];
-    let setting = missing::Setting {
-        rivals: &story.rivals,
-        in_model: story.model.effects.iter().map(|e| e.effect).collect(),
-    };
+    let setting = missing::Setting { rivals: &story.rivals, in_model: in_model(story) };
     let (cards, missing) = missing::cards(&story.suspects, &setting);
     let figures = Figures {
         compare: compare.collect(),
         fails: fails::figures(&shown, torques, story.model.rig.gear_ratio),
         missing,
-        falls: vec![falls::figure(&story.ladder, story.floor, story.unit)],
+        falls: vec![ladder(story).figure()],
     };
     (figures, cards)
+}
+
+/// Effects of the model.
+fn in_model(story: &Story) -> Vec<Kind> {
+    story.model.effects.iter().map(|e| e.effect).collect()
+}
+
+fn ladder(story: &Story) -> falls::Ladder<'_> {
+    falls::Ladder {
+        rungs: &story.ladder,
+        rises: &story.rises,
+        baseline: story.baseline.as_ref(),
+        noise: story.floor,
+    }
 }
 
 /// The report as HTML.
@@ -92,7 +105,7 @@ pub fn html(story: &Story) -> Result<String> {
     let content = json!({
         "title": story.title,
         "summary": words::summary(&story.ladder, story.floor, story.unit),
-        "verdict": words::verdict(story),
+        "standing": story.standing,
         "figures": figures,
         "cards": cards,
         "nothing_missing": words::nothing_missing(story.model.effects.is_empty(), &story.withdrawn),
@@ -102,7 +115,10 @@ pub fn html(story: &Story) -> Result<String> {
         "records": words::record_rows(story),
         "rivals": story.rivals,
         "next": story.next,
-        "rungs": words::rung_rows(story),
+        "rungs": ladder(story).rows(story.unit),
+        "terms": glossary::terms(&in_model(story)),
+        "words": glossary::WORDS,
+        "equations": glossary::BASE_EQUATIONS,
         "moved": words::moved_rows(story),
         "version": env!("CARGO_PKG_VERSION"),
         "style": style,

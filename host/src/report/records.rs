@@ -4,6 +4,7 @@ use super::decimate::keep;
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use super::story::Shown;
 use crate::compare::free_run::FreeRun;
+use crate::findings::multiple;
 use crate::fit::grid::Quantity;
 use crate::log::timing::median_interval;
 
@@ -31,7 +32,7 @@ pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Fi
         if of_angle { 230 } else { 280 },
         vec![
             curve("measured", "measured", &run.measured),
-            curve("base", "base model", &base.simulated),
+            curve("base", &shown.against, &base.simulated),
             slid("run", curve("model", "model", &run.simulated)),
         ],
     )];
@@ -46,25 +47,28 @@ pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Fi
             170,
             vec![
                 curve("measured", "measured", &measured),
-                curve("base", "base model", &base),
+                curve("base", &shown.against, &base),
                 slid("speed", curve("model", "model", &simulated)),
             ],
         ));
     }
     let residuals =
-        vec![curve("base", "base model", &base_left), slid("left", curve("model", "model", &left))];
+        vec![curve("base", &shown.against, &base_left), slid("left", curve("model", "model", &left))];
+    let told = |error: f64| multiple(error / floor.max(1e-300));
     let noise = Some([-2.0 * floor, 2.0 * floor]);
     panels.push(Panel { floor: noise, ..panel(format!("Residual ({unit})"), 170, residuals) });
     let volts = Curve { draw: Draw::Steps, ..curve("voltage", "voltage", &run.voltage_v) };
     panels.push(panel("Voltage (V)".into(), 130, vec![volts]));
     Figure {
+        share_percent: None,
         id: id.into(),
-        title: format!("{} ({})", run.record, if shown.unseen { "unseen" } else { "training" }),
+        title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
-            "{}: error {} rms with the model, {} with the base model; the noise floor is {}.",
-            if shown.unseen { "Unseen record" } else { "Training record" },
-            in_words(shown.model.measures().rmse, unit),
-            in_words(shown.base.measures().rmse, unit),
+            "{}: the error is {} with the model and {} with {}; the noise level is {}.",
+            if shown.unseen { "Validation record" } else { "Record fitted" },
+            told(shown.model.measures().rmse),
+            told(shown.base.measures().rmse),
+            shown.against,
             in_words(floor, unit),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
@@ -149,7 +153,7 @@ mod tests {
             time_s,
             quantity: Quantity::Angle,
         };
-        Shown { unseen: false, base: run.clone(), model: run }
+        Shown { unseen: false, against: "base model".into(), base: run.clone(), model: run }
     }
 
     #[test]

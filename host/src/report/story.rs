@@ -6,13 +6,14 @@ use super::figure::Figure;
 use super::{evidence, missing};
 use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
-use crate::diagnose::discover::{Discovery, Verdict};
-use crate::diagnose::ladder::{Ranked, Rung};
-use crate::diagnose::plan::Limits;
-use crate::estimate::combinations;
+use crate::compare::rise::{Rise, worst_rise};
+use crate::diagnose::discover::Discovery;
+use crate::diagnose::ladder::{self, Ranked, Rung};
+use crate::estimate::feedforward;
+use crate::findings::{Findings, Standing};
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
-use crate::fit::uncertainty::{Estimate, estimates};
+use crate::fit::uncertainty::Estimate;
 use crate::log::{Record, Warning};
 use crate::model_file::Model;
 
@@ -21,7 +22,9 @@ use crate::model_file::Model;
 pub struct Shown {
     /// Whether the fit never saw it.
     pub unseen: bool,
-    /// The base model alone.
+    /// What the model beside it is called.
+    pub against: String,
+    /// The base model alone, or another one to compare with.
     pub base: FreeRun,
     /// The model with its effects.
     pub model: FreeRun,
@@ -60,6 +63,10 @@ pub struct Story {
     pub floor: f64,
     /// From the base model to the accepted one.
     pub ladder: Vec<Rung>,
+    /// Where each step of it raised the error most.
+    pub rises: Vec<Option<Rise>>,
+    /// Errors of kS-kV-kA, which users know.
+    pub baseline: Option<Rung>,
     /// First diagnosis, best first.
     pub suspects: Vec<Suspect>,
     /// Sets that these records cannot tell apart.
@@ -68,8 +75,8 @@ pub struct Story {
     pub next: Option<String>,
     /// Effects that were added and taken back: they left too much of the way to the floor.
     pub withdrawn: Vec<Kind>,
-    /// How the search for effects ended; none while nothing was searched for.
-    pub verdict: Option<Verdict>,
+    /// The verdict and what to do next.
+    pub standing: Standing,
     /// What is odd about the data.
     pub faults: Vec<Warning>,
     /// Parameters of the model.
@@ -86,14 +93,13 @@ pub struct Story {
 pub const DRAWN: usize = 4;
 
 impl Story {
-    /// The story of a discovery on `records` with the `faults` found in them.
-    pub fn of(discovery: &Discovery, records: &[Record], faults: Vec<Warning>) -> Self {
+    /// The story of a discovery on `records`, as its `findings` tell it.
+    pub fn of(discovery: &Discovery, findings: &Findings, records: &[Record]) -> Self {
         let rungs = &discovery.climb.rungs;
         let base = rungs[0].values();
         let values = discovery.model.values();
         let whole = &discovery.evidence.whole;
         let shown = shown(whole, discovery.evidence.kept_out.as_ref(), &base, &values);
-        let next = discovery.plan(Limits { volts: discovery.evidence.highest_voltage(), seconds: 8.0 });
         Self {
             title: title(records),
             base_torques: torques(shown.iter().map(|s| &s.base), &base),
@@ -101,19 +107,39 @@ impl Story {
             unit: shown.first().map_or("rad", |s| s.base.quantity.unit()),
             records: shown,
             floor: discovery.noise_floor,
+            rises: rises(discovery),
+            baseline: baseline(discovery, records),
             ladder: discovery.ladder.clone(),
             suspects: suspects(discovery),
             rivals: discovery.open_sets(),
-            next: next.map(|plan| plan.why()),
+            next: findings.next_experiment.as_ref().map(|next| next.why.clone()),
             withdrawn: discovery.climb.withdrawn.clone(),
-            verdict: Some(discovery.verdict),
-            faults,
-            parameters: estimates(whole, &values),
-            combinations: combinations(whole, &values),
+            standing: findings.standing(),
+            faults: findings.data_faults.clone(),
+            parameters: findings.parameters.clone(),
+            combinations: findings.combinations.clone(),
             model: discovery.model.clone(),
             base,
         }
     }
+}
+
+/// Where each step of the ladder raised the error most, on the records that judge.
+fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
+    let rungs = &discovery.climb.rungs;
+    if rungs.len() != discovery.ladder.len() {
+        return vec![None; discovery.ladder.len()];
+    }
+    let problem = discovery.evidence.kept_out.as_ref().unwrap_or(&discovery.evidence.whole);
+    let runs: Vec<Vec<FreeRun>> = rungs.iter().map(|rung| free_runs(problem, &rung.values())).collect();
+    let steps = runs.windows(2).map(|pair| worst_rise(&pair[0], &pair[1]));
+    std::iter::once(None).chain(steps).collect()
+}
+
+/// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
+fn baseline(discovery: &Discovery, records: &[Record]) -> Option<Rung> {
+    let usual = feedforward::search(&discovery.evidence.whole, records).ok()?;
+    Some(ladder::rung(&discovery.evidence, &usual.values))
 }
 
 /// The candidates in order, and after them what only a later diagnosis brought.
@@ -141,7 +167,8 @@ fn suspects(discovery: &Discovery) -> Vec<Suspect> {
 fn shown(whole: &Problem, unseen: Option<&Problem>, base: &Values, values: &Values) -> Vec<Shown> {
     let pairs = |problem: &Problem, unseen| {
         let runs = free_runs(problem, base).into_iter().zip(free_runs(problem, values));
-        runs.map(move |(base, model)| Shown { unseen, base, model }).collect::<Vec<_>>()
+        runs.map(move |(base, model)| Shown { unseen, against: "base model".into(), base, model })
+            .collect::<Vec<_>>()
     };
     let mut all = pairs(whole, false);
     all.extend(unseen.into_iter().flat_map(|u| pairs(u, true)));

@@ -4,6 +4,7 @@ use motorlens_virtual_motor::{Effect, Motor};
 
 use super::*;
 use crate::diagnose::discover::{Options, discover};
+use crate::findings::Findings;
 use crate::log::Warning;
 use crate::motor_file::MotorFile;
 use crate::simulate::{Excitation, Role, Scenario, plays};
@@ -30,7 +31,7 @@ static STORY: LazyLock<Story> = LazyLock::new(|| {
         what: "stale_samples: old".into(),
         fix: "read it anew".into(),
     }];
-    Story::of(&found, &fitted, faults)
+    Story::of(&found, &Findings::new(&found, &faults), &fitted)
 });
 
 #[test]
@@ -57,7 +58,7 @@ fn the_steps_come_in_the_order_of_the_work() {
     let ids: Vec<&str> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     let twice = ids.iter().find(|id| ids.iter().filter(|other| other == id).count() > 1);
     assert_eq!(twice, None, "the scripts find things by their ids");
-    assert!(page.contains("unseen") && page.contains("dry (Coulomb) friction"));
+    assert!(page.contains("validation") && page.contains("dry (Coulomb) friction"));
 }
 
 #[test]

@@ -3,19 +3,20 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::falls::{judged, steps};
+use super::falls::judged;
 use super::figure::in_words;
 use super::story::Story;
-use crate::diagnose::discover;
 use crate::diagnose::ladder::Rung;
-use crate::findings::Errors;
 use crate::fit::uncertainty::Estimate;
+use crate::formula;
+use crate::glossary;
 use crate::report::decimate::rounded;
 
 /// A row of the tables of parameters and of combinations.
 #[derive(Debug, Serialize)]
 pub struct EstimateRow {
     name: String,
+    meaning: String,
     value: f64,
     interval: String,
     unit: String,
@@ -34,42 +35,26 @@ pub struct RecordRow {
     fit_percent: f64,
 }
 
-/// The whole in one sentence.
+/// The errors behind the verdict, in the measured unit.
 pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let error = |m: f64| in_words(m, unit);
-    let effects: Vec<String> = last.effects.iter().map(ToString::to_string).collect();
     let (before, after) = (judged(first).rmse, judged(last).rmse);
-    if effects.is_empty() {
-        return format!("The base model leaves {} rms; the noise floor is {}.", error(before), error(floor));
+    let on = if last.validation.is_some() { "validation records" } else { "the records fitted" };
+    let noise = format!("the noise level is {}", error(floor));
+    if last.effects.is_empty() {
+        return format!("Simulation error of the base model on {on}: {} rms; {noise}.", error(before));
     }
-    format!(
-        "Adding {} lowers the error from {} to {} rms; the noise floor is {}.",
-        effects.join(" and "),
-        error(before),
-        error(after),
-        error(floor)
-    )
-}
-
-/// The verdict in one sentence; empty while nothing was searched for.
-pub fn verdict(story: &Story) -> String {
-    let (Some(found), Some(first), Some(last)) = (story.verdict, story.ladder.first(), story.ladder.last())
-    else {
-        return String::new();
-    };
-    let errors = Errors { base: judged(first).rmse, model: judged(last).rmse, noise: story.floor };
-    let names: Vec<&str> = last.effects.iter().map(|k| k.name()).collect();
-    let verdict = errors.verdict(names.len(), found == discover::Verdict::Explained);
-    format!("{}.", errors.headline(&names, verdict))
+    let way = if after > before { "rose" } else { "fell" };
+    format!("The simulation error on {on} {way} from {} to {} rms; {noise}.", error(before), error(after))
 }
 
 /// Said where no effect is worth adding: to a model without any (`plain`), or with what was taken back.
 pub fn nothing_missing(plain: bool, withdrawn: &[Kind]) -> String {
     match (plain, withdrawn) {
-        (false, _) => "With these effects in the model nothing more is worth adding.".into(),
+        (false, _) => "With these effects in the model no further one is worth its parameters.".into(),
         (true, []) => {
-            "Nothing worth adding was found: no effect lowers the error both on the records fitted and on those kept out."
+            "No effect of the library lowers the error both on the records fitted and on the validation records."
                 .into()
         }
         (true, withdrawn) => taken_back(withdrawn),
@@ -79,14 +64,20 @@ pub fn nothing_missing(plain: bool, withdrawn: &[Kind]) -> String {
 /// What `effects`, which were taken back in the end, would have done.
 pub fn taken_back(effects: &[Kind]) -> String {
     format!(
-        "{} would take a part of the error away, and so may other physics: too much is left to name it.",
+        "{} would explain a part of the error, and so may other physics: too much is left to name it.",
         effects.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
     )
 }
 
 /// Parameters or combinations with their intervals.
 pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
+    let terms = glossary::terms(&formula::all());
+    let meaning = |name: &str| {
+        let term = terms.iter().find(|t| t.name == name);
+        term.map_or(String::new(), |t| format!("{}. {}", t.meaning, t.equation))
+    };
     let rows = estimates.iter().map(|e| EstimateRow {
+        meaning: meaning(&e.name),
         name: e.name.clone(),
         value: rounded(e.value, 5),
         interval: if e.low.is_finite() && e.high.is_finite() {
@@ -96,24 +87,6 @@ pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
         },
         unit: e.unit.clone(),
         identifiable: if e.identifiable { "yes" } else { "no" },
-    });
-    rows.collect()
-}
-
-/// A step of the ladder.
-#[derive(Debug, Serialize)]
-pub struct RungRow {
-    step: String,
-    train: String,
-    unseen: Option<String>,
-}
-
-/// The steps that led to the model.
-pub fn rung_rows(story: &Story) -> Vec<RungRow> {
-    let rows = steps(&story.ladder).into_iter().zip(&story.ladder).map(|(step, rung)| RungRow {
-        step,
-        train: in_words(rung.train.rmse, story.unit),
-        unseen: rung.validation.map(|m| in_words(m.rmse, story.unit)),
     });
     rows.collect()
 }
@@ -150,7 +123,7 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
         let length = run.time_s.last().zip(run.time_s.first()).map_or(0.0, |(b, a)| b - a);
         RecordRow {
             name: run.record.clone(),
-            role: if shown.unseen { "unseen" } else { "training" },
+            role: if shown.unseen { "validation" } else { "fit" },
             samples: m.samples,
             seconds: rounded(length, 4),
             base: in_words(shown.base.measures().rmse, story.unit),
@@ -168,8 +141,8 @@ mod tests {
     #[test]
     fn what_was_taken_back_is_named_and_nothing_else_is_blamed() {
         let said = nothing_missing(true, &[Kind::DeadZone, Kind::Delay]);
-        assert!(said.starts_with("dead_zone + delay would take"), "{said}");
-        assert!(nothing_missing(true, &[]).starts_with("Nothing worth adding"));
+        assert!(said.starts_with("dead_zone + delay would explain"), "{said}");
+        assert!(nothing_missing(true, &[]).starts_with("No effect of the library"));
         assert!(nothing_missing(false, &[]).contains("nothing more"));
     }
 }

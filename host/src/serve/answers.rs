@@ -9,7 +9,6 @@ use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse};
-use motorlens_shared::effects::Kind;
 use serde::Deserialize;
 use serde_json::json;
 use tokio_stream::wrappers::BroadcastStream;
@@ -17,6 +16,10 @@ use tokio_stream::{Stream, StreamExt};
 
 use super::App;
 use super::jobs::{self, Answer, refused};
+use crate::fit::grid::Grid;
+use crate::fit::search::Problem;
+use crate::formula;
+use crate::glossary;
 use crate::log::Metadata;
 use crate::report::missing::Setting;
 use crate::report::{self, fails, falls, missing, records, words};
@@ -25,11 +28,12 @@ const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 
 /// The scripts of the page by name, in the order in which it loads them.
-const SCRIPTS: [(&str, &str); 6] = [
+const SCRIPTS: [(&str, &str); 7] = [
     ("uplot.js", report::LIBRARY),
     ("plots.js", report::PLOTS),
     ("page.js", include_str!("assets/page.js")),
     ("steps.js", include_str!("assets/steps.js")),
+    ("data.js", include_str!("assets/data.js")),
     ("log.js", include_str!("assets/log.js")),
     ("device.js", include_str!("assets/device.js")),
 ];
@@ -68,30 +72,40 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         json!({ "name": axis.name, "unit": axis.unit, "value": at(session.current.found.x[k]),
                 "low": at(axis.low), "high": at(axis.high), "log": axis.unit_value == 0.0 })
     });
-    let record = |r: &crate::log::Record, unseen: bool| json!({ "name": r.name, "unseen": unseen, "samples": r.len(), "seconds": r.duration_s() });
-    let fitted = session.records.iter().map(|r| record(r, false));
-    let kept_out = session.validation.iter().map(|r| record(r, true));
-    let effects = Kind::ALL.iter().map(|kind| {
+    let record = |grid: &Grid, unseen: bool| {
+        let seconds = grid.time_s.last().zip(grid.time_s.first()).map_or(0.0, |(b, a)| b - a);
+        json!({ "name": grid.name, "unseen": unseen, "seconds": seconds })
+    };
+    let grids =
+        |problem: &Problem, unseen| problem.grids.iter().map(|grid| record(grid, unseen)).collect::<Vec<_>>();
+    let fitted = grids(&session.evidence.whole, false);
+    let kept_out = session.evidence.kept_out.as_ref().map_or_else(Vec::new, |p| grids(p, true));
+    let records: Vec<_> = fitted.into_iter().chain(kept_out).collect();
+    let effects = formula::all().into_iter().map(|kind| {
         let spec = kind.spec();
-        json!({ "name": spec.name, "title": spec.title, "added": session.current.kinds().contains(kind) })
+        json!({ "name": spec.name, "title": spec.title, "added": session.current.kinds().contains(&kind) })
     });
     // What the records tell of their motor need not be typed again to run it.
-    let told = |of: fn(&Metadata) -> Option<f64>| session.records.iter().find_map(|r| of(&r.meta));
+    let told =
+        |of: fn(&Metadata) -> Option<f64>| session.data.entries.iter().find_map(|e| of(&e.record.meta));
     let puzzle = session
         .puzzle
         .as_ref()
         .map(|p| json!({ "revealed": p.revealed, "answer": p.revealed.then_some(&p.answer) }));
     Ok(Json(json!({
-        "title": report::title(&session.records),
-        "records": fitted.chain(kept_out).collect::<Vec<_>>(),
+        "title": session.scene().title(),
+        "records": records,
+        "data": session.data.to_json(),
+        "models": session.passed.iter().map(|p| &p.name).collect::<Vec<_>>(),
+        "against": session.view().against.name,
         "parameters": plain.collect::<Vec<_>>(),
         "effects": effects.collect::<Vec<_>>(),
         "ladder": session.ladder,
         "floor": session.floor,
         "unit": session.unit(),
         "faults": session.faults,
-        "counts_per_rev": session.motor.counts_per_rev.or_else(|| told(Metadata::counts_per_rev)),
-        "gear_ratio": session.motor.gear_ratio.or_else(|| told(Metadata::gear_ratio)),
+        "counts_per_rev": session.data.motor.counts_per_rev.or_else(|| told(Metadata::counts_per_rev)),
+        "gear_ratio": session.data.motor.gear_ratio.or_else(|| told(Metadata::gear_ratio)),
         "diagnosed": session.diagnosis.is_some(),
         "puzzle": puzzle,
         "running": running,
@@ -116,11 +130,21 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                 json!({ "figures": figures, "cards": cards, "rivals": diagnosis.rivals, "next": diagnosis.next,
                         "worth": diagnosis.worth, "diagnosed": scene.diagnosis.is_some() })
             }
-            "falls" => json!({
-                "figures": [falls::figure(&scene.ladder, scene.floor, scene.unit)],
-                "last_over_floor": falls::last_over_floor(&scene.ladder, scene.floor),
-                "summary": words::summary(&scene.ladder, scene.floor, scene.unit),
-            }),
+            "falls" => {
+                let ladder = falls::Ladder {
+                    rungs: &scene.ladder,
+                    rises: &scene.rises,
+                    baseline: scene.baseline.as_ref(),
+                    noise: scene.floor,
+                };
+                json!({
+                    "figures": [ladder.figure()],
+                    "rows": ladder.rows(scene.unit),
+                    "last_over_floor": ladder.last_over_noise(),
+                    "summary": words::summary(&scene.ladder, scene.floor, scene.unit),
+                    "standing": scene.standing(),
+                })
+            }
             "estimates" => {
                 let [parameters, combinations] = view.estimates();
                 json!({ "parameters": words::estimate_rows(parameters),
@@ -130,6 +154,28 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
         };
         Ok(Json(answer))
     })
+}
+
+/// Which of the models passed.
+#[derive(Debug, Deserialize)]
+pub struct Against {
+    model: usize,
+}
+
+/// Draws the model beside another one.
+pub async fn against(State(app): State<Arc<App>>, Json(against): Json<Against>) -> Answer {
+    if app.session().compare_with(against.model) {
+        Ok(Json(json!({ "model": against.model })))
+    } else {
+        Err(refused(StatusCode::NOT_FOUND, "there is no such model"))
+    }
+}
+
+/// Every parameter with its symbol, unit, meaning and equation.
+pub async fn glossary() -> Answer {
+    Ok(Json(
+        json!({ "terms": glossary::terms(&formula::all()), "words": glossary::WORDS, "equations": glossary::BASE_EQUATIONS }),
+    ))
 }
 
 /// The part of a record that is on the screen.

@@ -14,13 +14,19 @@ use serde_json::json;
 use super::App;
 use super::diagnosis::Diagnosis;
 use super::jobs::{self, Answer, End, Job, refused};
-use super::session::rung;
+use super::session::{Doubt, NextModel, Session, rung};
 use super::steps;
+use crate::compare::free_run::free_runs;
+use crate::compare::rise::{Rise, worst_rise};
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::evidence::Evidence;
+use crate::diagnose::ladder::Rung;
 use crate::diagnose::stage::{self, Effort};
 use crate::diagnose::worth::worth;
 use crate::fit::layout::Values;
+use crate::formula;
+use crate::report::falls::judged;
+use crate::report::figure::in_words;
 
 /// Copies to work on while the page goes on with the originals.
 struct Work {
@@ -32,6 +38,10 @@ impl Work {
     fn of(app: &App) -> Self {
         let session = app.session();
         Self { evidence: session.evidence.clone(), model: session.current.clone() }
+    }
+
+    fn unit(&self) -> &'static str {
+        self.evidence.whole.grids.first().map_or("rad", |grid| grid.quantity.unit())
     }
 }
 
@@ -67,12 +77,12 @@ fn stopped() -> End {
 pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(job.app);
-        let Some(found) = tried(job, &work, Kind::ALL) else { return stopped() };
+        let Some(found) = tried(job, &work, &formula::all()) else { return stopped() };
         let diagnosis = Diagnosis::new(&work.evidence, &work.model, found);
         let message = if diagnosis.worth {
-            "The best suspect comes first. Add it and watch the error fall."
+            "An effect is missing; the best candidate comes first."
         } else {
-            "Nothing of the library is worth adding to this model."
+            "No effect of the library is worth adding to this model."
         };
         End::Done(message.into(), Box::new(move |session| session.diagnosis = Some(Arc::new(diagnosis))))
     })
@@ -86,22 +96,60 @@ pub struct Which {
 
 impl Which {
     fn kind(&self) -> Result<Kind, (StatusCode, Json<serde_json::Value>)> {
-        Kind::by_name(&self.effect)
+        formula::by_name(&self.effect)
             .ok_or_else(|| refused(StatusCode::UNPROCESSABLE_ENTITY, "there is no effect of that name"))
     }
 }
 
-/// Searches from `begin`, telling each step, and makes the result the session's model.
-fn refit(job: &Job, work: &Work, begin: &Values, message: impl FnOnce(&Candidate) -> String) -> End {
+/// The model that a search from `begin` ends at, told step by step; none when stopped.
+fn searched(job: &Job, work: &Work, begin: &Values) -> Option<Candidate> {
     let mut tell = |step: steps::Step| job.tell(json!({ "type": "step", "step": step }));
-    let stop = || job.stopped();
-    match steps::search(&work.evidence, begin, &work.model.values(), &stop, &mut tell) {
-        Some(new) => {
-            let (message, rung) = (message(&new), rung(&work.evidence, &new));
-            End::Done(message, Box::new(move |session| session.step_to(new, rung)))
-        }
-        None => stopped(),
+    steps::search(&work.evidence, begin, &work.model.values(), &|| job.stopped(), &mut tell)
+}
+
+/// Searches from `begin` and makes the result the session's model; `added` is the effect that came.
+fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str) -> End {
+    let Some(model) = searched(job, work, begin) else { return stopped() };
+    let (before, after) = (rung(&work.evidence, &work.model), rung(&work.evidence, &model));
+    let rise = rise(&work.evidence, &work.model, &model);
+    let rises = judged(&after).rmse > judged(&before).rmse;
+    let doubt = added.filter(|_| rises || !worth(&model, &work.model)).map(|effect| Doubt { effect, rises });
+    let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
+    let next = NextModel { model, rung: after, rise, doubt };
+    End::Done(message, Box::new(move |session| session.step_to(next)))
+}
+
+/// Where the error rose, in words.
+fn at(rise: Option<&Rise>) -> String {
+    rise.map_or(String::new(), |r| format!(", most on {} around {:.1} s", r.record, r.at_s))
+}
+
+/// The error before and after, on the records that judge.
+fn told(before: &Rung, after: &Rung, unit: &str) -> String {
+    let on = if after.validation.is_some() { "on validation records" } else { "on the records fitted" };
+    let [old, new] = [before, after].map(|rung| judged(rung).rmse);
+    let way = if new > old { "rises" } else { "falls" };
+    format!("the error {on} {way} from {} to {}", in_words(old, unit), in_words(new, unit))
+}
+
+/// Where `after` is worse than `before` on the records that judge.
+fn rise(evidence: &Evidence, before: &Candidate, after: &Candidate) -> Option<Rise> {
+    let problem = evidence.kept_out.as_ref().unwrap_or(&evidence.whole);
+    let runs = |model: &Candidate| free_runs(problem, &model.values());
+    worst_rise(&runs(before), &runs(after))
+}
+
+/// `session` with the effects that the model `had`, fitted to its records; none when stopped.
+pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
+    if had.effects.is_empty() {
+        return Some(session);
     }
+    let work = Work { evidence: session.evidence.clone(), model: session.current.clone() };
+    let begin = Values { effects: had.effects.clone(), ..work.model.values() };
+    let model = searched(job, &work, &begin)?;
+    let (after, rise) = (rung(&work.evidence, &model), rise(&work.evidence, &work.model, &model));
+    session.step_to(NextModel { model, rung: after, rise, doubt: None });
+    Some(session)
 }
 
 /// Adds an effect and fits everything again.
@@ -124,17 +172,10 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
         let Some(known) = known.first() else {
             return End::Failed(json!({ "why": format!("{kind} cannot be added to this model") }));
         };
-        // The old parameters start where they are, so that one sees them give way.
+        // The old parameters start where they are, so that one sees them move.
         let parameters = known.values().effects.pop().map(|e| e.1).unwrap_or_default();
         let begin = work.model.values().with(kind, parameters);
-        refit(job, &work, &begin, |new| {
-            let but = if worth(new, &work.model) {
-                "."
-            } else {
-                ", but unseen data do not say that it is worth its parameters. Remove it?"
-            };
-            format!("{kind} is in the model{but}")
-        })
+        refit(job, &work, &begin, Some(kind), &format!("{kind} is in the model"))
     })
 }
 
@@ -147,6 +188,6 @@ pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> An
     jobs::start(&app, &format!("Removing {kind}"), move |job| {
         let work = Work::of(job.app);
         let begin = work.model.values().without(kind);
-        refit(job, &work, &begin, |_| format!("{kind} is out of the model."))
+        refit(job, &work, &begin, None, &format!("{kind} is out of the model"))
     })
 }

@@ -5,8 +5,10 @@
 //! records and models; long work runs in one thread at a time and tells of itself in server-sent events.
 
 mod answers;
+mod data;
 mod device;
 mod diagnosis;
+mod effect_file;
 mod fits;
 mod guard;
 mod jobs;
@@ -42,6 +44,7 @@ pub struct App {
     events: broadcast::Sender<Value>,
     job: Mutex<Option<Arc<jobs::Running>>>,
     device: Mutex<Option<device::Device>>,
+    uploaded: Mutex<Vec<data::Entry>>,
 }
 
 impl App {
@@ -51,6 +54,10 @@ impl App {
 
     fn device(&self) -> MutexGuard<'_, Option<device::Device>> {
         self.device.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn uploaded(&self) -> MutexGuard<'_, Vec<data::Entry>> {
+        self.uploaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn tell(&self, event: Value) {
@@ -95,6 +102,7 @@ fn router(session: Session, port: u16) -> Router {
         events: broadcast::channel(1024).0,
         job: Mutex::new(None),
         device: Mutex::new(None),
+        uploaded: Mutex::new(Vec::new()),
     });
     Router::new()
         .route("/", get(answers::page))
@@ -110,6 +118,11 @@ fn router(session: Session, port: u16) -> Router {
         .route("/api/remove", post(fits::remove))
         .route("/api/stop", post(jobs::stop))
         .route("/api/upload", post(upload::upload))
+        .route("/api/use", post(upload::take))
+        .route("/api/data", post(data::change))
+        .route("/api/effect", post(effect_file::offer))
+        .route("/api/against", post(answers::against))
+        .route("/api/glossary", get(answers::glossary))
         .route("/api/puzzle", post(puzzle::start))
         .route("/api/reveal", post(puzzle::reveal))
         .route("/api/device/ports", get(device::ports))

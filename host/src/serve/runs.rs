@@ -12,6 +12,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::App;
+use super::data::{self, Entry};
 use super::device::ask;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
@@ -178,22 +179,26 @@ fn live(job: &Job, capture: &Capture, from: usize, shaft: &Shaft) -> usize {
 
 /// Fits the base model to the records, alone or with those that there are.
 fn fitted(job: &Job, new: Vec<(Role, Record)>, wish: &Wish) -> End {
-    let (mut records, mut validation, motor) = if wish.join {
-        let session = job.app.session();
-        (session.records.clone(), session.validation.clone(), session.motor.clone())
-    } else {
-        let known = MotorFile {
-            counts_per_rev: Some(wish.counts_per_rev),
-            gear_ratio: wish.gear_ratio,
-            ..MotorFile::default()
-        };
-        (Vec::new(), Vec::new(), known)
-    };
     let count = new.len();
-    for (role, record) in new {
-        if role == Role::HeldOut { validation.push(record) } else { records.push(record) }
+    let new = new.into_iter().map(|(role, record)| {
+        let role = if role == Role::HeldOut { data::Role::Validation } else { data::Role::Fit };
+        Entry::new(record, role)
+    });
+    let known = MotorFile {
+        counts_per_rev: Some(wish.counts_per_rev),
+        gear_ratio: wish.gear_ratio,
+        ..MotorFile::default()
+    };
+    let mut data = job.app.session().data.changed(|all| {
+        if !wish.join {
+            all.clear();
+        }
+        all.extend(new);
+    });
+    if !wish.join {
+        data.motor = known;
     }
-    match Session::new(records, validation, motor) {
+    match Session::of(data) {
         Ok(new) => End::Done(
             match count {
                 1 => "1 record of the motor is in; the base model is fitted anew.".into(),

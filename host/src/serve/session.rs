@@ -4,13 +4,18 @@ use std::sync::Arc;
 
 use motorlens_shared::effects::Kind;
 
+use super::data::{Data, Role};
 use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
+use crate::compare::rise::Rise;
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
+use crate::estimate::feedforward;
+use crate::findings::{Facts, Standing, errors_of, named};
+use crate::fit::layout::Values;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
@@ -26,29 +31,52 @@ pub struct Puzzle {
     pub revealed: bool,
 }
 
+/// A model that the page has come past.
+#[derive(Debug, Clone)]
+pub struct Passed {
+    /// As it is offered for comparison.
+    pub name: String,
+    /// Its parameters.
+    pub values: Values,
+}
+
+/// The effect added last, where held-out data do not confirm it.
+#[derive(Debug, Clone, Copy)]
+pub struct Doubt {
+    /// The effect.
+    pub effect: Kind,
+    /// Whether the error rises with it.
+    pub rises: bool,
+}
+
 /// Records and models of one page.
 #[derive(Debug)]
 pub struct Session {
-    /// Fitted.
-    pub records: Vec<Record>,
-    /// Kept out.
-    pub validation: Vec<Record>,
-    /// What is known of the motor.
-    pub motor: MotorFile,
+    /// The records as they were read, their roles and cuts, and what is known of their motor.
+    pub data: Data,
     /// The records as the search sees them.
     pub evidence: Evidence,
     /// The model as it is.
     pub current: Candidate,
     /// How it came about.
     pub ladder: Vec<Rung>,
+    /// The models of the ladder, and before them the usual one of robotics, where the records give it.
+    pub passed: Vec<Passed>,
+    /// Where each step of the ladder raised the error most, if it did.
+    pub rises: Vec<Option<Rise>>,
+    /// Errors of kS-kV-kA, which users know.
+    pub baseline: Option<Rung>,
     /// What is missing from the current model; none before the diagnosis.
     pub diagnosis: Option<Arc<Diagnosis>>,
+    /// Whether the last step is believed.
+    pub doubt: Option<Doubt>,
     /// What is hidden, where the records are a puzzle's.
     pub puzzle: Option<Puzzle>,
-    /// Error that a perfect model would leave.
+    /// Noise level: the error that a perfect model would leave.
     pub floor: f64,
-    /// What is odd about the records.
+    /// Problems of the data.
     pub faults: Vec<Warning>,
+    title: String,
     view: Arc<View>,
 }
 
@@ -59,16 +87,22 @@ pub struct Scene {
     pub view: Arc<View>,
     /// How the model came about.
     pub ladder: Vec<Rung>,
+    /// Where each of its steps raised the error most.
+    pub rises: Vec<Option<Rise>>,
+    /// Errors of kS-kV-kA.
+    pub baseline: Option<Rung>,
     /// What is missing from it.
     pub diagnosis: Option<Arc<Diagnosis>>,
-    /// Error that a perfect model would leave.
+    /// Noise level.
     pub floor: f64,
     /// Unit of what is compared.
     pub unit: &'static str,
-    /// What is odd about the records.
+    /// Problems of the data.
     pub faults: Vec<Warning>,
     /// The model as a file.
     pub model: Model,
+    doubt: Option<Doubt>,
+    explains_all: bool,
     title: String,
 }
 
@@ -78,19 +112,36 @@ impl Session {
     /// # Errors
     /// Records that no fit can use.
     pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Result<Self> {
-        let (evidence, current) = prepare(&records, &validation, &motor)?;
+        Self::of(Data::new(records, validation, motor))
+    }
+
+    /// The same with the roles and cuts of `data`.
+    ///
+    /// # Errors
+    /// Records that no fit can use.
+    pub fn of(data: Data) -> Result<Self> {
+        let (records, validation) = (data.with(Role::Fit), data.with(Role::Validation));
+        let (evidence, current) = prepare(&records, &validation, &data.motor)?;
         let floor = discover::noise_floor(&records, &validation, &evidence.whole);
         let tracks = Arc::new(Tracks::new(&evidence));
         let base = current.values();
+        // Records on which it learns nothing have no baseline.
+        let usual = feedforward::search(&evidence.whole, &records).ok().map(|found| found.values);
+        let mut passed: Vec<Passed> =
+            usual.iter().map(|v| Passed { name: USUAL.into(), values: v.clone() }).collect();
+        passed.push(Passed { name: "base model".into(), values: base.clone() });
         Ok(Self {
             faults: data_faults(records.iter().chain(&validation)),
+            title: title(&records),
             ladder: vec![rung(&evidence, &current)],
-            view: Arc::new(View::new(tracks, base.clone(), base)),
+            baseline: usual.map(|values| ladder::rung(&evidence, &values)),
+            view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), base)),
+            rises: vec![None],
+            passed,
             diagnosis: None,
+            doubt: None,
             puzzle: None,
-            records,
-            validation,
-            motor,
+            data,
             evidence,
             current,
             floor,
@@ -102,13 +153,25 @@ impl Session {
         self.evidence.whole.grids.first().map_or("rad", |g| g.quantity.unit())
     }
 
-    /// Takes `model` as the current one, whose errors are `rung`.
-    pub fn step_to(&mut self, model: Candidate, rung: Rung) {
-        let (tracks, base) = (Arc::clone(&self.view.tracks), self.view.base.clone());
-        self.view = Arc::new(View::new(tracks, base, model.values()));
-        self.current = model;
-        self.diagnosis = None;
+    /// Takes the model of `step` as the current one.
+    pub fn step_to(&mut self, step: NextModel) {
+        let NextModel { model, rung, rise, doubt } = step;
+        let values = model.values();
+        let name = prose(&values.kinds());
+        let (tracks, against) = (Arc::clone(&self.view.tracks), self.view.against.clone());
+        self.view = Arc::new(View::new(tracks, against, values.clone()));
+        self.passed.retain(|p| p.name != name);
+        self.passed.push(Passed { name, values });
+        (self.current, self.diagnosis, self.doubt) = (model, None, doubt);
         self.ladder.push(rung);
+        self.rises.push(rise);
+    }
+
+    /// Draws the model beside number `place` of those passed.
+    pub fn compare_with(&mut self, place: usize) -> bool {
+        let Some(against) = self.passed.get(place).cloned() else { return false };
+        self.view = Arc::new(View::new(Arc::clone(&self.view.tracks), against, self.current.values()));
+        true
     }
 
     /// The model on the records.
@@ -118,9 +181,10 @@ impl Session {
 
     /// The model as a file.
     pub fn model(&self) -> Model {
+        let fitted = self.data.entries.iter().filter(|e| e.role == Role::Fit);
         let origin = Origin {
             motorlens: env!("CARGO_PKG_VERSION").into(),
-            records: self.records.iter().map(|r| r.name.clone()).collect(),
+            records: fitted.map(|e| e.record.name.clone()).collect(),
             method: "live page".into(),
             seed: None,
         };
@@ -132,14 +196,42 @@ impl Session {
         Scene {
             view: self.view(),
             ladder: self.ladder.clone(),
+            rises: self.rises.clone(),
+            baseline: self.baseline.clone(),
             diagnosis: self.diagnosis.clone(),
             floor: self.floor,
             unit: self.unit(),
             faults: self.faults.clone(),
             model: self.model(),
-            title: title(&self.records),
+            doubt: self.doubt,
+            explains_all: self.current.explains_all(),
+            title: self.title.clone(),
         }
     }
+}
+
+/// What a step of the page leads to.
+#[derive(Debug)]
+pub struct NextModel {
+    /// The model.
+    pub model: Candidate,
+    /// Its errors.
+    pub rung: Rung,
+    /// Where it raised the error most.
+    pub rise: Option<Rise>,
+    /// Whether its last effect is believed.
+    pub doubt: Option<Doubt>,
+}
+
+/// The usual model of robotics, as the page names it.
+const USUAL: &str = "kS-kV-kA";
+
+/// A set of effects as a model is offered.
+fn prose(kinds: &[Kind]) -> String {
+    if kinds.is_empty() {
+        return "base model, fitted again".into();
+    }
+    kinds.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
 }
 
 /// `model` on all records of `evidence`.
@@ -153,14 +245,37 @@ impl Scene {
         self.model.rig.gear_ratio
     }
 
+    /// Heading of the page.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
     /// Effects in the model.
     pub fn effects(&self) -> Vec<Kind> {
         self.view.model.kinds()
     }
 
+    /// The verdict and what to do next.
+    pub fn standing(&self) -> Standing {
+        let diagnosis = self.diagnosis.as_deref();
+        let first = diagnosis.filter(|d| d.worth).and_then(|d| d.suspects.first());
+        Standing::of(&Facts {
+            errors: errors_of(&self.ladder, self.floor),
+            effects: &named(&self.effects(), &self.view.estimates()[0]),
+            clean: diagnosis.map(|d| !d.worth && self.explains_all),
+            suggested: first.map(|s| s.ranked.effect),
+            doubted: self.doubt.map(|d| (d.effect, d.rises)),
+            experiment: diagnosis.is_some_and(|d| d.next.is_some()),
+            data_problems: !self.faults.is_empty(),
+        })
+    }
+
     /// Faults of the data that only the fit shows.
     pub fn later_faults(&self) -> Vec<Warning> {
-        shown_by_fit::faults(&self.view.estimates()[0], &self.effects())
+        // An effect that the data do not confirm shows nothing about them.
+        let believed = |kind: &Kind| self.doubt.is_none_or(|doubt| doubt.effect != *kind);
+        let effects: Vec<Kind> = self.effects().into_iter().filter(believed).collect();
+        shown_by_fit::faults(&self.view.estimates()[0], &effects)
     }
 
     /// What is suspected, and after it what is in the model already.
@@ -183,7 +298,7 @@ impl Scene {
         let diagnosis = self.diagnosis.as_deref().cloned().unwrap_or_default();
         Story {
             title: self.title.clone(),
-            base: self.view.base.clone(),
+            base: self.view.against.values.clone(),
             unit: self.unit,
             floor: self.floor,
             ladder: self.ladder.clone(),
@@ -191,7 +306,9 @@ impl Scene {
             rivals: diagnosis.rivals,
             next: diagnosis.next.map(|next| next.why),
             withdrawn: Vec::new(),
-            verdict: None,
+            standing: self.standing(),
+            rises: self.rises.clone(),
+            baseline: self.baseline.clone(),
             faults: self.faults.iter().cloned().chain(self.later_faults()).collect(),
             parameters,
             combinations,

@@ -1,4 +1,4 @@
-//! A log dropped on the page.
+//! Logs dropped on the page: each is read as it comes, and all are taken in at once.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,10 +11,11 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::App;
-use super::jobs::{self, Answer, End};
+use super::data::{Entry, Role};
+use super::jobs::{self, Answer, End, refused};
 use super::session::Session;
 use crate::error::{Error, Result};
-use crate::log::{ReadOptions, Record, check_usable, read};
+use crate::log::{EncoderShaft, ReadOptions, Record, check_usable, read};
 use crate::motor_file::MotorFile;
 
 /// What a dropped log is.
@@ -22,44 +23,105 @@ use crate::motor_file::MotorFile;
 pub struct Dropped {
     /// Name of the file.
     name: String,
-    /// `training`, `unseen`, or `replace`: the only training record from now on.
-    role: String,
+    /// What its records are used for.
+    role: Role,
     /// Which column is what, as for `--map`; empty for canonical columns.
     #[serde(default)]
     map: String,
-    /// Supply of the driver, V, where the log has the duty only.
-    supply_v: Option<f64>,
-    /// Counts per turn of the output shaft, where the log has counts.
-    counts_per_rev: Option<f64>,
+    #[serde(flatten)]
+    rig: Rig,
 }
 
-/// Reads the log; if it can be used, fits the base model anew.
+/// What the fields of the dialogue say of the rig; the query gives all of it as text.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Rig {
+    /// Supply of the driver, V, where the log has the duty only.
+    supply_v: Option<String>,
+    /// Counts per turn of the output shaft.
+    counts_per_rev: Option<String>,
+    /// Turns of the motor per turn of the output shaft.
+    gear_ratio: Option<String>,
+    /// Where the encoder sits.
+    encoder_shaft: Option<EncoderShaft>,
+}
+
+impl Rig {
+    /// The number in a field, if there is one.
+    fn number(field: &Option<String>, name: &str) -> Result<Option<f64>> {
+        let Some(text) = field.as_deref().map(str::trim).filter(|text| !text.is_empty()) else {
+            return Ok(None);
+        };
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() && value > 0.0 => Ok(Some(value)),
+            _ => Err(Error::usage(
+                format!("{name} is \"{text}\""),
+                "give a positive number, or leave it empty",
+            )),
+        }
+    }
+
+    /// What is known of the motor.
+    fn motor(&self) -> Result<MotorFile> {
+        Ok(MotorFile {
+            counts_per_rev: Self::number(&self.counts_per_rev, "counts per turn")?,
+            gear_ratio: Self::number(&self.gear_ratio, "gear ratio")?,
+            encoder_shaft: self.encoder_shaft,
+            ..MotorFile::default()
+        })
+    }
+}
+
+/// Reads a log and keeps its records until [`take`] is asked for.
 pub async fn upload(State(app): State<Arc<App>>, Query(dropped): Query<Dropped>, body: Bytes) -> Answer {
     let read = tokio::task::block_in_place(|| parse(&dropped, &body));
     let new = read.map_err(|error| (StatusCode::UNPROCESSABLE_ENTITY, Json(error.to_json())))?;
-    let count = new.len();
-    jobs::start(&app, &format!("Reading {}", dropped.name), move |job| {
-        let (mut records, mut validation, motor) = match dropped.role.as_str() {
-            "replace" => (Vec::new(), Vec::new(), MotorFile::default()),
-            _ => {
-                let session = job.app.session();
-                (session.records.clone(), session.validation.clone(), session.motor.clone())
-            }
-        };
-        if dropped.role == "unseen" {
-            validation.extend(new)
-        } else {
-            records.extend(new)
+    let names: Vec<String> = new.iter().map(|record| record.name.clone()).collect();
+    app.uploaded().extend(new.into_iter().map(|record| Entry::new(record, dropped.role)));
+    Ok(Json(json!({ "records": names })))
+}
+
+/// What becomes of the records uploaded.
+#[derive(Debug, Deserialize)]
+pub struct Taking {
+    /// Whether they replace those that are there.
+    replace: bool,
+    /// Whether they are forgotten instead.
+    #[serde(default)]
+    forget: bool,
+    #[serde(flatten)]
+    rig: Rig,
+}
+
+/// Takes the uploaded records in, all at once, and fits the base model anew.
+pub async fn take(State(app): State<Arc<App>>, Json(taking): Json<Taking>) -> Answer {
+    let new = std::mem::take(&mut *app.uploaded());
+    if taking.forget {
+        return Ok(Json(json!({ "forgotten": new.len() })));
+    }
+    let motor =
+        taking.rig.motor().map_err(|error| (StatusCode::UNPROCESSABLE_ENTITY, Json(error.to_json())))?;
+    let names: Vec<String> = new.iter().map(|entry| entry.record.name.clone()).collect();
+    let mut data = app.session().data.changed(|all| {
+        if taking.replace {
+            all.clear();
         }
-        match Session::new(records, validation, motor) {
-            Ok(new) => End::Done(
-                format!("{} is in; the base model is fitted to it.", dropped.name),
-                Box::new(move |session| *session = new),
-            ),
-            Err(error) => End::Failed(error.to_json()),
+        all.extend(new);
+    });
+    if taking.replace {
+        data.motor = motor;
+    }
+    if data.with(Role::Fit).is_empty() {
+        let why = "no record would be left to fit; give at least one of them the role fit";
+        return Err(refused(StatusCode::UNPROCESSABLE_ENTITY, why));
+    }
+    jobs::start(&app, &format!("Reading {}", names.join(", ")), move |_| match Session::of(data) {
+        Ok(new) => {
+            let verb = if names.len() == 1 { "is" } else { "are" };
+            let message = format!("{} {verb} in; the base model is fitted.", names.join(", "));
+            End::Done(message, Box::new(move |session| *session = new))
         }
+        Err(error) => End::Failed(error.to_json()),
     })
-    .map(|_| Json(json!({ "records": count })))
 }
 
 /// The records in `content`, judged.
@@ -79,8 +141,8 @@ fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
         }
         other => other,
     };
-    let motor = MotorFile { counts_per_rev: dropped.counts_per_rev, ..MotorFile::default() };
-    let options = ReadOptions { map, motor, supply_volts: dropped.supply_v, ..ReadOptions::default() };
+    let supply_volts = Rig::number(&dropped.rig.supply_v, "supply")?;
+    let options = ReadOptions { map, motor: dropped.rig.motor()?, supply_volts, ..ReadOptions::default() };
     let mut records = read(&path, &options).map_err(shorter)?;
     for record in &mut records {
         record.path.clone_from(&name);
@@ -94,8 +156,7 @@ mod tests {
     use super::*;
 
     fn dropped(map: &str) -> Dropped {
-        let (name, role) = ("../../etc/log.csv".into(), "replace".into());
-        Dropped { name, role, map: map.into(), supply_v: None, counts_per_rev: None }
+        Dropped { name: "../../etc/log.csv".into(), role: Role::Fit, map: map.into(), rig: Rig::default() }
     }
 
     #[test]
@@ -119,12 +180,20 @@ mod tests {
         };
         let text = "ms,pwm,ticks\n".to_owned() + &(0..600).map(row).collect::<String>();
         let wish = dropped("time=0:ms,duty=1:255,angle=2:counts");
-        let wish = Dropped { supply_v: Some(8.0), counts_per_rev: Some(1000.0), ..wish };
+        let rig = Rig { supply_v: Some("8".into()), counts_per_rev: Some("1000".into()), ..Rig::default() };
+        let wish = Dropped { rig, ..wish };
         let records = parse(&wish, text.as_bytes()).unwrap();
         let (volts, angles) = (&records[0].voltage_v, records[0].angle_rad.as_ref().unwrap());
         assert!((volts[50] - 8.0 * 100.0 / 255.0 * 1.0_f64.sin()).abs() < 1e-9, "{}", volts[50]);
         let turn = std::f64::consts::TAU;
         assert!((angles[50] + 0.22 * turn * 0.9_f64.cos()).abs() < 1e-3 * turn, "{}", angles[50]);
+    }
+
+    #[test]
+    fn a_field_that_is_no_positive_number_is_named() {
+        let rig = Rig { gear_ratio: Some("-3".into()), ..Rig::default() };
+        assert!(rig.motor().unwrap_err().to_string().contains("gear ratio is \"-3\""));
+        assert_eq!(Rig::default().motor().unwrap(), MotorFile::default());
     }
 
     #[test]

@@ -5,6 +5,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 
+use super::session::Passed;
 use crate::compare::free_run::{FreeRun, free_runs};
 use crate::diagnose::evidence::Evidence;
 use crate::estimate::combinations;
@@ -79,8 +80,8 @@ impl Tracks {
 pub struct View {
     /// The records.
     pub tracks: Arc<Tracks>,
-    /// The base model of the first rung.
-    pub base: Values,
+    /// The model beside it: the base model, or whichever was chosen.
+    pub against: Passed,
     /// The model.
     pub model: Values,
     shown: Vec<OnceLock<Shown>>,
@@ -91,20 +92,25 @@ pub struct View {
 
 impl View {
     /// Nothing is computed yet.
-    pub fn new(tracks: Arc<Tracks>, base: Values, model: Values) -> Self {
+    pub fn new(tracks: Arc<Tracks>, against: Passed, model: Values) -> Self {
         let shown = (0..tracks.len()).map(|_| OnceLock::new()).collect();
         let (torques, evidence, estimates) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { tracks, base, model, shown, torques, evidence, estimates }
+        Self { tracks, against, model, shown, torques, evidence, estimates }
     }
 
     /// Record `number` with the runs of base model and model; none beyond the last.
     pub fn shown(&self, number: usize) -> Option<&Shown> {
         let place = self.shown.get(number)?;
         if place.get().is_none() {
-            let base = self.tracks.run(number, &self.base)?;
+            let base = self.tracks.run(number, &self.against.values)?;
             let model = self.tracks.run(number, &self.model)?;
             // Another page may have been faster; its run is the same.
-            let _ = place.set(Shown { unseen: self.tracks.unseen(number), base, model });
+            let _ = place.set(Shown {
+                unseen: self.tracks.unseen(number),
+                against: self.against.name.clone(),
+                base,
+                model,
+            });
         }
         place.get()
     }
@@ -119,7 +125,7 @@ impl View {
         self.torques.get_or_init(|| {
             let shown = self.all_shown();
             [
-                torques(shown.iter().map(|s| &s.base), &self.base),
+                torques(shown.iter().map(|s| &s.base), &self.against.values),
                 torques(shown.iter().map(|s| &s.model), &self.model),
             ]
         })

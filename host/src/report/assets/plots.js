@@ -72,8 +72,8 @@ const Plots = (() => {
       u.ctx.textAlign = "right";
       u.ctx.fillStyle = colour("floor");
       const at = [u.bbox.left + u.bbox.width - 4, u.valToPos(panel.floor[0], "y", true) + 16 * devicePixelRatio];
-      u.ctx.strokeText("noise floor", ...at);
-      u.ctx.fillText("noise floor", ...at);
+      u.ctx.strokeText("noise level", ...at);
+      u.ctx.fillText("noise level", ...at);
     }
     u.ctx.restore();
   }
@@ -235,6 +235,14 @@ const Plots = (() => {
   }
   const all = () => document.querySelectorAll(".plot");
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all().forEach((div) => { if (div.dataset.drawn) draw(div); }));
-  addEventListener("beforeprint", () => all().forEach(draw));
+  // On paper everything is open, drawn in dark on white and as wide as the page.
+  addEventListener("beforeprint", () => {
+    for (const details of document.querySelectorAll("details")) { if (!details.open) { details.dataset.closed = "yes"; details.open = true; } }
+    all().forEach(draw);
+  });
+  addEventListener("afterprint", () => {
+    for (const details of document.querySelectorAll("details[data-closed]")) { details.open = false; delete details.dataset.closed; }
+    all().forEach((div) => { if (div.dataset.drawn) draw(div); });
+  });
   return { show, update, slide, fill, draw, look: (root, range) => look(known.get(root), range, true), frame };
 })();

@@ -76,4 +76,4 @@ addEventListener("keydown", (event) => { if (event.key === "Escape" && playing) 
 
 const events = new EventSource("/api/events");
 events.onmessage = (message) => { const e = JSON.parse(message.data); told[e.type](e); };
-refresh().catch(alarm);
+showGlossary().catch(alarm).then(refresh).catch(alarm);

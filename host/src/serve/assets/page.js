@@ -35,12 +35,12 @@ async function showRecord(fresh = true) {
   const mine = ++asked, window = part ? `?from=${part[0]}&to=${part[1]}` : "";
   const figure = await ask(`/api/record/${chosen()}${window}`);
   if (mine !== asked) return;
-  $("record-title").textContent = figure.title.replace(/ \((unseen|training)\)$/, "");
-  $("record-role").className = "tag " + ($("record-role").textContent = figure.title.endsWith("(unseen)") ? "unseen" : "training");
+  $("record-title").textContent = figure.title.replace(/ \((validation|fit)\)$/, "");
+  $("record-role").className = "tag " + ($("record-role").textContent = figure.title.endsWith("(validation)") ? "validation" : "fit");
   $("record-reading").textContent = figure.reading;
   const plot = $("record-plot");
   if (fresh) {
-    Plots.show(plot, figure, (range) => { part = range; plot.dataset.detail = ""; showRecord(false).then(() => { plot.dataset.detail = "yes"; }).catch(alarm); });
+    Plots.show(plot, figure, (range) => { if (brushed(range)) return; part = range; plot.dataset.detail = ""; offerCut(); showRecord(false).then(() => { plot.dataset.detail = "yes"; }).catch(alarm); });
     Plots.draw(plot);
   } else Plots.update(plot, figure);
 }
@@ -66,7 +66,7 @@ function slidersOf(parameters) {
       slide();
     });
     input.addEventListener("change", () => Plots.slide($("record-plot"), {}, false));
-    return element("label", {}, p.name + " ", output, input);
+    return element("label", { title: meaningOf(p.name) }, p.name + " ", output, input);
   }));
 }
 let sliding = false, slidAgain = false;
@@ -88,31 +88,35 @@ async function slide() {
 }
 $("sliders").addEventListener("reset", () => { slidersOf(state.parameters); showFitted(); showRecord().catch(alarm); });
 function showError(error, unseen) {
-  $("slid").textContent = "Error " + size(error, state.unit) + (unseen === null || unseen === undefined ? "" : ", unseen " + size(unseen, state.unit));
+  $("slid").textContent = "Error " + size(error, state.unit) + (unseen === null || unseen === undefined ? "" : ", validation " + size(unseen, state.unit));
 }
 function showFitted() {
   const last = state.ladder[state.ladder.length - 1];
   showError(last.train.rmse, last.validation && last.validation.rmse);
-  $("slid-floor").textContent = "Noise floor " + size(state.floor, state.unit);
+  $("slid-floor").textContent = "Noise level " + size(state.floor, state.unit);
 }
 
 function busy(what) {
   $("running").hidden = !what;
   $("doing").textContent = what || "";
   if (!what) $("progress").removeAttribute("value");
-  for (const b of document.querySelectorAll("#diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button")) b.disabled = Boolean(what);
+  for (const b of document.querySelectorAll("#next, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo")) b.disabled = Boolean(what);
+  if (state && !state.data.can_undo) $("undo").disabled = true;
 }
 async function refresh() {
   const record = showRecord(), known = ask("/api/state");
   state = await known;
   $("title").textContent = state.title;
   const number = Math.min(chosen(), state.records.length - 1);
-  $("record").replaceChildren(...state.records.map((r, k) => element("option", { value: k, textContent: `${r.name} (${r.unseen ? "unseen" : "training"})` })));
+  $("record").replaceChildren(...state.records.map((r, k) => element("option", { value: k, textContent: `${r.name} (${r.unseen ? "validation" : "fit"})` })));
   $("record").value = number;
   const has = state.effects.filter((e) => e.added);
   $("effect").replaceChildren(...state.effects.filter((e) => !e.added).map((e) => element("option", { value: e.name, textContent: `${e.name}: ${e.title}` })));
   $("in-model").replaceChildren(...has.map((e) => element("span", { className: "chip" }, e.name, Object.assign(element("button", { type: "button", textContent: "✕", onclick: guard(() => ask("/api/remove", { effect: e.name })) }), { ariaLabel: "Remove " + e.name }))));
   $("reveal").hidden = !state.puzzle;
+  $("against").replaceChildren(...state.models.map((name, k) => element("option", { value: k, textContent: name })));
+  $("against").value = state.models.indexOf(state.against);
+  showData(state.data);
   if (!state.puzzle || !state.puzzle.revealed) $("answer").hidden = true;
   showFaults(state.faults);
   slidersOf(state.parameters);
@@ -131,13 +135,37 @@ $("diagnose").addEventListener("click", guard(() => ask("/api/diagnose", {})));
 $("add-effect").addEventListener("click", guard(() => ask("/api/add", { effect: $("effect").value })));
 $("stop").addEventListener("click", guard(() => ask("/api/stop", {})));
 $("puzzle").addEventListener("click", guard(() => ask("/api/puzzle", {})));
+$("against").addEventListener("change", guard(async () => { await ask("/api/against", { model: Number($("against").value) }); await Promise.all([showRecord(), showFails()]); }));
 $("reveal").addEventListener("click", guard(async () => {
   const { answer, found } = await ask("/api/reveal", {});
   const hidden = answer.effects.length ? answer.sizes.join(" and ") : "nothing";
-  const right = answer.effects.length === found.length && answer.effects.every((e) => found.includes(e));
-  $("answer").textContent = `Hidden: ${hidden}. Your model has ${found.length ? found.join(" and ") : "no effect"}${right ? ": right!" : "."}`;
+  const missed = answer.effects.filter((e) => !found.includes(e)), wrong = found.filter((e) => !answer.effects.includes(e));
+  const right = !missed.length && !wrong.length;
+  const parts = [missed.length ? "it misses " + missed.join(" and ") : "", wrong.length ? `${wrong.join(" and ")} ${wrong.length > 1 ? "are" : "is"} not in the motor` : ""].filter(Boolean);
+  $("answer").className = "answer " + (right ? "right" : "wrong");
+  $("answer").textContent = `${right ? "Right" : "Wrong"}. Hidden: ${hidden}. Your model has ${found.length ? found.join(" and ") : "no effect"}${parts.length ? ": " + parts.join("; ") : ""}.`;
   $("answer").hidden = false;
 }));
+
+// The verdict, and the one thing to do next.
+const NEXT = {
+  diagnose: () => ask("/api/diagnose", {}),
+  add: (next) => ask("/api/add", { effect: next.effect }),
+  remove: (next) => ask("/api/remove", { effect: next.effect }),
+  experiment: () => proposeNext(),
+  data: () => $("data").scrollIntoView(),
+  look: () => $("fails").scrollIntoView(),
+  export: () => { location.href = "/export/model.json"; },
+};
+function showStanding({ verdict, badge, headline, next }) {
+  $("verdict").dataset.verdict = verdict || "open";
+  $("badge").textContent = badge;
+  $("headline").textContent = headline;
+  $("next").textContent = next.action === "export" ? "Save the model" : next.label;
+  $("next").title = next.command;
+  $("next").hidden = false;
+  $("next").onclick = guard(() => NEXT[next.action](next));
+}
 
 // What the server tells of its work.
 const told = {

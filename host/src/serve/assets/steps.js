@@ -4,7 +4,9 @@ let history_ = [];
 
 function figureElement(f, level = "h3") {
   const plot = element("div", { className: "plot" });
-  const figure = element("figure", {}, element(level, { textContent: f.title }), plot, element("figcaption", { textContent: f.reading }));
+  const title = element(level, { textContent: f.title });
+  if (f.share_percent !== undefined) title.append(" ", element("span", { className: "share", textContent: `${f.share_percent} %` }));
+  const figure = element("figure", {}, title, plot, element("figcaption", { textContent: f.reading }));
   Plots.show(plot, f);
   return figure;
 }
@@ -17,18 +19,28 @@ function showFaults(faults) {
 }
 
 // 2 Where it fails
-async function showFails() { $("fails-figures").replaceChildren(...(await ask("/api/figures/fails")).figures.map((f) => figureElement(f))); }
+async function showFails() { 
+  const all = (await ask("/api/figures/fails")).figures.map((f) => figureElement(f));
+  all[0].classList.add("first");
+  all[0].querySelector("h3").append(" ", element("span", { className: "mark", textContent: "largest share" }));
+  $("fails-figures").replaceChildren(...all);
+}
 
 // 3 What is missing
-function card(c, figures) {
-  const add = element("button", { type: "button", className: "main add", textContent: "Add " + c.effect, onclick: guard(() => ask("/api/add", { effect: c.effect })) });
-  const share = Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "share of the error taken away" });
-  const all = element("article", { className: "card" }, element("h3", { textContent: c.title }),
-    element("p", { className: "gain" }, element("code", { textContent: c.effect }), share, ` ${c.gain_percent} %`),
-    element("p", { textContent: c.evidence + "." }), element("p", { className: "quiet", textContent: `Look for: ${c.signature}. Law: ${c.equation}.` }));
+const gain = (c) => [Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "gain of " + c.effect }), ` ${c.gain_percent} %`];
+function candidateRow(c) {
+  const add = c.added ? element("span", { className: "tag fit", textContent: "in the model" }) : element("button", { type: "button", className: "add", textContent: "Add", ariaLabel: "Add " + c.effect, onclick: guard(() => ask("/api/add", { effect: c.effect })) });
+  const show = element("a", { href: "#card-" + c.effect, textContent: c.effect, title: c.title, onclick: () => { $("card-" + c.effect).open = true; } });
+  return element("tr", { className: c.added ? "added" : "" }, element("td", { textContent: c.added ? "" : c.rank }), Object.assign(element("th", {}, show), { scope: "row" }),
+    element("td", {}, ...gain(c)), element("td", { textContent: c.rivals.join(", ") }), element("td", {}, add));
+}
+function card(c, figures, first) {
+  const all = element("details", { className: "card", id: "card-" + c.effect, open: first }, element("summary", {}, element("span", { textContent: c.effect }), ` ${c.title}`),
+    element("p", { textContent: c.evidence + "." }), element("p", { className: "quiet", textContent: `Look for: ${c.signature}.` }), element("p", { className: "quiet" }, element("code", { textContent: c.equation })));
   if (c.rivals.length) all.append(element("p", { textContent: "These records cannot tell it from " + c.rivals.join(", ") + "." }));
-  all.append(c.added ? element("p", {}, element("span", { className: "tag training", textContent: "in the model" })) : element("p", {}, add));
-  all.append(...figures.filter((f) => c.figures.includes(f.id)).map((f) => figureElement(f, "h4")));
+  if (c.added) all.append(element("p", {}, element("span", { className: "tag fit", textContent: "in the model" })));
+  all.append(...figures.filter((f) => c.figures.includes(f.id)).map((f) => figureElement(f, "h3")));
+  all.addEventListener("toggle", () => { if (all.open) all.querySelectorAll(".plot").forEach((p) => Plots.draw(p)); });
   return all;
 }
 function nextCard(next) {
@@ -40,13 +52,14 @@ function nextCard(next) {
 }
 async function showMissing() {
   const { cards, figures, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
-  const nothing = element("article", { className: "card nothing" }, element("h3", { textContent: "Nothing worth adding" }),
-    element("p", { textContent: !diagnosed ? "Not sought yet." : worth ? "Not so: the first card lowers the error on the records fitted and on those kept out." : "No effect of the library lowers the error enough, on the records fitted and on those kept out, to be worth its parameters." }));
-  const all = cards.map((c) => card(c, figures));
-  if (diagnosed && !worth) all.unshift(nothing);
-  else if (diagnosed) all.push(nothing);
-  for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Rivals" }), element("p", { textContent: `These records cannot tell ${set.join(", ")} apart: the first of them is as good a name as the others.` })));
+  const all = [];
+  if (diagnosed && !worth) all.push(element("article", { className: "card nothing" }, element("h3", { textContent: "No candidate is worth adding" }), element("p", { textContent: "No effect of the library lowers the error enough, on the records fitted and on blocks held out, to be worth its parameters." })));
+  for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Indistinguishable" }), element("p", { textContent: `These records cannot tell ${set.join(", ")} apart: the first of them is as good a name as the others.` })));
   if (next) all.push(nextCard(next));
+  all.push(...cards.map((c, k) => card(c, figures, k === 0)));
+  $("missing-words").textContent = diagnosed ? "Gain: the share of the error that the effect explains, on the records fitted and on blocks held out." : "Every effect of the library is tried on the model, on records fitted and on blocks held out.";
+  $("ranking").hidden = !cards.length;
+  $("candidates").replaceChildren(...cards.map(candidateRow));
   $("cards").replaceChildren(...all);
   $("programme").querySelector("[value=next]").disabled = !next;
 }
@@ -55,11 +68,11 @@ async function showMissing() {
 function showStep(step) {
   history_.push(step);
   const rounds = history_.map((s) => s.round), x = { title: "Step of the search (1)", log: false };
-  $("convergence-reading").textContent = `Step ${step.round}: error ${short(step.error)} times the noise of one reading.`;
+  $("convergence-reading").textContent = `Step ${step.round}: error ${short(step.error)} x the noise of one reading.`;
   Plots.update($("convergence"), { id: "convergence", title: "Convergence", reading: "Error after each step.", x, columns: [rounds],
-    panels: [{ y: { title: "Error (noise units)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });
+    panels: [{ y: { title: "Error, multiples of the noise (1)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });
   const old = step.parameters.filter((p) => p.before);
-  Plots.update($("giving"), { id: "giving", title: "Old parameters", reading: "Each parameter of the model before, in percent of what it was.", x, columns: [rounds],
+  Plots.update($("giving"), { id: "giving", title: "Parameters", reading: "Each parameter of the model before, in percent of its value then.", x, columns: [rounds],
     panels: [{ y: { title: "Of the value before (%)", log: false }, height: 200, curves: old.map((p, k) => ({ role: "p" + (k % 6), name: p.name, on: 0, draw: "dotted", y: history_.map((s) => 100 * s.parameters.find((q) => q.name === p.name).now / p.before) })) }] });
   rows("moving", step.parameters, (p) => [p.name, p.before === null ? "new" : short(p.before), short(p.now), p.unit], (p) => p.before !== null && Math.abs(p.now - p.before) > 0.005 * Math.abs(p.before) ? "moved" : "");
 }
@@ -69,11 +82,11 @@ function spanOf(values) {
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
-// 5 Falls
+// 5 Error
 function rows(target, list, cells, mark) {
   $(target).replaceChildren(...list.map((item) => {
     const [first, ...others] = cells(item);
-    const row = element("tr", { className: mark ? mark(item) : "" }, Object.assign(element("th", { textContent: first }), { scope: "row" }));
+    const row = element("tr", { className: mark ? mark(item) : "" }, Object.assign(element("th", { textContent: first, title: item.meaning || "" }), { scope: "row" }));
     row.append(...others.map((c) => element("td", { textContent: c })));
     return row;
   }));
@@ -83,6 +96,8 @@ async function showLadder() {
   $("falls-figures").replaceChildren(...answer.figures.map((f) => figureElement(f)));
   $("falls").dataset.lastOverFloor = answer.last_over_floor;
   $("summary").textContent = answer.summary;
+  rows("models", answer.rows, (r) => [r.step, r.fit, r.validation || "none", r.multiple, r.rise || ""], (r) => (r.rise ? "rise" : ""));
+  showStanding(answer.standing);
 }
 async function showEstimates() {
   const { parameters, combinations, faults } = await ask("/api/figures/estimates");
@@ -91,4 +106,15 @@ async function showEstimates() {
   rows("parameters", parameters, cells, mark);
   rows("combinations", combinations, cells, mark);
   showFaults(state.faults.concat(faults));
+}
+
+// Glossary: symbols, units, meanings and equations, for the table and for tooltips.
+let terms = [];
+const meaningOf = (name) => { const t = terms.find((term) => term.name === name); return t ? `${t.meaning}. ${t.equation}` : ""; };
+async function showGlossary() {
+  const answer = await ask("/api/glossary");
+  terms = answer.terms;
+  $("equations").textContent = answer.equations.join("\n");
+  $("words").replaceChildren(...answer.words.flatMap(([word, meaning]) => [element("dt", { textContent: word }), element("dd", { textContent: meaning })]));
+  rows("terms", terms, (t) => [t.name, t.unit, t.meaning, t.equation]);
 }

@@ -1,5 +1,7 @@
 //! The live page and the report in a real browser.
 
+mod accessible;
+mod data;
 mod device;
 mod guard;
 mod keyboard;
@@ -37,7 +39,7 @@ fn effects(browser: &mut Browser) -> f64 {
     browser.number("document.querySelectorAll('.chip').length")
 }
 
-/// The last bar of the ladder in noise floors.
+/// The error of the last model in multiples of the noise.
 fn over_floor(browser: &mut Browser) -> f64 {
     browser.number("document.querySelector('#falls').dataset.lastOverFloor")
 }
@@ -47,13 +49,13 @@ fn diagnosed(browser: &mut Browser) {
     browser.value("document.querySelector('#status').textContent = ''");
     browser.click("#diagnose");
     browser.wait(&format!(
-        "/suspect|worth adding/.test(document.querySelector('#status').textContent) && {FRESH}"
+        "/An effect is missing|No effect/.test(document.querySelector('#status').textContent) && {FRESH}"
     ));
 }
 
 /// Adds the first card's effect and waits for the ladder.
 fn added(browser: &mut Browser) {
     let before = effects(browser);
-    browser.click(".card .add");
+    browser.click("#candidates .add");
     browser.wait(&format!("document.querySelectorAll('.chip').length == {} && {FRESH}", before + 1.0));
 }

@@ -32,7 +32,7 @@ fn a_record_shows_angle_speed_residual_and_voltage_and_training_is_told_from_uns
         serde_json::from_value(browser.value("state.records.map((r) => r.unseen)")).unwrap();
     assert!(known.contains(&true) && known.contains(&false), "{known:?}");
     for (k, unseen) in known.iter().enumerate() {
-        let role = if *unseen { "unseen" } else { "training" };
+        let role = if *unseen { "validation" } else { "fit" };
         let offered = texts(&mut browser, "#record option").swap_remove(k);
         assert!(offered.ends_with(&format!("({role})")), "{offered}");
         browser.value(&format!(
@@ -45,7 +45,7 @@ fn a_record_shows_angle_speed_residual_and_voltage_and_training_is_told_from_uns
     let parameters = browser.number("state.parameters.length");
     assert!(parameters >= 3.0);
     assert_eq!(browser.number("document.querySelectorAll('#ranges input').length"), parameters);
-    assert!(browser.text("#slid").contains("unseen") && browser.text("#slid-floor").contains("rad"));
+    assert!(browser.text("#slid").contains("validation") && browser.text("#slid-floor").contains("rad"));
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn every_side_of_the_residual_is_drawn_with_one_line_that_reads_it() {
         "By angle of the output shaft",
         "By angle of the motor shaft",
         "Around reversals",
-        "autocorrelation",
+        "Autocorrelation",
         "Harmonics",
     ] {
         assert!(titles.iter().any(|title| title.contains(named)), "{named} is not among {titles:?}");

@@ -42,7 +42,7 @@ fn model_and_report_are_saved_from_the_page_which_asks_nobody_else() {
     assert_eq!(model["schema"], 1, "{model}");
     let report = browser.value("fetch('/export/report.html').then((r) => r.text())");
     assert!(
-        report.as_str().is_some_and(|page| page.starts_with("<!doctype html>") && page.contains("5 Falls"))
+        report.as_str().is_some_and(|page| page.starts_with("<!doctype html>") && page.contains("5 Error"))
     );
     let elsewhere = "performance.getEntriesByType('resource').filter((e) => !e.name.startsWith(location.origin) && !e.name.startsWith('data:')).length";
     assert_eq!(browser.number(elsewhere), 0.0);

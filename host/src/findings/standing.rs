@@ -1,0 +1,226 @@
+//! What a person is told first: the verdict as a badge, one sentence, and what to do next.
+//!
+//! Terminal, report and page show the same standing, so that none of them praises what another one doubts.
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::verdict::{Errors, Verdict};
+use crate::fit::uncertainty::Estimate;
+use crate::report::figure::in_words;
+
+/// Where the work stands.
+#[derive(Debug, Clone, Serialize)]
+pub struct Standing {
+    /// None before effects were looked for.
+    pub verdict: Option<Verdict>,
+    /// The verdict in two words.
+    pub badge: &'static str,
+    /// The same in one sentence, with its numbers.
+    pub headline: String,
+    /// What to do next.
+    pub next: NextStep,
+}
+
+/// What is known when the standing is told.
+#[derive(Debug, Clone, Copy)]
+pub struct Facts<'a> {
+    /// Of base model, model and noise.
+    pub errors: Errors,
+    /// Effects in the model, as a sentence names them.
+    pub effects: &'a [String],
+    /// Whether the search for further effects found no structure; none before a search.
+    pub clean: Option<bool>,
+    /// An effect that is worth adding.
+    pub suggested: Option<Kind>,
+    /// The effect added last, where held-out data do not confirm it, and whether the error rises with it.
+    pub doubted: Option<(Kind, bool)>,
+    /// Whether an experiment is known that would tell indistinguishable models apart.
+    pub experiment: bool,
+    /// Whether the data have problems of their own.
+    pub data_problems: bool,
+}
+
+impl Standing {
+    /// What `facts` amount to.
+    pub fn of(facts: &Facts) -> Self {
+        let verdict = facts.clean.map(|clean| facts.errors.verdict(facts.effects.len(), clean));
+        let headline = match (verdict, facts.doubted) {
+            (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
+            (Some(verdict), None) => facts.errors.headline(facts.effects, verdict),
+            (None, None) => facts.errors.so_far(facts.effects),
+        };
+        let badge = match (facts.doubted, facts.suggested, verdict) {
+            (Some(_), ..) => "Not confirmed",
+            (None, Some(_), _) => "An effect is missing",
+            (None, None, Some(verdict)) => verdict.badge(),
+            (None, None, None) => "Not diagnosed yet",
+        };
+        Self { verdict, badge, headline: headline + ".", next: NextStep::after(facts, verdict) }
+    }
+
+    /// Of data that must be mended first.
+    pub fn bad_data() -> Self {
+        Self {
+            verdict: Some(Verdict::BadData),
+            badge: Verdict::BadData.badge(),
+            headline: Errors::BAD_DATA.to_owned() + ".",
+            next: NextStep::new(Action::Data, None),
+        }
+    }
+}
+
+/// What can be done next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Try every effect on the model.
+    Diagnose,
+    /// Add the effect.
+    Add,
+    /// Remove the effect.
+    Remove,
+    /// Run the experiment that tells indistinguishable models apart.
+    Experiment,
+    /// Correct the data and read them again.
+    Data,
+    /// Look at where the error is made.
+    Look,
+    /// Use the model.
+    Export,
+}
+
+/// The one thing to do next.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NextStep {
+    /// What.
+    pub action: Action,
+    /// With which effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effect: Option<Kind>,
+    /// As a button says it.
+    pub label: String,
+    /// As the terminal does it; MODEL and LOG... stand for the files.
+    pub command: String,
+}
+
+impl NextStep {
+    /// `action`, with `effect` where it needs one.
+    pub fn new(action: Action, effect: Option<Kind>) -> Self {
+        let name = effect.map_or("the effect", Kind::name);
+        let (label, command) = match action {
+            Action::Diagnose => ("Find what is missing".into(), "motorlens diagnose MODEL LOG...".into()),
+            Action::Add => (format!("Add {name}"), format!("motorlens add MODEL {name} LOG... --out MODEL")),
+            Action::Remove => (format!("Remove {name}"), "motorlens discover LOG... --out model.json".into()),
+            Action::Experiment => {
+                ("Run the next experiment".into(), "motorlens plan LOG... --out programme.json".into())
+            }
+            Action::Data => ("See the data problems".into(), "motorlens serve LOG...".into()),
+            Action::Look => ("See where it fails".into(), "motorlens compare MODEL LOG...".into()),
+            Action::Export => {
+                ("Use the model".into(), "motorlens export MODEL --format c --out motor.c".into())
+            }
+        };
+        Self { action, effect, label, command }
+    }
+
+    fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
+        let action = match verdict {
+            _ if facts.doubted.is_some() => return Self::new(Action::Remove, facts.doubted.map(|d| d.0)),
+            _ if facts.suggested.is_some() => return Self::new(Action::Add, facts.suggested),
+            None => Action::Diagnose,
+            Some(Verdict::BadData) => Action::Data,
+            Some(Verdict::Explained) if !facts.experiment => Action::Export,
+            Some(Verdict::Unexplained | Verdict::PartlyExplained) if facts.data_problems => Action::Data,
+            Some(_) if facts.experiment => Action::Experiment,
+            Some(_) => Action::Look,
+        };
+        Self::new(action, None)
+    }
+}
+
+/// The effects as a sentence names them: each with its size, where it has one with a unit.
+pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
+    let size = |kind: &Kind| {
+        let of = |name: &str| {
+            let whole = format!("{}.{name}", kind.name());
+            parameters.iter().find(|e| e.name == whole)
+        };
+        let strength = kind.spec().parameters.iter().find(|p| p.strength && p.unit != "1")?;
+        let first = of(strength.name)?;
+        // A ripple or an unbalance is the length of its two components.
+        let other = if strength.name == "sine" { of("cosine") } else { None };
+        let length = other.map_or(first.value.abs(), |other| first.value.hypot(other.value));
+        (length > 0.0).then(|| in_words(length, &first.unit))
+    };
+    effects
+        .iter()
+        .map(|kind| size(kind).map_or_else(|| kind.to_string(), |size| format!("{kind} ({size})")))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn facts(effects: &[String], model: f64) -> Facts<'_> {
+        let errors = Errors { base: 101.0, model, noise: 1.0 };
+        Facts {
+            errors,
+            effects,
+            clean: Some(true),
+            suggested: None,
+            doubted: None,
+            experiment: false,
+            data_problems: false,
+        }
+    }
+
+    #[test]
+    fn a_model_that_is_not_diagnosed_is_not_praised() {
+        let told = Standing::of(&Facts { clean: None, ..facts(&[], 101.0) });
+        assert_eq!((told.verdict, told.next.action), (None, Action::Diagnose));
+        assert!(
+            told.headline.contains("101 x the noise") && told.headline.contains("not enough"),
+            "{told:?}"
+        );
+    }
+
+    #[test]
+    fn an_effect_that_raises_the_error_is_to_be_removed() {
+        let effects = ["delay (2 ms)".to_owned()];
+        let told = Standing::of(&Facts {
+            doubted: Some((Kind::Delay, true)),
+            clean: None,
+            ..facts(&effects, 150.0)
+        });
+        assert_eq!(told.next.effect, Some(Kind::Delay));
+        assert_eq!((told.badge, told.next.action), ("Not confirmed", Action::Remove));
+        assert!(told.headline.contains("rises"), "{told:?}");
+    }
+
+    #[test]
+    fn only_a_model_that_leaves_little_is_to_be_used() {
+        let effects = ["coulomb (0.4 V)".to_owned()];
+        assert_eq!(Standing::of(&facts(&effects, 1.1)).next.action, Action::Export);
+        assert_eq!(Standing::of(&facts(&effects, 40.0)).next.action, Action::Look);
+        let open = Facts { experiment: true, ..facts(&effects, 40.0) };
+        assert_eq!(Standing::of(&open).next.action, Action::Experiment);
+    }
+
+    #[test]
+    fn effects_are_named_with_their_sizes() {
+        let of = |name: &str, value: f64, unit: &str| Estimate {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            low: 0.0,
+            high: 1.0,
+            identifiable: true,
+        };
+        let all =
+            [of("coulomb.level", 0.4, "V"), of("gravity.sine", 0.3, "V"), of("gravity.cosine", -0.4, "V")];
+        let told = named(&[Kind::Coulomb, Kind::Gravity, Kind::Delay], &all);
+        assert_eq!(told, ["coulomb (0.4 V)", "gravity (0.5 V)", "delay"]);
+    }
+}

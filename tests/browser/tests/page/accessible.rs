@@ -1,0 +1,75 @@
+//! The page and the report by the rules of axe-core: WCAG 2 levels A and AA, and its best practices.
+
+use motorlens_browser_tests::{Browser, Server, run};
+
+use super::{added, alone, diagnosed, opened};
+
+/// The checker, as npm installs it.
+fn checker() -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/node_modules/axe-core/axe.min.js");
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path}: {e}; run npm ci in tests/browser"))
+}
+
+/// What breaks a rule: the rule, and the first places.
+fn violations(browser: &mut Browser) -> serde_json::Value {
+    if browser.value("typeof axe") != "object" {
+        browser.value(&(checker() + ";null"));
+    }
+    browser.value(
+        "axe.run(document, { resultTypes: ['violations'] }).then((r) => r.violations.map((v) => `${v.id}: ${v.nodes.slice(0, 3).map((n) => n.target.join(' ') + ' ' + (n.any[0]?.message || '')).join(' | ')}`))",
+    )
+}
+
+#[test]
+fn the_page_breaks_no_rule_in_light_dark_and_on_a_phone() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    diagnosed(&mut browser);
+    added(&mut browser);
+    browser.value("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
+    for (scheme, width) in [("light", 1280), ("dark", 1280), ("light", 390)] {
+        browser.prefer(scheme);
+        browser.size(width, 900, width < 500);
+        assert_eq!(violations(&mut browser), serde_json::json!([]), "{scheme}, {width} px");
+    }
+}
+
+#[test]
+fn the_report_breaks_no_rule() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().to_str().unwrap();
+    run(&["demo", "--quiet", "--out", out]);
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&format!("file://{out}/report.html"));
+    browser.wait("document.querySelector('.plot canvas')");
+    for scheme in ["light", "dark"] {
+        browser.prefer(scheme);
+        assert_eq!(violations(&mut browser), serde_json::json!([]), "{scheme}");
+    }
+}
+
+#[test]
+fn print_opens_and_draws_everything_and_cuts_nothing() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().to_str().unwrap();
+    run(&["demo", "--quiet", "--out", out]);
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&format!("file://{out}/report.html"));
+    browser.wait("document.querySelector('.plot canvas')");
+    browser.value(
+        "addEventListener('beforeprint', () => setTimeout(() => {}, 0)); addEventListener('beforeprint', () => { globalThis.printed = [...document.querySelectorAll('.plot')].filter((p) => !p.closest('[hidden]') && p.clientWidth && !p.querySelector('canvas') && parseInt(p.style.minHeight) > 0).length; globalThis.shut = document.querySelectorAll('details:not([open])').length; })",
+    );
+    let paper = browser.call("Page.printToPDF", serde_json::json!({ "printBackground": true }));
+    let bytes = paper["data"].as_str().map_or(0, str::len);
+    assert!(bytes > 100_000, "{bytes}");
+    assert_eq!((browser.value("printed"), browser.value("shut")), (0.into(), 0.into()));
+    // Nothing is wider than the paper: A4 less its margins at 96 dots an inch.
+    browser.call("Emulation.setEmulatedMedia", serde_json::json!({ "media": "print" }));
+    browser.size(718, 1000, false);
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let wide = "[...document.querySelectorAll('table, figure, .card, .verdict')].filter((e) => e.getBoundingClientRect().right > 719).map((e) => e.outerHTML.slice(0, 80))";
+    assert_eq!(browser.value(wide), serde_json::json!([]));
+}
