@@ -143,6 +143,6 @@ mod tests {
         let said = nothing_missing(true, &[Kind::DeadZone, Kind::Delay]);
         assert!(said.starts_with("dead_zone + delay would explain"), "{said}");
         assert!(nothing_missing(true, &[]).starts_with("No effect of the library"));
-        assert!(nothing_missing(false, &[]).contains("nothing more"));
+        assert!(nothing_missing(false, &[]).contains("no further one"));
     }
 }
