@@ -1,9 +1,8 @@
 //! Hardware made of embedded-hal parts.
 
-use crate::bridge::Bridge;
+use crate::bridge::{Bridge, Pwms};
 use crate::hardware::{Analog, Encoder, Hardware, Pace};
 use embedded_hal::digital::{InputPin, OutputPin};
-use embedded_hal::pwm::SetDutyCycle;
 use motorlens_shared::link::DriveMode;
 
 /// The parts of a board: a bridge, an encoder, analogue inputs, the emergency input, clock and sampling timer.
@@ -35,7 +34,7 @@ impl<P, F, B, N, E, A, S, T: Pace> Pace for Parts<P, F, B, N, E, A, S, T> {
 
 impl<P, F, B, N, E, A, S, T> Hardware for Parts<P, F, B, N, E, A, S, T>
 where
-    P: SetDutyCycle,
+    P: Pwms,
     F: OutputPin,
     B: OutputPin,
     N: OutputPin,

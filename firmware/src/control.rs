@@ -93,7 +93,10 @@ impl<H: Hardware> Control<H> {
         }
         let elapsed_us = self.origin_us.map_or(0, |origin| now.wrapping_sub(origin));
         let analog = self.hardware.analog();
-        let supply_mv = analog.supply_mv().unwrap_or(self.setup.supply_mv);
+        let measured_mv = analog.supply_mv();
+        let supply_good = measured_mv.is_none_or(|supply_mv| self.setup.trusts(supply_mv));
+        // What is out of bounds is no supply: until the supervisor ends the run over it the stated one holds.
+        let supply_mv = measured_mv.filter(|_| supply_good).unwrap_or(self.setup.supply_mv);
         let current_ma = analog.current_ma();
         let top = self.hardware.pwm_top();
         let look = Look {
@@ -101,6 +104,7 @@ impl<H: Hardware> Control<H> {
             silence_us: now.wrapping_sub(self.heard_us),
             count,
             voltage_mv: i32::from(self.duty) * i32::from(supply_mv) / i32::from(top),
+            supply_good,
             current_ma,
             emergency: self.hardware.emergency(),
         };

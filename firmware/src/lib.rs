@@ -9,6 +9,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod beat;
 pub mod board;
 pub mod bridge;
 pub mod control;

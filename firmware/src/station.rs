@@ -9,8 +9,8 @@ use crate::outbox::Outbox;
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use heapless::{String, Vec};
 use motorlens_shared::excitation::{MAX_NAME, MAX_SEGMENTS, Segment};
-use motorlens_shared::link::{Decoder, FromBoard, Packet, RunState, Scaling, ToBoard};
-use motorlens_shared::quickfit::{Arithmetic, Keeper, QuickFit};
+use motorlens_shared::link::{Cause, Decoder, FromBoard, Packet, RunState, Scaling, Status, ToBoard};
+use motorlens_shared::quickfit::{Arithmetic, Keeper, QuickFit, Request};
 use stream::Stream;
 
 /// How often the status is sent unasked, us.
@@ -48,10 +48,12 @@ pub struct Station {
     keeper: Keeper,
     segments: Vec<Segment, MAX_SEGMENTS>,
     name: String<MAX_NAME>,
-    agreed: bool,
+    agreed: Option<u16>,
     damaged: u32,
     said: Option<(RunState, u32)>,
     fit: Option<QuickFit>,
+    /// The request that `fit` answers: asked again, it is answered again and not carried out again.
+    fitted: Option<(u16, Request)>,
     bootloader: bool,
 }
 
@@ -71,10 +73,11 @@ impl Station {
             keeper: Keeper::new(Scaling { pwm_top: 1, rate_hz: 1000 }, 1),
             segments: Vec::new(),
             name: String::new(),
-            agreed: false,
+            agreed: None,
             damaged: 0,
             said: None,
             fit: None,
+            fitted: None,
             bootloader: false,
         }
     }
@@ -102,7 +105,7 @@ impl Station {
             }
         }
         self.stream.keep(&mut self.keeper, control);
-        if self.agreed {
+        if self.agreed.is_some() {
             self.stream.send(&mut self.outbox, control);
             self.report(control);
         }
@@ -119,12 +122,22 @@ impl Station {
     /// Says how things stand, ten times a second and whenever the state changes.
     fn report<H: Hardware>(&mut self, control: &Shared<H>) {
         let (mut status, now) = with(control, |control| (control.status(), control.now_us()));
+        let state = status.state;
         let due =
             self.said.is_none_or(|(state, at)| state != status.state || now.wrapping_sub(at) >= STATUS_US);
         if due && self.outbox.has_room() {
-            (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+            self.complete(&mut status);
             self.outbox.post(0, FromBoard::Status(status));
-            self.said = Some((status.state, now));
+            self.said = Some((state, now));
+        }
+    }
+
+    /// Adds what the main loop knows, in words that the host's version has.
+    fn complete(&self, status: &mut Status) {
+        (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+        if status.state == RunState::Stopped(Cause::Supply) && self.agreed.is_none_or(|version| version < 2) {
+            // The nearest that version 1 has: an electrical fault that took the bridge off.
+            status.state = RunState::Stopped(Cause::OverCurrent);
         }
     }
 }

@@ -4,6 +4,8 @@ use motorlens_shared::link::{Cause, Setup};
 
 /// Consecutive samples over the current limit that end a run: a single one may be noise of the switching.
 const OVER_CURRENT_SAMPLES: u8 = 3;
+/// Consecutive samples with a supply out of its bounds that end a run.
+const BAD_SUPPLY_SAMPLES: u8 = 3;
 /// Counts within which the motor stands: an encoder may flicker at an edge.
 const STANDING_COUNTS: u32 = 2;
 
@@ -18,6 +20,8 @@ pub struct Look {
     pub count: i32,
     /// Applied up to this instant, mV.
     pub voltage_mv: i32,
+    /// Whether the supply, where it is measured, is within its bounds.
+    pub supply_good: bool,
     /// mA, where measured.
     pub current_ma: Option<i16>,
     /// Whether the emergency input is open.
@@ -28,6 +32,7 @@ pub struct Look {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Supervisor {
     over_current: u8,
+    bad_supply: u8,
     stall_count: i32,
     stall_since_us: u32,
 }
@@ -37,6 +42,10 @@ impl Supervisor {
     pub fn check(&mut self, setup: &Setup, look: &Look) -> Option<Cause> {
         if look.emergency {
             return Some(Cause::Emergency);
+        }
+        self.bad_supply = if look.supply_good { 0 } else { self.bad_supply.saturating_add(1) };
+        if self.bad_supply >= BAD_SUPPLY_SAMPLES {
+            return Some(Cause::Supply);
         }
         if self.over_current(setup, look) {
             return Some(Cause::OverCurrent);
@@ -53,7 +62,7 @@ impl Supervisor {
     fn over_current(&mut self, setup: &Setup, look: &Look) -> bool {
         let over = setup.current_limit_ma > 0
             && look.current_ma.is_some_and(|current| current.unsigned_abs() > setup.current_limit_ma);
-        self.over_current = if over { self.over_current + 1 } else { 0 };
+        self.over_current = if over { self.over_current.saturating_add(1) } else { 0 };
         self.over_current >= OVER_CURRENT_SAMPLES
     }
 
@@ -71,8 +80,15 @@ impl Supervisor {
 mod tests {
     use super::*;
 
-    const MOVING: Look =
-        Look { elapsed_us: 0, silence_us: 0, count: 0, voltage_mv: 6000, current_ma: None, emergency: false };
+    const MOVING: Look = Look {
+        elapsed_us: 0,
+        silence_us: 0,
+        count: 0,
+        voltage_mv: 6000,
+        supply_good: true,
+        current_ma: None,
+        emergency: false,
+    };
 
     /// The cause and the millisecond at which a run made of these looks ends.
     fn ends(setup: Setup, look: impl Fn(u32) -> Look) -> Option<(Cause, u32)> {
@@ -115,6 +131,14 @@ mod tests {
             ..MOVING
         };
         assert_eq!(ends(setup, stays), Some((Cause::OverCurrent, 52)));
+    }
+
+    #[test]
+    fn a_supply_out_of_bounds_ends_the_run_only_when_it_stays() {
+        let setup = Setup::default();
+        let look = |ms: u32, good: bool| Look { count: ms as i32, supply_good: good, ..MOVING };
+        assert_eq!(ends(setup, |ms| look(ms, ms % 4 > 1)), None);
+        assert_eq!(ends(setup, |ms| look(ms, ms < 30)), Some((Cause::Supply, 32)));
     }
 
     #[test]

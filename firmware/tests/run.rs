@@ -286,3 +286,51 @@ fn the_boot_loader_is_entered_only_after_the_answer_and_with_the_bridge_off() {
     assert!(bench.rest.left_for_bootloader);
     assert_off(&bench);
 }
+
+#[test]
+fn a_supply_input_that_floats_ends_the_run_before_the_motor_is_driven() {
+    for floating_mv in [0, 300, 5_900, 18_100, 36_000] {
+        let mut bench = ready(Setup::default(), &[]);
+        bench.control(|control| control.hardware_mut().floating_mv = Some(floating_mv));
+        start(&mut bench, &sine(2.0), 7);
+        for _ in 0..300 {
+            bench.pass(0.001);
+            let bridge = bench.control(|control| control.hardware_mut().bridge);
+            assert!(matches!(bridge, Bridge::Floating), "{floating_mv} mV drives the motor");
+        }
+        // This host speaks version 1, which has no word for it.
+        assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::OverCurrent));
+        assert!(matches!(bench.ask(ToBoard::Hello { oldest: 1, newest: 2 }), FromBoard::Hello(_)));
+        assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::Supply));
+    }
+}
+
+#[test]
+fn a_fit_asked_for_twice_under_one_number_is_made_once_and_another_request_anew() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(3.0), 7);
+    pass_attended(&mut bench, 3.5);
+    let request = Request { rad_per_count: 0.001, generations: 5, ..Request::default() };
+    let first = bench.ask(ToBoard::QuickFit(request));
+    let turns = bench.rest.alive;
+    bench.id -= 1;
+    assert_eq!(bench.ask(ToBoard::QuickFit(request)), first);
+    assert!(bench.rest.alive - turns <= 2, "fitted again");
+    let other = Request { seed: 99, ..request };
+    bench.id -= 1;
+    bench.ask(ToBoard::QuickFit(other));
+    assert!(bench.rest.alive - turns > 5, "another request under the same number is another fit");
+}
+
+#[test]
+fn the_watchdog_is_fed_while_a_long_programme_is_prepared() {
+    let mut bench = ready(Setup::default(), &[]);
+    let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.2, high_hz: 100.0, tones: 14, seed: 2 };
+    let segments = (0..8).map(|_| motorlens_shared::excitation::Segment { shape, seconds: 8.0 });
+    let programme = Programme::sequence("long", segments).unwrap();
+    let before = bench.rest.alive;
+    start(&mut bench, &programme, 7);
+    // 8 crests of 16,384 points, fed every 1,024; a turn of the main loop for each of the nine requests.
+    let fed = bench.rest.alive - before;
+    assert!(fed >= 8 * 16, "{fed} times");
+}

@@ -1,7 +1,8 @@
 //! The bytes of version 1 of the link, as deployed boards send and expect them.
 //!
-//! A failure here means that a change broke the wire format. Do not edit the bytes: put the old form back, append a new
-//! variant (or a new field at the end of a message) instead, raise `link::NEWEST`, and add `link_v2.rs` for what is new.
+//! A failure here means that a change broke the wire format. Do not edit the bytes: put the old form back, raise
+//! `link::NEWEST`, and put what is new into `link_v2.rs`. A new field goes to the end of a message and must mean "as before"
+//! at zero (`link::decode`); a new variant goes to the end and is sent only to an end that has agreed on the version.
 
 use motorlens_shared::excitation::{Segment, Shape};
 use motorlens_shared::link::{

@@ -2,7 +2,9 @@
 // goes over USB is a TCP port: `node pico.js image.uf2 [fault]` prints the port.
 //
 // Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
-// handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle).
+// handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle), circle (it
+// does so with interrupts on),
+// bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost).
 // What the pins do then is printed.
 //
 // What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
@@ -17,6 +19,7 @@ const { Motor } = require("./motor.js");
 
 const FLASH = 0x10000000;
 const VECTORS = FLASH + 0x100; // behind the second boot stage
+const TIMER = 0x40054;
 const NANOS = 8; // a cycle at 125 MHz
 const TURNS = 24; // cycles of the PIO: two turns
 const [image, fault = "none"] = process.argv.slice(2);
@@ -30,6 +33,14 @@ const turn = () => { for (let i = 0; i < TURNS; i++) pio.step(); };
 const read = pio.readUint32.bind(pio);
 pio.readUint32 = (offset) => (turn(), read(offset));
 
+// The emulator keeps the mask of interrupts that go to the core's NMI, but does not send them there.
+const { core } = rp2040;
+const setInterrupt = core.setInterrupt.bind(core);
+core.setInterrupt = (irq, value) => {
+  if (value && (core.interruptNMIMask >>> irq) & 1) [core.pendingNMI, core.interruptsUpdated] = [true, true];
+  setInterrupt(irq, value);
+};
+
 function load(file) {
   for (let at = 0; at < file.length; at += 512) {
     if (file.readUInt32LE(at) !== 0x0a324655 || file.readUInt32LE(at + 28) !== 0xe48bff56) throw "not for this chip";
@@ -41,7 +52,11 @@ load(fs.readFileSync(image));
 // What a reset of the chip does to what matters here; RAM stays, as on the chip.
 function start() {
   for (const pin of rp2040.gpio) pin.ctrl = 0x1f;
-  rp2040.core.PRIMASK = false;
+  [rp2040.sio.gpioValue, rp2040.sio.gpioOutputEnable] = [0, 0];
+  const timer = rp2040.peripherals[TIMER];
+  [timer.intRaw, timer.intEnable, rp2040.core.interruptNMIMask] = [0, 0, 0];
+  for (const alarm of timer.alarms) timer.disarmAlarm(alarm);
+  rp2040.core.PM = false;
   rp2040.core.VTOR = VECTORS;
   rp2040.core.reset();
 }
@@ -72,14 +87,14 @@ function hand() {
 const high = (pin) => rp2040.gpio[pin].value === GPIOPinState.High;
 const motor = new Motor();
 
-// The driver: enabled by GP9, direction by GP7 and GP8, brakes in the off part of the PWM, which is taken as its mean
+// The driver: enabled by GP9, direction by GP8 and GP11, brakes in the off part of the PWM, which is taken as its mean
 // unless the pin is not the PWM's any more.
 function volts() {
-  if (!high(9) || high(7) === high(8)) return null;
+  if (!high(9) || high(8) === high(11)) return null;
   const { top, cc } = rp2040.pwm.channels[3];
   const pin = rp2040.gpio[6];
   const duty = pin.functionSelect === 4 && pin.outputOverride === 0 ? (cc & 0xffff) / (top + 1) : 0;
-  return (high(7) ? 1 : -1) * Math.min(duty, 1) * motor.supply;
+  return (high(8) ? 1 : -1) * Math.min(duty, 1) * motor.supply;
 }
 
 let count = 0;
@@ -106,9 +121,11 @@ function injure() {
   if (since !== null || fault === "none" || driven < 0.3) return;
   since = 0;
   if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
+  if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
+  if (fault === "dead") rp2040.peripherals[TIMER].writeUint32Atomic(0x20, 1, 0); // ARMED: a 1 takes the alarm back
   if (fault === "fault") rp2040.core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
-  if (fault === "hang") {
-    rp2040.core.PRIMASK = true;
+  if (fault === "hang" || fault === "circle") {
+    core.PM = fault === "hang";
     rp2040.sramView.setUint16(0x3ff00, 0xe7fe, true); // b .
     rp2040.core.PC = 0x2003ff00;
   }
@@ -122,6 +139,7 @@ function advance() {
   injure();
   if (since !== null) {
     since += STEP;
+    if (fault === "bounce" && since > 1.5 * STEP) rp2040.gpio[10].setInputValue(false);
     if (applied === null && off === null) off = since;
     if (applied !== null) off = null;
   }

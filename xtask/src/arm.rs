@@ -98,24 +98,31 @@ pub struct Board {
     pub feature: &'static str,
 }
 
-/// Every board; the first is the default, and the one that the virtual bench emulates.
+/// Every board; the first is the one that the virtual bench emulates.
 pub const BOARDS: [Board; 3] =
     [Board { feature: "stm32f407" }, Board { feature: "nucleo-f446re" }, Board { feature: "blackpill-f411" }];
 
-/// Builds the default board's image as it is flashed and returns its ELF.
+/// The features of both sensors, as they follow a board's.
+pub const SENSING: &str = ",supply-sense,current-sense";
+
+/// Builds the emulated board's image, with both sensors, and returns its ELF.
 pub fn build_image() -> Result<PathBuf> {
-    build_image_for(&BOARDS[0])
+    build_image_for(&BOARDS[0], SENSING)
 }
 
-/// Builds a board's image, with both sensors, and returns its ELF.
-pub fn build_image_for(board: &Board) -> Result<PathBuf> {
+/// Builds a board's image as the README has it, or with more features behind a comma, and returns its ELF.
+pub fn build_image_for(board: &Board, more: &str) -> Result<PathBuf> {
     let compiler = Compiler::find_or_install(CORTEX_M4F)?;
-    let features = format!("{},supply-sense,current-sense", board.feature);
+    let features = format!("{}{more}", board.feature);
     let mut build = compiler.cargo("build", &image_directory());
     process::run(build.args(["--release", "--no-default-features", "--features", &features]))?;
     // A name of its own: the next board's image takes the place of this one.
     let image = compiler.artifact("motorlens-stm32f4");
-    let kept = image.with_file_name(format!("motorlens-{}", board.feature));
+    let kept = image.with_file_name(format!(
+        "motorlens-{}{}",
+        board.feature,
+        if more.is_empty() { "" } else { "-sensing" }
+    ));
     std::fs::copy(&image, &kept).with_context(|| format!("cannot copy {}", image.display()))?;
     Ok(kept)
 }

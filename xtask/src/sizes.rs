@@ -21,8 +21,10 @@ struct Sizes {
 
 /// Builds every board's image, prints its sizes, fails when one is over its limit.
 pub fn print() -> Result<()> {
+    // Each as it is flashed without sensors, then with both.
     for board in &arm::BOARDS {
-        print_one(board.feature, &arm::build_image_for(board)?)?;
+        print_one(board.feature, &arm::build_image_for(board, "")?)?;
+        print_one(&format!("{} sensing", board.feature), &arm::build_image_for(board, arm::SENSING)?)?;
     }
     for pico in &arm::PICOS {
         print_one(pico.feature, &arm::build_pico(pico)?)?;
@@ -34,7 +36,7 @@ fn print_one(board: &str, elf: &Path) -> Result<()> {
     let bytes = std::fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let Sizes { flash, ram } = measure(&bytes)?;
     println!(
-        "{:<16} flash {:.1} KiB of {}, RAM {:.1} KiB of {} without the stack",
+        "{:<22} flash {:.1} KiB of {}, RAM {:.1} KiB of {} without the stack",
         board,
         flash as f64 / 1024.0,
         FLASH_LIMIT / 1024,

@@ -43,6 +43,12 @@ mod this {
         hal::rom_data::reset_to_usb_boot(0, 0);
     }
 
+    /// The second alarm (interrupt 1) and the pins (13): RP2040 data sheet 2.3.2.
+    pub fn route_to_nmi() {
+        // SAFETY: neither interrupt is enabled otherwise.
+        unsafe { (*pac::SYSCFG::ptr()).proc0_nmi_mask().write(|w| w.bits(1 << 1 | 1 << 13)) };
+    }
+
     pub fn start_cycle_counter() {}
 
     /// This core has none.
@@ -87,6 +93,12 @@ mod this {
     pub fn bootloader() {
         let kind = hal::reboot::RebootKind::BootSel { picoboot_disabled: false, msd_disabled: false };
         hal::reboot::reboot(kind, hal::reboot::RebootArch::Normal);
+    }
+
+    /// The second alarm of timer 0 (interrupt 1) and the pins (21): RP2350 data sheet 3.2.
+    pub fn route_to_nmi() {
+        // SAFETY: neither interrupt is enabled otherwise.
+        unsafe { (*pac::EPPB::ptr()).nmi_mask0().write(|w| w.bits(1 << 1 | 1 << 21)) };
     }
 
     pub fn start_cycle_counter() {

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | GP2, GP3 | encoder A, B, pulled up (PIO 0, every edge) | the encoder |
 //! | GP6 | PWM, 20 kHz | the driver's PWM (or phase input: locked anti-phase) |
-//! | GP7, GP8 | direction forward, backward | the driver's IN1, IN2 |
+//! | GP7 | second PWM | IN2 of a driver with two PWM inputs, whose IN1 is at GP6 |
+//! | GP8, GP11 | direction forward, backward | the driver's IN1, IN2 |
 //! | GP9 | enable, high while driven | the driver's enable or standby, with a pull-down of 4.7 kOhm |
 //! | GP10 | emergency input, pulled up | a contact to ground that opens in an emergency; a jumper where there is none |
 //! | USB | serial line to the host, any speed | the host |
@@ -14,6 +15,7 @@
 #![no_main]
 
 mod chip;
+mod guard;
 mod line;
 mod panic;
 mod platform;
@@ -27,8 +29,8 @@ use core::mem::MaybeUninit;
 use cortex_m::peripheral::NVIC;
 use cortex_m::singleton;
 use critical_section::Mutex;
-use hal::gpio::bank0::{Gpio7, Gpio8, Gpio9, Gpio10};
-use hal::gpio::{FunctionPwm, FunctionSioInput, FunctionSioOutput, Pin, PullDown, PullNone, PullUp};
+use hal::gpio::bank0::{Gpio8, Gpio11};
+use hal::gpio::{FunctionPwm, FunctionSioOutput, Pin, PullDown, PullNone};
 use hal::pac::{self, interrupt};
 use hal::{Sio, Watchdog};
 use motorlens_firmware::Shared;
@@ -48,12 +50,12 @@ use rp2040_hal as hal;
 type Output<I> = Pin<I, FunctionSioOutput, PullDown>;
 type Hardware = Parts<
     pwm::Pwm,
-    Output<Gpio7>,
     Output<Gpio8>,
-    Output<Gpio9>,
+    Output<Gpio11>,
+    guard::Enable,
     quadrature::Counter,
     NoAnalog,
-    Pin<Gpio10, FunctionSioInput, PullUp>,
+    guard::Emergency,
     timers::Timers,
 >;
 
@@ -72,8 +74,8 @@ fn main() -> ! {
     let sio = Sio::new(device.SIO);
     let pins = hal::gpio::Pins::new(device.IO_BANK0, device.PADS_BANK0, sio.gpio_bank0, &mut device.RESETS);
     // The bridge first: its pins are low from the start, before anything that takes time.
-    let (forward, backward) = (pins.gpio7.into_push_pull_output(), pins.gpio8.into_push_pull_output());
-    let enable = pins.gpio9.into_push_pull_output();
+    let (forward, backward) = (pins.gpio8.into_push_pull_output(), pins.gpio11.into_push_pull_output());
+    let enable = guard::Enable::new(pins.gpio9.into_push_pull_output());
     let clocks = hal::clocks::init_clocks_and_plls(
         chip::CRYSTAL_HZ,
         device.XOSC,
@@ -92,16 +94,20 @@ fn main() -> ! {
     #[cfg(feature = "pico2")]
     let (timer, usb, usb_memory) = (device.TIMER0, device.USB, device.USB_DPRAM);
     let slices = hal::pwm::Slices::new(device.PWM, &mut device.RESETS);
-    let pwm =
-        pwm::Pwm::new(slices.pwm3, pins.gpio6.into_function::<FunctionPwm>().into_pull_type::<PullNone>());
+    let pwm = pwm::Pwm::new(
+        slices.pwm3,
+        pins.gpio6.into_function::<FunctionPwm>().into_pull_type::<PullNone>(),
+        pins.gpio7.into_function::<FunctionPwm>().into_pull_type::<PullNone>(),
+    );
     let (a, b) = (pins.gpio2.into_pull_up_input(), pins.gpio3.into_pull_up_input());
     let hardware = Parts {
         bridge: Bridge::new(pwm, forward, backward, enable),
         encoder: quadrature::Counter::new(device.PIO0, &mut device.RESETS, a, b),
         analog: NoAnalog,
-        emergency: pins.gpio10.into_pull_up_input(),
+        emergency: guard::Emergency::new(pins.gpio10.into_pull_up_input()),
         pace: timers::Timers::new(chip::clock(timer, &mut device.RESETS, &clocks)),
     };
+    guard::prepare(&mut device.RESETS);
     let bus = chip::usb(usb, usb_memory, clocks.usb_clock, &mut device.RESETS);
     let bus = singleton!(: UsbBusAllocator<hal::usb::UsbBus> = UsbBusAllocator::new(bus)).expect("made once");
     let mut line = line::UsbLine::new(bus);
@@ -122,9 +128,11 @@ fn main() -> ! {
     }
 }
 
-/// The sampling instant.
+/// A sampling instant, or one of the interrupts between two that only keep the bridge driven.
 fn sample() {
-    timers::acknowledge_sampling();
+    if !timers::acknowledge_sampling() {
+        return;
+    }
     critical_section::with(|section| {
         if let Some(control) = CONTROL.borrow(section).get() {
             control.borrow_ref_mut(section).tick();

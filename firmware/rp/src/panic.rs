@@ -6,14 +6,12 @@ use cortex_m_rt::{ExceptionFrame, exception};
 
 use crate::hal::pac;
 
-/// PWM, direction forward and backward, enable.
-const BRIDGE: [usize; 4] = [6, 7, 8, 9];
+/// Both PWMs, direction forward, enable, direction backward.
+const BRIDGE: [usize; 5] = [6, 7, 8, 9, 11];
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    cortex_m::interrupt::disable();
-    bridge_off();
-    wait_for_the_watchdog()
+    stop_for_good()
 }
 
 /// An access without an address, an instruction without a meaning, a broken stack: nothing is trusted but the registers.
@@ -26,6 +24,11 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
 /// An interrupt that nobody asked for.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
+    stop_for_good()
+}
+
+/// Takes the bridge down and waits for the watchdog to start the board anew.
+pub fn stop_for_good() -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
     wait_for_the_watchdog()
@@ -38,10 +41,18 @@ fn wait_for_the_watchdog() -> ! {
 }
 
 /// Forces the bridge's pins low behind every peripheral (OUTOVER, RP2040 datasheet section 2.19.6.1): whatever the PWM
-/// and the port do from now on, the pins stay low until the reset, which lets go of them all.
-fn bridge_off() {
+/// and the port do from now on, the pins stay low until [`let_bridge`], or the reset, which lets go of them all.
+pub fn bridge_off() {
     for pin in BRIDGE {
-        // SAFETY: writes that only take outputs low, of registers that exist from the start on, with interrupts off.
+        // SAFETY: writes that only take outputs low, of registers that exist from the start on.
         unsafe { (*pac::IO_BANK0::ptr()).gpio(pin).gpio_ctrl().modify(|_, w| w.outover().low()) };
+    }
+}
+
+/// Lets the peripherals have the bridge's pins again.
+pub fn let_bridge() {
+    for pin in BRIDGE {
+        // SAFETY: registers of the bridge's pins, whose peripherals are set up by the time a run begins.
+        unsafe { (*pac::IO_BANK0::ptr()).gpio(pin).gpio_ctrl().modify(|_, w| w.outover().normal()) };
     }
 }

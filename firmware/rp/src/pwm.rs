@@ -3,19 +3,20 @@
 use core::convert::Infallible;
 
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+use motorlens_firmware::bridge::Pwms;
 
 use crate::chip::CORE_HZ;
-use crate::hal::gpio::bank0::Gpio6;
+use crate::hal::gpio::bank0::{Gpio6, Gpio7};
 use crate::hal::gpio::{FunctionPwm, Pin, PullNone};
 use crate::hal::pac;
 use crate::hal::pwm::{FreeRunning, Pwm3, Slice};
 
 /// The PWM's frequency where the sampling rate divides it, Hz.
 pub const PWM_HZ: u32 = 20_000;
-/// GP6 is channel A of this slice.
+/// GP6 is channel A of this slice, GP7 channel B.
 const SLICE: usize = 3;
 
-/// The slice's first channel.
+/// The slice's first channel, and for drivers with two inputs its second.
 ///
 /// The slice takes a duty over at the end of its period, the direction pins change at once. So that the two agree and
 /// the voltage changes at the sampling instant, each new duty begins a new period. So that the restart cuts no period
@@ -25,12 +26,18 @@ pub struct Pwm {
 }
 
 impl Pwm {
-    /// Takes the pin and starts the slice at duty 0.
-    pub fn new(mut slice: Slice<Pwm3, FreeRunning>, pin: Pin<Gpio6, FunctionPwm, PullNone>) -> Self {
+    /// Takes the pins and starts the slice at duty 0.
+    pub fn new(
+        mut slice: Slice<Pwm3, FreeRunning>,
+        first: Pin<Gpio6, FunctionPwm, PullNone>,
+        second: Pin<Gpio7, FunctionPwm, PullNone>,
+    ) -> Self {
         slice.default_config();
         slice.set_top((CORE_HZ / PWM_HZ - 1) as u16);
         let _ = slice.channel_a.set_duty_cycle(0);
-        slice.channel_a.output_to(pin);
+        let _ = slice.channel_b.set_duty_cycle(0);
+        slice.channel_a.output_to(first);
+        slice.channel_b.output_to(second);
         slice.enable();
         Pwm { _slice: slice }
     }
@@ -58,9 +65,16 @@ impl SetDutyCycle for Pwm {
         // SAFETY: this slice's registers. The compare value is taken over where the counter wraps, so it is put there.
         unsafe {
             let slice = (*pac::PWM::ptr()).ch(SLICE);
-            slice.cc().write(|w| w.a().bits(duty));
+            slice.cc().modify(|_, w| w.a().bits(duty));
             slice.ctr().write(|w| w.ctr().bits(slice.top().read().top().bits()));
         }
         Ok(())
+    }
+}
+
+impl Pwms for Pwm {
+    fn set_second(&mut self, duty: u16) {
+        // SAFETY: this slice's register.
+        unsafe { (*pac::PWM::ptr()).ch(SLICE).cc().modify(|_, w| w.b().bits(duty)) };
     }
 }

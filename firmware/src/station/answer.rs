@@ -29,11 +29,13 @@ impl Station {
         };
         let reply = match packet.message {
             ToBoard::Hello { oldest, newest } => {
-                self.agreed = agree((oldest, newest), (OLDEST, NEWEST)).is_some();
+                self.agreed = agree((oldest, newest), (OLDEST, NEWEST));
+                // Another host counts its requests anew.
+                self.fitted = None;
                 let unique = platform.unique();
                 FromBoard::Hello(Hello { oldest: OLDEST, newest: NEWEST, firmware: P::VERSION, unique })
             }
-            _ if !self.agreed => FromBoard::Refused(Refusal::Version),
+            _ if self.agreed.is_none() => FromBoard::Refused(Refusal::Version),
             ToBoard::Capabilities => FromBoard::Capabilities(capabilities::<H, P>(control)),
             ToBoard::EffectName { index } => match Kind::ALL.get(usize::from(index)) {
                 Some(effect) => FromBoard::EffectName(effect.name().try_into().unwrap_or_default()),
@@ -44,7 +46,7 @@ impl Station {
                 self.name = name;
                 done(self.set_segment(index, segment))
             }
-            ToBoard::Start { run, segments } => done(self.start(run, segments, control)),
+            ToBoard::Start { run, segments } => done(self.start(run, segments, control, platform)),
             ToBoard::Stop => {
                 with(control, |control| control.stop(Cause::Asked));
                 FromBoard::Done
@@ -64,7 +66,7 @@ impl Station {
             ToBoard::KeepAlive => return,
             ToBoard::Status => {
                 let mut status = with(control, |control| control.status());
-                (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+                self.complete(&mut status);
                 FromBoard::Status(status)
             }
         };
@@ -85,7 +87,13 @@ impl Station {
         Ok(())
     }
 
-    fn start<H: Hardware>(&mut self, run: u32, segments: u8, control: &Shared<H>) -> Result<(), Refusal> {
+    fn start<H: Hardware, P: Platform>(
+        &mut self,
+        run: u32,
+        segments: u8,
+        control: &Shared<H>,
+        platform: &mut P,
+    ) -> Result<(), Refusal> {
         let (status, setup, scaling, emergency) = with(control, |control| {
             (control.status(), control.setup(), control.scaling(), control.emergency())
         });
@@ -102,10 +110,12 @@ impl Station {
             return Err(Refusal::SegmentOrder);
         }
         let programme = Programme { name: self.name.clone(), segments: self.segments.clone() };
-        let player = Player::new(&programme, setup.rate_hz.into()).map_err(Refusal::Programme)?;
+        // A long crest to scan must not look like a program that hangs.
+        let player = Player::with_progress(&programme, setup.rate_hz.into(), &mut || platform.alive())
+            .map_err(Refusal::Programme)?;
         self.keeper.restart(scaling, setup.keep_every);
         self.stream.begin(run);
-        self.fit = None;
+        (self.fit, self.fitted) = (None, None);
         with(control, |control| control.start(run, player));
         Ok(())
     }
@@ -118,7 +128,12 @@ impl Station {
         control: &Shared<H>,
         platform: &mut P,
     ) {
-        let Self { keeper, outbox, fit, .. } = self;
+        if self.fitted == Some((id, *request)) {
+            self.outbox.post(id, FromBoard::Done);
+            self.outbox.post(id, FromBoard::Fit(self.fit));
+            return;
+        }
+        let Self { keeper, outbox, fit, fitted, .. } = self;
         let running = with(control, |control| control.status().state == RunState::Running);
         if running || keeper.samples().len() < FEWEST {
             let refusal = if running { Refusal::Running } else { Refusal::NothingToFit };
@@ -126,6 +141,7 @@ impl Station {
             return;
         }
         outbox.post(id, FromBoard::Done);
+        *fitted = Some((id, *request));
         let now = || with(control, |control| control.now_us());
         let begin = now();
         let mut searched = None;

@@ -1,30 +1,43 @@
 //! Supply and current, where the board has them.
 
 use motorlens_firmware::hardware::Analog;
-use stm32f4xx_hal::adc::Adc;
-use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
+use stm32f4xx_hal::adc::config::{AdcConfig, Clock, SampleTime};
+use stm32f4xx_hal::adc::{Adc, Vref};
 use stm32f4xx_hal::gpio::{Analog as AnalogPin, PA1, PA4};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::signature::VrefCal;
 
 /// Full scale of the converter, counts.
 const FULL: u32 = 4096;
-/// Supply at full scale behind the divider 1:11, mV.
-const SUPPLY_FULL_MV: u32 = 3300 * 11;
-/// Current from half to full scale at 165 mV/A, mA.
-const CURRENT_HALF_MA: i32 = 10_000;
+/// The divider before the supply's input.
+const DIVIDER: u32 = 11;
+/// The current amplifier's slope, mV/A.
+const AMPLIFIER_MV: i32 = 165;
+/// The supply of the converter at which the maker has measured the internal reference, mV (RM0090 13.10 and the chips'
+/// data sheets, "internal reference voltage calibration values"), and also what is taken where no such value is found.
+const CALIBRATED_MV: u32 = 3300;
+/// Between these a calibration value is one: the reference is 1.18 to 1.24 V of 3.3 V.
+const CALIBRATION: core::ops::RangeInclusive<u16> = 1400..=1600;
+/// The converter's supply must be one that the chip runs at, mV.
+const POSSIBLE_MV: core::ops::RangeInclusive<u32> = 2400..=3600;
 
 /// The converter and its two inputs.
 pub struct Sense {
     converter: Adc<pac::ADC1>,
     supply: PA4<AnalogPin>,
     current: PA1<AnalogPin>,
+    full_mv: u32,
 }
 
 impl Sense {
     /// Takes the converter.
     pub fn new(adc: pac::ADC1, supply: PA4<AnalogPin>, current: PA1<AnalogPin>, rcc: &mut Rcc) -> Self {
-        Sense { converter: Adc::new(adc, true, AdcConfig::default(), rcc), supply, current }
+        // 84 MHz / 4: the data sheets allow 36 MHz at most (fADC), and the HAL's default would be 42.
+        let config = AdcConfig::default().clock(Clock::Pclk2_div_4);
+        let mut converter = Adc::new(adc, true, config, rcc);
+        let full_mv = full_scale_mv(&mut converter);
+        Sense { converter, supply, current, full_mv }
     }
 }
 
@@ -35,7 +48,7 @@ impl Analog for Sense {
     fn supply_mv(&mut self) -> Option<u16> {
         Self::SUPPLY.then(|| {
             let raw = u32::from(self.converter.convert(&self.supply, SampleTime::Cycles_15));
-            (raw * SUPPLY_FULL_MV / FULL) as u16
+            (raw * self.full_mv * DIVIDER / FULL) as u16
         })
     }
 
@@ -43,7 +56,23 @@ impl Analog for Sense {
         Self::CURRENT.then(|| {
             let raw = i32::from(self.converter.convert(&self.current, SampleTime::Cycles_15));
             let half = FULL as i32 / 2;
-            ((raw - half) * CURRENT_HALF_MA / half) as i16
+            let millivolts = (raw - half) * self.full_mv as i32 / FULL as i32;
+            (millivolts * 1000 / AMPLIFIER_MV) as i16
         })
     }
+}
+
+/// The converter's full scale, mV: its own supply, which the internal reference of known voltage tells.
+fn full_scale_mv(converter: &mut Adc<pac::ADC1>) -> u32 {
+    let calibration = VrefCal::get().read();
+    if !CALIBRATION.contains(&calibration) {
+        return CALIBRATED_MV;
+    }
+    converter.enable_temperature_and_vref();
+    // The reference wants 10 us to start and as long to be sampled: 480 cycles of 21 MHz are twice that.
+    cortex_m::asm::delay(crate::CORE_HZ / 50_000);
+    let reading = u32::from(converter.convert(&Vref, SampleTime::Cycles_480)).max(1);
+    converter.disable_temperature_and_vref();
+    let full_mv = CALIBRATED_MV * u32::from(calibration) / reading;
+    if POSSIBLE_MV.contains(&full_mv) { full_mv } else { CALIBRATED_MV }
 }

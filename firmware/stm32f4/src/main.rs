@@ -3,10 +3,11 @@
 //! | pin | what | wire to |
 //! |---|---|---|
 //! | PA8 | PWM, 20 kHz (TIM1) | the driver's PWM (or phase input: locked anti-phase) |
+//! | PA9 | second PWM (TIM1) | IN2 of a driver with two PWM inputs, whose IN1 is at PA8 |
 //! | PB0, PB1 | direction forward, backward | the driver's IN1, IN2 |
-//! | PB10 | enable, high while driven | the driver's enable or standby, with a pull-down of 10 kOhm |
-//! | PA6, PA7 | encoder A, B (TIM3, every edge) | the encoder |
-//! | PB12 | emergency input, pulled up | a contact to ground that opens in an emergency; a jumper where there is none |
+//! | PB15 | enable, high while driven (TIM1_CH3N) | the driver's enable or standby, with a pull-down of 10 kOhm; a must for locked anti-phase |
+//! | PA6, PA7 | encoder A, B (TIM3, every edge), pulled up, filtered | the encoder |
+//! | PB12 | emergency input, pulled up (TIM1_BKIN) | a contact to ground that opens in an emergency; a jumper where there is none |
 //! | PA4 | supply, 1:11 | the divider (feature `supply-sense`) |
 //! | PA1 | current, 165 mV/A around 1.65 V | the amplifier (feature `current-sense`) |
 //! | PA2, PA3 | serial line to the host, 921,600 baud (USART2) | the debugger's port or a USB adapter |
@@ -14,6 +15,7 @@
 #![no_main]
 
 mod adc;
+mod deadman;
 mod line;
 mod panic;
 mod platform;
@@ -35,13 +37,13 @@ use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
-use stm32f4xx_hal::gpio::{Input, Output, PB0, PB1, PB10, PB12};
+use stm32f4xx_hal::gpio::{Output, PB0, PB1};
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::serial::{Serial, config::Config as SerialConfig, config::DmaConfig};
 use stm32f4xx_hal::{interrupt, pac, prelude::*, rcc};
 use timers::{Counter, Timers};
 
-use crate::pwm::Pwm;
+use crate::pwm::{Emergency, Enable, Pwm};
 
 /// The crystal's frequency, Hz.
 const CRYSTAL_HZ: u32 = if cfg!(feature = "blackpill-f411") { 25_000_000 } else { 8_000_000 };
@@ -50,7 +52,7 @@ const CORE_HZ: u32 = 84_000_000;
 /// The serial line's speed.
 const BAUD: u32 = 921_600;
 
-type Hardware = Parts<Pwm, PB0<Output>, PB1<Output>, PB10<Output>, Counter, Sense, PB12<Input>, Timers>;
+type Hardware = Parts<Pwm, PB0<Output>, PB1<Output>, Enable, Counter, Sense, Emergency, Timers>;
 
 /// What the sampling interrupt works on, once it is there.
 static CONTROL: Mutex<Cell<Option<&'static Shared<Hardware>>>> = Mutex::new(Cell::new(None));
@@ -72,18 +74,21 @@ fn main() -> ! {
     // The debugger on a Nucleo gives a clock, not a crystal.
     let clocks = if cfg!(feature = "nucleo-f446re") { clocks.bypass_hse_oscillator() } else { clocks };
     let mut rcc = device.RCC.freeze(clocks);
+    platform::watch_clock_and_supply(&device.PWR);
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);
 
-    let (_, (channel, ..)) = device.TIM1.pwm_hz(platform::PWM_HZ.Hz(), &mut rcc);
-    let pwm = Pwm::new(channel.with(a.pa8));
+    let (_, (first, second, ..)) = device.TIM1.pwm_hz(platform::PWM_HZ.Hz(), &mut rcc);
+    let emergency = Emergency::new(b.pb12.into_input());
+    let pwm = Pwm::new(first.with(a.pa8), second.with(a.pa9), &emergency);
     let (forward, backward) = (b.pb0.into_push_pull_output(), b.pb1.into_push_pull_output());
-    let bridge = Bridge::new(pwm, forward, backward, b.pb10.into_push_pull_output());
+    deadman::prepare(device.DMA2, &mut rcc);
+    let bridge = Bridge::new(pwm, forward, backward, Enable::new(b.pb15.into_input()));
     let hardware = Parts {
         bridge,
         encoder: Counter::new(Qei::new(device.TIM3, (a.pa6, a.pa7), &mut rcc)),
         analog: Sense::new(device.ADC1, a.pa4.into_analog(), a.pa1.into_analog(), &mut rcc),
-        emergency: b.pb12.into_pull_up_input(),
+        emergency,
         pace: Timers::new(device.TIM4, device.TIM5, &mut rcc),
     };
     let serial = SerialConfig::default().baudrate(BAUD.bps()).dma(DmaConfig::TxRx);
@@ -108,8 +113,10 @@ fn main() -> ! {
     }
 }
 
-/// The main loop must turn also where samples are rare.
+/// The main loop must turn also where samples are rare, and the chip's supply is looked at as often.
 fn wake_every_millisecond(timer: &mut cortex_m::peripheral::SYST) {
+    // Out of reset it counts an eighth of that clock.
+    timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
     timer.set_reload(CORE_HZ / 1000 - 1);
     timer.clear_current();
     timer.enable_counter();
@@ -117,12 +124,18 @@ fn wake_every_millisecond(timer: &mut cortex_m::peripheral::SYST) {
 }
 
 #[exception]
-fn SysTick() {}
+fn SysTick() {
+    if platform::supply_sinks() {
+        panic::stop_for_good();
+    }
+}
 
-/// The sampling instant.
+/// A sampling instant, or one of the interrupts between two that only keep the bridge driven.
 #[interrupt]
 fn TIM4() {
-    timers::acknowledge_sampling();
+    if !timers::acknowledge_sampling() {
+        return pwm::renew();
+    }
     critical_section::with(|section| {
         if let Some(control) = CONTROL.borrow(section).get() {
             control.borrow_ref_mut(section).tick();

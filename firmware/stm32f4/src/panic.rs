@@ -25,9 +25,22 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     wait_for_the_watchdog()
 }
 
+/// The crystal has stopped (RM0090 7.2.7): the chip runs on by its own oscillator, at another speed, and the timers' clocks
+/// mean nothing any more. The timer's break has taken the PWM away by then. The watchdog has an oscillator of its own.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    bridge_off();
+    wait_for_the_watchdog()
+}
+
 /// An interrupt that nobody asked for.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
+    stop_for_good()
+}
+
+/// Takes the bridge down and waits for the watchdog to start the board anew.
+pub fn stop_for_good() -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
     wait_for_the_watchdog()
@@ -39,11 +52,15 @@ fn wait_for_the_watchdog() -> ! {
     }
 }
 
-/// Pulls the enable pin and the direction pins low and takes the PWM's output away.
+/// Disables the timer's outputs, PWM and enable together; they do not come back at its next period (AOE). Their pins and the
+/// direction pins are pulled low as well, taken from the timer: whatever it does then, they stay low.
 fn bridge_off() {
-    // SAFETY: writes that only clear outputs, of registers that exist from reset on, with interrupts off.
+    // SAFETY: writes that only clear outputs, of registers that exist from reset on.
     unsafe {
-        (*pac::GPIOB::ptr()).bsrr().write(|w| w.br10().set_bit().br0().set_bit().br1().set_bit());
-        (*pac::TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
+        (*pac::TIM1::ptr()).bdtr().modify(|_, w| w.aoe().clear_bit().moe().clear_bit());
+        (*pac::GPIOB::ptr()).bsrr().write(|w| w.br15().set_bit().br0().set_bit().br1().set_bit());
+        (*pac::GPIOB::ptr()).moder().modify(|_, w| w.moder15().output());
+        (*pac::GPIOA::ptr()).bsrr().write(|w| w.br8().set_bit().br9().set_bit());
+        (*pac::GPIOA::ptr()).moder().modify(|_, w| w.moder8().output().moder9().output());
     }
 }

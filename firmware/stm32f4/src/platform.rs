@@ -86,9 +86,31 @@ pub fn leave_for_bootloader_if_asked() {
     unsafe {
         if place.read_volatile() == ASKED {
             place.write_volatile(0);
+            // Its memory at address 0, as the boot pins would have it: some loaders read their own vectors there (AN2606).
+            (*pac::RCC::ptr()).apb2enr().modify(|_, w| w.syscfgen().set_bit());
+            (*pac::SYSCFG::ptr()).memrmp().modify(|_, w| w.mem_mode().bits(0b01));
             cortex_m::asm::bootload(SYSTEM_MEMORY as *const u32);
         }
     }
+}
+
+/// Asks for the interrupt of a crystal that stops, and starts the supply detector, which [`supply_sinks`] looks at.
+///
+/// The brown-out reset is an option byte, which a program should not burn into its user's chip; what the chip does without
+/// it below 1.8 V is not defined. The supply detector warns at 2.9 V falling (PLS = 111, RM0090 5.4.1), long before.
+pub fn watch_clock_and_supply(pwr: &pac::PWR) {
+    // SAFETY: CSSON is set once the crystal runs, which `freeze` has waited for; PWR's clock is on by then too, or is now.
+    unsafe {
+        (*pac::RCC::ptr()).apb1enr().modify(|_, w| w.pwren().set_bit());
+        (*pac::RCC::ptr()).cr().modify(|_, w| w.csson().set_bit());
+        pwr.cr().modify(|_, w| w.pls().bits(0b111).pvde().set_bit());
+    }
+}
+
+/// Whether the supply detector sees the supply below its threshold.
+pub fn supply_sinks() -> bool {
+    // SAFETY: a read of a status register.
+    unsafe { (*pac::PWR::ptr()).csr().read().pvdo().bit_is_set() }
 }
 
 /// Why the chip started; forgets it, so that the next start tells its own reason.

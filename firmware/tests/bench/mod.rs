@@ -23,13 +23,15 @@ pub struct Rig {
     pub bridge: Bridge,
     pub jammed: bool,
     pub emergency: bool,
+    /// What the supply's input reads where no divider is wired, mV.
+    pub floating_mv: Option<u16>,
 }
 
 impl Analog for Rig {
     const SUPPLY: bool = true;
     const CURRENT: bool = true;
     fn supply_mv(&mut self) -> Option<u16> {
-        Some((self.motor.supply_v() * 1000.0).round() as u16)
+        self.floating_mv.or(Some((self.motor.supply_v() * 1000.0).round() as u16))
     }
     fn current_ma(&mut self) -> Option<i16> {
         Some((self.motor.current_a() * 1000.0) as i16)
@@ -140,7 +142,7 @@ pub struct Bench {
     pub rest: Rest,
     pub heard: Vec<Packet<FromBoard>>,
     ear: Decoder,
-    id: u16,
+    pub id: u16,
 }
 
 impl Bench {
@@ -150,8 +152,15 @@ impl Bench {
 
     pub fn started(effects: &[Effect], log: &'static mut Log, reset: Reset) -> Self {
         let motor = VirtualMotor::new(&Motor::paper(), effects, 1);
-        let rig =
-            Rig { motor, now_us: 0, rate_hz: 0, bridge: Bridge::Floating, jammed: false, emergency: false };
+        let rig = Rig {
+            motor,
+            now_us: 0,
+            rate_hz: 0,
+            bridge: Bridge::Floating,
+            jammed: false,
+            emergency: false,
+            floating_mv: None,
+        };
         let control = Mutex::new(RefCell::new(Control::new(rig, log, reset)));
         Self {
             control: Box::leak(Box::new(control)),

@@ -1,6 +1,7 @@
 //! `capture`: runs programmes on the board and saves the logs.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::ValueEnum;
@@ -10,6 +11,7 @@ use motorlens_shared::link::{Cause, DriveMode, Setup};
 use serde::Serialize;
 
 use super::Console;
+use super::interrupt::interrupted;
 use crate::device::{Capture, Captured, Port, Shaft, record};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
@@ -25,6 +27,23 @@ pub enum Drive {
     Coast,
     /// The PWM reverses the bridge; half duty is no voltage
     AntiPhase,
+    /// Two PWM inputs (DRV8833, DRV8871, BTS7960); the motor is shorted in the off part
+    InIn,
+    /// Two PWM inputs (DRV8833, DRV8871); the motor floats in the off part
+    InInCoast,
+}
+
+impl Drive {
+    /// As the board is told.
+    pub(super) const fn mode(self) -> DriveMode {
+        match self {
+            Self::Brake => DriveMode::SignMagnitudeBrake,
+            Self::Coast => DriveMode::SignMagnitudeCoast,
+            Self::AntiPhase => DriveMode::LockedAntiPhase,
+            Self::InIn => DriveMode::InInBrake,
+            Self::InInCoast => DriveMode::InInCoast,
+        }
+    }
 }
 
 /// Options of `capture`.
@@ -34,7 +53,7 @@ pub struct Args {
     #[arg(long)]
     pub port: String,
     /// Save what the board prints as lines of text (docs/LINE_PROTOCOL.md): it plays its own programmes
-    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "keep_every", "seed"])]
+    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "stall_voltage", "stall_time", "keep_every", "seed"])]
     pub listen: bool,
     /// Speed of the line with --listen
     #[arg(long, default_value_t = 250_000, requires = "listen")]
@@ -72,6 +91,13 @@ pub struct Args {
     /// Stop above this current in amperes, where the board measures it
     #[arg(long, value_name = "AMPERES", default_value_t = 0.0)]
     pub current_limit: f32,
+    /// Stop when the encoder stands while at least this is applied, in volts; `device check` measures where the motor breaks
+    /// away, which belongs below it [default: a third of the supply]
+    #[arg(long, value_name = "VOLTS")]
+    pub stall_voltage: Option<f32>,
+    /// And stands for so long, in seconds; 0 never stops a stalled motor
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    pub stall_time: f32,
     /// Keep one sample of so many for the fit on the board
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub keep_every: u16,
@@ -116,12 +142,19 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     std::fs::create_dir_all(&args.out)
         .map_err(|source| Error::Io { doing: format!("cannot make {}", args.out.display()), source })?;
     let mut port = Port::open(&args.port)?;
+    let interrupted = interrupted();
     let mut document = Document { schema: 1, logs: Vec::new(), damaged_frames: 0 };
-    // Any number but the board's last one: the time is never the same again.
-    let first = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32);
+    let first = run_number();
     for (index, play) in (0..).zip(&plays) {
         let mut capture = Capture::new(setup, &play.programme, first.wrapping_add(index));
-        let outcome = converse(&mut port, &mut capture, play, console);
+        let outcome = converse(
+            &mut port,
+            &mut capture,
+            &play.log_name(),
+            play.programme.seconds(),
+            &interrupted,
+            console,
+        );
         // What came before the line was lost is worth keeping too.
         let captured = outcome.as_ref().ok().cloned().or_else(|| capture.so_far());
         document.damaged_frames += capture.damaged();
@@ -132,7 +165,14 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         if cause != Cause::Finished {
             let why =
                 format!("{}: {cause} ({})", play.programme.name, kept(captured.as_ref(), &args.out, play));
-            return Err(Error::device(why, "clear the cause and capture again"));
+            let remedy = match cause {
+                Cause::Asked => "capture again when the motor may run",
+                Cause::Stall => {
+                    "free the shaft; a motor that breaks away at a higher voltage needs a higher --stall-voltage"
+                }
+                _ => "clear the cause and capture again",
+            };
+            return Err(Error::device(why, remedy));
         }
     }
     console.answer(&document, || {
@@ -142,6 +182,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         lines.collect::<Vec<_>>().join("\n")
     });
     Ok(())
+}
+
+/// Any number but the board's last one: the time is never the same again.
+pub(super) fn run_number() -> u32 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32)
 }
 
 /// Writes a run's log, whole or not at all.
@@ -180,14 +225,25 @@ fn told(error: Error, captured: Option<&Captured>, directory: &Path, play: &Play
     }
 }
 
-fn converse(port: &mut Port, capture: &mut Capture, play: &Play, console: &Console) -> Result<Captured> {
-    let total = (play.programme.seconds() * f32::from(capture.setup().rate_hz)).round() as u64;
+/// Follows one run to its end. Ctrl-C stops the motor at once; the log so far still comes.
+pub(super) fn converse(
+    port: &mut Port,
+    capture: &mut Capture,
+    name: &str,
+    seconds: f32,
+    interrupted: &AtomicBool,
+    console: &Console,
+) -> Result<Captured> {
+    let total = (seconds * f32::from(capture.setup().rate_hz)).round() as u64;
     let bar = if console.shows_progress() { ProgressBar::new(total) } else { ProgressBar::hidden() };
     let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} samples");
     bar.set_style(style.expect("the template is sound"));
-    bar.set_message(play.log_name());
+    bar.set_message(name.to_owned());
     let outcome = port.converse(|now, received, send| {
         capture.receive(received, now);
+        if interrupted.swap(false, Ordering::Relaxed) {
+            capture.stop(now);
+        }
         capture.poll(now, send);
         bar.set_position(capture.samples() as u64);
         capture.take_outcome()
@@ -199,14 +255,12 @@ fn converse(port: &mut Port, capture: &mut Capture, play: &Play, console: &Conso
 fn setup(args: &Args) -> Result<Setup> {
     let setup = Setup {
         rate_hz: args.rate,
-        drive: match args.drive {
-            Drive::Brake => DriveMode::SignMagnitudeBrake,
-            Drive::Coast => DriveMode::SignMagnitudeCoast,
-            Drive::AntiPhase => DriveMode::LockedAntiPhase,
-        },
+        drive: args.drive.mode(),
         supply_mv: (args.supply * 1000.0).round() as u16,
         duty_limit: (args.duty_limit * 1000.0).round() as u16,
         current_limit_ma: (args.current_limit * 1000.0).round() as u16,
+        stall_mv: (args.stall_voltage.unwrap_or(args.supply / 3.0) * 1000.0).round() as u16,
+        stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,

@@ -26,6 +26,8 @@ pub enum Action {
     Hello(At),
     /// Fit the samples that the board keeps of its last run, on the board
     Fit(FitArgs),
+    /// Is everything wired right? Turns the motor slowly both ways for eight seconds
+    Check(super::device_check::Args),
     /// Stop the motor
     Stop(At),
     /// Leave the firmware for the chip's own boot loader, to flash over USB or serial without a debugger
@@ -73,7 +75,7 @@ pub struct FlashArgs {
     /// The image, an ELF file; `cargo xtask sizes` builds each board's: target/arm/thumbv7em-none-eabihf/release/motorlens-*
     pub image: PathBuf,
     /// The chip
-    #[arg(long, default_value = "STM32F407VGTx")]
+    #[arg(long, default_value = "STM32F446RETx")]
     pub chip: String,
 }
 
@@ -82,6 +84,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     match &args.action {
         Action::Hello(at) => hello(at, console),
         Action::Fit(args) => fit(args, console),
+        Action::Check(args) => super::device_check::run(args, console),
         Action::Stop(at) => stop(at, console),
         Action::Bootloader(at) => bootloader(at, console),
         Action::Flash(args) => flash(args, console),

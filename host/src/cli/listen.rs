@@ -1,7 +1,6 @@
 //! `capture --listen`: saves the runs that a board prints as lines of text.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,6 +8,7 @@ use serde::Serialize;
 
 use super::Console;
 use super::capture::{Args, shaft};
+use super::interrupt::interrupted;
 use crate::device::{End, Listen, Port, Shaft, to_record};
 use crate::error::{Error, Result};
 use crate::log::{Warning, faults, suspicions, write_canonical};
@@ -147,22 +147,6 @@ fn nothing(args: &Args, bytes: u64, trouble: Option<String>) -> Error {
             ),
         ),
     }
-}
-
-/// Becomes true with Ctrl-C, which from now on stops the motor and not this program.
-fn interrupted() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    std::thread::spawn(move || {
-        let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else { return };
-        runtime.block_on(async {
-            while tokio::signal::ctrl_c().await.is_ok() {
-                // Asked twice is asked once: the run ends in either way, at the latest when the board falls silent.
-                raised.store(true, Ordering::Relaxed);
-            }
-        });
-    });
-    flag
 }
 
 #[cfg(test)]

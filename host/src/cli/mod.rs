@@ -11,6 +11,8 @@ mod console;
 mod demo;
 #[cfg(feature = "device")]
 mod device;
+#[cfg(feature = "device")]
+mod device_check;
 mod diagnose;
 mod discover;
 mod effects;
@@ -18,6 +20,8 @@ mod exam;
 mod export;
 mod fit;
 mod input;
+#[cfg(feature = "device")]
+mod interrupt;
 #[cfg(feature = "device")]
 mod listen;
 mod paper;

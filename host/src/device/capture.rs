@@ -41,6 +41,8 @@ pub struct Capture {
     collector: Collector,
     status: Option<Status>,
     heard: Duration,
+    /// Told to stop before the board had told anything of the run.
+    stopping: bool,
     outcome: Option<Result<Captured, Fault>>,
 }
 
@@ -69,6 +71,7 @@ impl Capture {
             collector: Collector::new(run),
             status: None,
             heard: Duration::ZERO,
+            stopping: false,
             outcome: None,
         }
     }
@@ -98,10 +101,12 @@ impl Capture {
         self.exchange.damaged()
     }
 
-    /// Asks the board to end the run; the log so far still comes.
-    pub fn stop(&mut self) {
+    /// Has the board end the run: it is told at once, whatever else it is being asked, and until it answers. The log so far
+    /// still comes; a run that has not begun does not begin.
+    pub fn stop(&mut self, now: Duration) {
         self.script.clear();
-        self.script.push_back(ToBoard::Stop);
+        self.stopping |= self.status.is_none();
+        self.exchange.ask(ToBoard::Stop, now);
     }
 
     /// What came of the run until now, as if the link had been lost here; what was under way is a hole. `None` when
@@ -124,9 +129,9 @@ impl Capture {
 
     /// Takes bytes from the board.
     pub fn receive(&mut self, bytes: &[u8], now: Duration) {
-        for message in self.exchange.receive(bytes) {
+        for packet in self.exchange.receive(bytes) {
             self.heard = now;
-            match message {
+            match packet.message {
                 FromBoard::Log(block) => self.collector.block(&block),
                 FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
                 FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
@@ -140,6 +145,17 @@ impl Capture {
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         match self.exchange.take_answer() {
             Some(Err(fault)) => self.outcome = Some(Err(fault)),
+            Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.drive.since() => {
+                // What an old board cannot read it would not answer.
+                self.outcome = Some(Err(Fault::Version(hello.oldest, hello.newest)));
+            }
+            Some(Ok(FromBoard::Done)) if self.stopping && self.script.is_empty() && self.status.is_none() => {
+                // The board has stopped what it did, and whether that was this run, its next word on it tells.
+                self.exchange.ask(ToBoard::Status, now);
+            }
+            Some(Ok(FromBoard::Status(status))) if self.stopping && status.run != self.run => {
+                self.outcome = Some(Err(Fault::Stopped));
+            }
             Some(Ok(_)) | None if self.exchange.busy() => {}
             _ => match self.script.pop_front() {
                 Some(message) => {

@@ -33,12 +33,14 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// Asks; the answer comes from [`Self::take_answer`]. One request at a time.
-    pub fn ask(&mut self, message: ToBoard, now: Duration) {
+    /// Asks; the answer comes from [`Self::take_answer`]. One request at a time. Returns the request's number, under which
+    /// the board says whatever belongs to it.
+    pub fn ask(&mut self, message: ToBoard, now: Duration) -> u16 {
         // 0 is what the board says unasked.
         self.id = self.id.wrapping_add(1).max(1);
         self.answer = None;
         self.pending = Some(Pending { id: self.id, message, since: now, sent: None });
+        self.id
     }
 
     /// Whether a request waits for its answer.
@@ -52,9 +54,11 @@ impl Exchange {
     }
 
     /// Says something that needs no answer, or whose answer is found otherwise.
-    pub fn tell(&mut self, message: ToBoard) {
+    /// Returns its number.
+    pub fn tell(&mut self, message: ToBoard) -> u16 {
         self.id = self.id.wrapping_add(1).max(1);
         self.post(self.id, message);
+        self.id
     }
 
     /// Frames that arrived damaged.
@@ -62,8 +66,9 @@ impl Exchange {
         self.damaged
     }
 
-    /// Takes bytes from the board and returns the messages that they complete, answers included.
-    pub fn receive(&mut self, bytes: &[u8]) -> Vec<FromBoard> {
+    /// Takes bytes from the board and returns the messages that they complete, answers included, each with the number of the
+    /// request that it belongs to (0 is what the board says unasked).
+    pub fn receive(&mut self, bytes: &[u8]) -> Vec<Packet<FromBoard>> {
         let mut messages = Vec::new();
         for byte in bytes {
             match self.decoder.push::<Packet<FromBoard>>(*byte) {
@@ -75,7 +80,7 @@ impl Exchange {
         messages
     }
 
-    fn arrived(&mut self, packet: Packet<FromBoard>, messages: &mut Vec<FromBoard>) {
+    fn arrived(&mut self, packet: Packet<FromBoard>, messages: &mut Vec<Packet<FromBoard>>) {
         if packet.message == FromBoard::Refused(Refusal::Version) {
             // The board has started anew since the hello; greet it again and let the request be repeated.
             self.tell(ToBoard::Hello { oldest: OLDEST, newest: NEWEST });
@@ -93,7 +98,7 @@ impl Exchange {
                 message => Ok(message.clone()),
             });
         }
-        messages.push(packet.message);
+        messages.push(packet);
     }
 
     /// Lets time pass, and hands over what is to be sent.

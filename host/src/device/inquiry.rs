@@ -18,6 +18,8 @@ pub struct Inquiry {
     fitting: Option<(Duration, Duration)>,
     progress: Option<Progress>,
     fit: Option<Option<QuickFit>>,
+    /// The numbers under which the fit's progress and result come.
+    fit_requests: Vec<u16>,
     failed: Option<Fault>,
 }
 
@@ -33,6 +35,7 @@ impl Inquiry {
             fitting: None,
             progress: None,
             fit: None,
+            fit_requests: Vec::new(),
             failed: None,
         }
     }
@@ -44,13 +47,15 @@ impl Inquiry {
 
     /// Takes bytes from the board.
     pub fn receive(&mut self, bytes: &[u8], now: Duration) {
-        for message in self.exchange.receive(bytes) {
-            match message {
-                FromBoard::Progress(progress) => {
+        for packet in self.exchange.receive(bytes) {
+            // Another request's fit, answered late, is not this one's.
+            let asked_for = self.fit_requests.contains(&packet.id);
+            match packet.message {
+                FromBoard::Progress(progress) if asked_for => {
                     self.progress = Some(progress);
                     self.fitting = self.fitting.map(|(_, asked)| (now, asked));
                 }
-                FromBoard::Fit(fit) => self.fit = Some(fit),
+                FromBoard::Fit(fit) if asked_for => self.fit = Some(fit),
                 _ => {}
             }
         }
@@ -65,17 +70,19 @@ impl Inquiry {
         }
         if self.failed.is_none() && !self.exchange.busy() {
             if let Some(message) = self.script.pop_front() {
-                if matches!(message, ToBoard::QuickFit(_)) {
+                let fit = matches!(message, ToBoard::QuickFit(_));
+                let id = self.exchange.ask(message, now);
+                if fit {
                     self.fitting = Some((now, now));
+                    self.fit_requests.push(id);
                 }
-                self.exchange.ask(message, now);
             } else if let (Some((since, asked)), None) = (self.fitting, self.fit) {
                 if now.saturating_sub(since) > FIT_PATIENCE {
                     self.failed = Some(Fault::Silent);
                 } else if now.saturating_sub(asked) > FIT_ASK {
                     // The result comes unasked, unless its frame was lost.
                     self.fitting = Some((since, now));
-                    self.exchange.tell(ToBoard::ReadResult);
+                    self.fit_requests.push(self.exchange.tell(ToBoard::ReadResult));
                 }
             }
         }
@@ -94,5 +101,45 @@ impl Inquiry {
         let mut answers = std::mem::take(&mut self.answers);
         answers.extend(self.fit.take().map(FromBoard::Fit));
         Some(Ok(answers))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motorlens_shared::link::{Decoder, Hello, MAX_ENCODED, Packet, encode};
+    use motorlens_shared::quickfit::Request;
+
+    #[test]
+    fn a_fit_that_answers_another_request_is_not_taken_for_this_one() {
+        let mut inquiry = Inquiry::new([ToBoard::QuickFit(Request::default())]);
+        let mut decoder = Decoder::new();
+        let mut now = Duration::ZERO;
+        // What the host asks next.
+        let mut asked = |inquiry: &mut Inquiry| {
+            let mut out = Vec::new();
+            now += Duration::from_millis(10);
+            inquiry.poll(now, &mut out);
+            out.iter()
+                .find_map(|byte| decoder.push::<Packet<ToBoard>>(*byte))
+                .expect("a request")
+                .expect("whole")
+        };
+        let say = |inquiry: &mut Inquiry, id: u16, message: FromBoard| {
+            let mut frame = [0; MAX_ENCODED];
+            inquiry.receive(encode(&Packet { id, message }, &mut frame).expect("fits"), Duration::ZERO);
+        };
+        let hello = Hello { oldest: OLDEST, newest: NEWEST, firmware: [0, 1, 0], unique: [0; 12] };
+        let id = asked(&mut inquiry).id;
+        say(&mut inquiry, id, FromBoard::Hello(hello));
+        let request = asked(&mut inquiry);
+        assert!(matches!(request.message, ToBoard::QuickFit(_)));
+        say(&mut inquiry, request.id.wrapping_sub(9), FromBoard::Fit(None));
+        say(&mut inquiry, request.id, FromBoard::Done);
+        inquiry.poll(Duration::from_millis(50), &mut Vec::new());
+        assert!(inquiry.take_outcome().is_none(), "the other request's fit");
+        say(&mut inquiry, request.id, FromBoard::Fit(None));
+        let answers = inquiry.take_outcome().expect("all is there").expect("no fault");
+        assert_eq!(answers.last(), Some(&FromBoard::Fit(None)));
     }
 }

@@ -5,6 +5,7 @@
 //! board in virtual time.
 
 mod capture;
+pub mod check;
 mod collector;
 mod exchange;
 mod inquiry;
@@ -35,6 +36,8 @@ pub enum Fault {
     Refused(Refusal),
     /// The board answered with something else than was asked for.
     Confused,
+    /// Stopped from here before the run began.
+    Stopped,
 }
 
 impl From<Fault> for crate::error::Error {
@@ -44,6 +47,7 @@ impl From<Fault> for crate::error::Error {
             Fault::Version(..) => "flash the firmware that belongs to this program: motorlens device flash",
             Fault::Refused(_) => "change what the board names and try again",
             Fault::Confused => "reset the board and try again",
+            Fault::Stopped => "capture again when the motor may run",
         };
         Self::device(fault.to_string(), remedy)
     }
@@ -57,6 +61,7 @@ impl fmt::Display for Fault {
                 write!(f, "the board speaks versions {oldest} to {newest} of the link, this program does not")
             }
             Self::Refused(refusal) => write!(f, "the board refuses: {refusal}"),
+            Self::Stopped => write!(f, "stopped before the run began"),
             Self::Confused => write!(f, "the board's answer does not belong to the request"),
         }
     }

@@ -83,6 +83,8 @@ fn setup(wish: &Wish, measures_current: bool) -> std::result::Result<Setup, Stri
         "brake" => DriveMode::SignMagnitudeBrake,
         "coast" => DriveMode::SignMagnitudeCoast,
         "anti-phase" => DriveMode::LockedAntiPhase,
+        "in-in" => DriveMode::InInBrake,
+        "in-in-coast" => DriveMode::InInCoast,
         other => return Err(format!("{other} is no way to drive a bridge")),
     };
     let setup = Setup {

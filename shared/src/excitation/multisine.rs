@@ -26,7 +26,14 @@ impl Tone {
 }
 
 /// Tones on harmonics of the segment, so that the record is periodic and the crest can be scanned exactly.
-pub fn prepare(amplitude_v: f32, (low, high): (f32, f32), tones: u8, seed: u32, samples: u32) -> Tones {
+pub fn prepare(
+    amplitude_v: f32,
+    (low, high): (f32, f32),
+    tones: u8,
+    seed: u32,
+    samples: u32,
+    alive: &mut dyn FnMut(),
+) -> Tones {
     let mut list = Tones::new();
     let mut last = 0;
     for index in 0..u32::from(tones) {
@@ -48,6 +55,9 @@ pub fn prepare(amplitude_v: f32, (low, high): (f32, f32), tones: u8, seed: u32, 
     let stride = ((1u64 << 32) / u64::from(points)) as u32;
     let crest = (0..points)
         .map(|point| {
+            if point % 1024 == 0 {
+                alive();
+            }
             let sum: f32 = list
                 .iter()
                 .map(|tone| {

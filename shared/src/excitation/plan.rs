@@ -70,7 +70,12 @@ pub enum Plan {
 
 impl Plan {
     /// Prepares a validated segment that lasts `samples` at `rate_hz`.
-    pub fn new(segment: &Segment, samples: u32, rate_hz: u32) -> Result<Self, Fault> {
+    pub fn new(
+        segment: &Segment,
+        samples: u32,
+        rate_hz: u32,
+        alive: &mut dyn FnMut(),
+    ) -> Result<Self, Fault> {
         let too_fast = Err(Fault::TooFastForRate { rate_hz });
         let nyquist_hz = rate_hz as f32 / 2.0;
         let hold = |seconds: f32| libm::roundf(seconds * rate_hz as f32) as u32;
@@ -97,7 +102,7 @@ impl Plan {
                 let band = (low_hz * segment.seconds, high_hz * segment.seconds);
                 Self::Multisine {
                     peak_v: amplitude_v,
-                    tones: multisine::prepare(amplitude_v, band, tones, seed, samples),
+                    tones: multisine::prepare(amplitude_v, band, tones, seed, samples, alive),
                 }
             }
             Shape::Chirp { amplitude_v, low_hz, high_hz } => {

@@ -29,6 +29,19 @@ impl Player {
     /// # Errors
     /// Whatever [`Programme::validate`] finds (with no voltage limit), and what is too fast for the rate.
     pub fn new(programme: &Programme, rate_hz: u32) -> Result<Self, ProgrammeError> {
+        Self::with_progress(programme, rate_hz, &mut || ())
+    }
+
+    /// [`Self::new`], which calls `alive` again and again, at least every thousand points of a crest (14 sines each): a
+    /// board feeds its watchdog there.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_progress(
+        programme: &Programme,
+        rate_hz: u32,
+        alive: &mut dyn FnMut(),
+    ) -> Result<Self, ProgrammeError> {
         if !(1..=50_000).contains(&rate_hz) {
             return Err(ProgrammeError::whole(Fault::Rate));
         }
@@ -40,8 +53,8 @@ impl Player {
                 let fault = Fault::TooFastForRate { rate_hz };
                 return Err(ProgrammeError::at(index, fault));
             }
-            let plan =
-                Plan::new(segment, samples, rate_hz).map_err(|fault| ProgrammeError::at(index, fault))?;
+            let plan = Plan::new(segment, samples, rate_hz, alive)
+                .map_err(|fault| ProgrammeError::at(index, fault))?;
             plans.extend([(samples, plan)]);
         }
         Ok(Self { plans, rate_hz, segment: 0, sample: 0, register: Lfsr::new(0), chip: false })

@@ -51,7 +51,11 @@ pub fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, Damage> {
     if CRC.checksum(body) != u32::from_le_bytes(sum) {
         return Err(Damage::Checksum);
     }
-    match postcard::take_from_bytes(body) {
+    // An older end does not send the fields appended since: they read as zero. The CRC has shown by now that nothing else
+    // is missing.
+    let mut padded = [0; MAX_MESSAGE];
+    padded.get_mut(..body.len()).ok_or(Damage::TooLong)?.copy_from_slice(body);
+    match postcard::take_from_bytes(&padded) {
         // A newer end may have appended fields to a message: what follows the known ones is skipped.
         Ok((message, _newer)) => Ok(message),
         Err(_) => Err(Damage::Meaning),

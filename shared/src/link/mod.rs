@@ -6,8 +6,10 @@
 //! # Versions
 //! The enums are append-only: a variant or a field, once released, keeps its place and meaning, and newer ones follow.
 //! [`ToBoard::Hello`] and [`FromBoard::Hello`] are frozen for good, so two ends of any age can find out what both
-//! speak ([`agree`]). The bytes of each version stand in `tests/link_v*.rs`: when one of those tests fails, the change
-//! broke a deployed board; make it an appended variant and add a version instead.
+//! speak ([`agree`]). A field that a newer end has appended is skipped by an older one, and where an older end does not
+//! send it, it reads as zero (`false`, `None`, the first variant): see [`decode`]. A variant is sent only to an end that has
+//! agreed on the version that brought it. The bytes of each version stand in `tests/link_v*.rs`: when one of those tests
+//! fails, the change broke a deployed board or host.
 
 pub mod frame;
 mod messages;
@@ -17,12 +19,12 @@ mod status;
 pub use frame::{Damage, Decoder, MAX_ENCODED, MAX_MESSAGE, decode, encode};
 pub use messages::{Capabilities, FromBoard, Hello, Packet, Refusal, ToBoard};
 pub use sample::{LOG_SAMPLES, LogBlock, Sample, Scaling};
-pub use status::{Cause, DriveMode, Reset, RunState, Setup, SetupFault, Status};
+pub use status::{Cause, DriveMode, Reset, RunState, SUPPLY_SHARES, Setup, SetupFault, Status};
 
 /// The oldest version of the protocol that this source still speaks.
 pub const OLDEST: u16 = 1;
 /// The version that this source speaks best.
-pub const NEWEST: u16 = 1;
+pub const NEWEST: u16 = 2;
 
 /// The version that two ends use: the newest that both speak, `None` when their ranges do not meet.
 ///

@@ -1,18 +1,23 @@
 //! How a run is set up, and what state the board is in.
 
 use core::fmt;
+use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 /// How the bridge is driven. The log says which, because the motor sees another voltage in the off part of the PWM.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DriveMode {
-    /// Direction pins and PWM; the motor is shorted in the off part (TB6612, DRV8833 in slow decay).
+    /// Direction pins and PWM; the motor is shorted in the off part (TB6612, drivers with PWM and DIR or with PH and EN).
     SignMagnitudeBrake,
     /// Direction pins and PWM; the motor floats in the off part (L298 with PWM on its enable input).
     SignMagnitudeCoast,
     /// The PWM reverses the bridge; half duty is no voltage.
     LockedAntiPhase,
+    /// Two PWM inputs, both high in the off part: the motor is shorted (DRV8833, DRV8871, BTS7960). Since version 2.
+    InInBrake,
+    /// Two PWM inputs, both low in the off part: the motor floats (DRV8833, DRV8871). Since version 2.
+    InInCoast,
 }
 
 impl DriveMode {
@@ -22,6 +27,16 @@ impl DriveMode {
             Self::SignMagnitudeBrake => "sign_magnitude_brake",
             Self::SignMagnitudeCoast => "sign_magnitude_coast",
             Self::LockedAntiPhase => "locked_anti_phase",
+            Self::InInBrake => "in_in_brake",
+            Self::InInCoast => "in_in_coast",
+        }
+    }
+
+    /// The version of the link that brought it: an older board does not know it.
+    pub const fn since(self) -> u16 {
+        match self {
+            Self::InInBrake | Self::InInCoast => 2,
+            _ => 1,
         }
     }
 }
@@ -68,6 +83,10 @@ impl Default for Setup {
     }
 }
 
+/// The supply as it is measured must lie within these shares of the stated one, per cent. An input without its divider
+/// floats, and a duty worked out from what it reads could be full where 1 V is asked for.
+pub const SUPPLY_SHARES: RangeInclusive<u32> = 50..=150;
+
 /// Why a setup is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SetupFault {
@@ -88,6 +107,13 @@ pub enum SetupFault {
 }
 
 impl Setup {
+    /// Whether a supply measured as `supply_mv` fits the stated one.
+    pub fn trusts(&self, supply_mv: u16) -> bool {
+        let share = 100 * u32::from(supply_mv);
+        let stated = u32::from(self.supply_mv);
+        share >= SUPPLY_SHARES.start() * stated && share <= SUPPLY_SHARES.end() * stated
+    }
+
     /// Checks the setup against a board whose log holds `log_samples` and that measures current or not.
     ///
     /// # Errors
@@ -150,6 +176,8 @@ pub enum Cause {
     Emergency,
     /// The program hung and the watchdog started the board anew.
     Watchdog,
+    /// The measured supply is outside [`SUPPLY_SHARES`] of the stated one. Since version 2.
+    Supply,
 }
 
 impl fmt::Display for Cause {
@@ -163,6 +191,10 @@ impl fmt::Display for Cause {
             Self::LinkLoss => "link lost while running",
             Self::Emergency => "emergency input open",
             Self::Watchdog => "watchdog: the firmware hung and was restarted",
+            Self::Supply => {
+                "the measured supply is not within half and one and a half of the stated one: check --supply, the \
+                 battery, and that a divider is wired to the board's supply input"
+            }
         })
     }
 }

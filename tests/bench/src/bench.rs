@@ -6,6 +6,8 @@ use std::time::Duration;
 use rigless::emulator::{AccessKind, Driver, Error, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::soc::Width;
+use rigless::soc::stm32f427::generated::dma2::Register as StreamRegister;
+use rigless::soc::stm32f427::generated::tim1::Register as TimerRegister;
 use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
 
@@ -19,6 +21,14 @@ const TIM1_EGR: u64 = 0x4001_0014;
 const TIM1_BDTR: u64 = 0x4001_0044;
 const GPIOB_ODR: u64 = 0x4002_0414;
 const GPIOB_BSRR: u64 = 0x4002_0418;
+const TIM1_DMAR: u64 = 0x4001_004c;
+/// TIM1_BDTR as a burst of one is told of it, in words from the first register.
+const BDTR_INDEX: u64 = 0x44 / 4;
+/// A stream's enable, direction, both sizes and channel, and what they are for words to a peripheral on channel 6.
+const STREAM_FIELDS: u64 = 1 | 0b11 << 6 | 0b1111 << 11 | 0b111 << 25;
+const STREAM_WANTED: u64 = 1 | 0b01 << 6 | 0b1010 << 11 | 6 << 25;
+/// DMA2 among the controllers.
+const DMA_2: usize = 1;
 /// TIM4 among the general timers.
 const TIMER_4: usize = 2;
 /// USART2 among the serial ports.
@@ -44,20 +54,37 @@ pub struct Scene {
     pub upset: Option<Upset>,
     /// The program is asked to go where the emulated chip has nothing: then that is no fault of the image.
     pub led_astray: bool,
+    /// The run has shown what it had to.
+    pub enough: bool,
+    /// Ctrl-C is pressed at the host; it happens once.
+    pub interrupt: bool,
 }
 
-/// What a changed bit can do to the program.
+/// What can happen to the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Upset {
     /// The sampling timer asks for no more interrupts.
     DeadSampling,
     /// The control looks borrowed already, and the sampling interrupt panics over it.
     Panic,
+    /// The core does nothing more, as a program that holds all interrupts off and runs in a circle, and goes on.
+    Hang,
+    /// It goes on.
+    GoOn,
+    /// The crystal stops.
+    ClockLoss,
+    /// The chip's own supply, mV.
+    Supply(u32),
 }
 
 impl Upset {
-    /// Changes the chip's memory; `control` is the address of the firmware's pointer to its control.
-    fn strike(self, machine: &mut Machine, host: &mut dyn Host, control: u64) -> Result<(), Error> {
+    fn strike(
+        self,
+        at: VirtualNanos,
+        machine: &mut Machine,
+        host: &mut dyn Host,
+        control: u64,
+    ) -> Result<(), Error> {
         match self {
             Upset::DeadSampling => machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0),
             Upset::Panic => {
@@ -65,9 +92,42 @@ impl Upset {
                 let flag = host.read(control, Width::W32)?;
                 host.write(flag, Width::W32, 1)?;
             }
+            Upset::Hang => host.hold(true),
+            Upset::GoOn => host.hold(false),
+            Upset::ClockLoss => {
+                machine
+                    .mcu
+                    .drive_clocks(at, |clocks, registers, context| clocks.fail_hse(registers, context));
+            }
+            Upset::Supply(millivolts) => machine.mcu.set_supply(millivolts),
         }
         Ok(())
     }
+}
+
+/// Carries what TIM1's update asks DMA2 for. The emulated timer raises the request and the emulated controller has no wire to it
+/// ("no stream serves a timer yet"): this is the wire, stream 5 on channel 6 (RM0090 table 44), and the one transfer that
+/// the stream's own registers describe, if it is enabled.
+fn serve_timer(served: &mut u64, machine: &mut Machine, host: &mut dyn Host) -> Result<(), Error> {
+    let asked = machine.mcu.advanced_timer(0).0.dma_requests().update;
+    if std::mem::replace(served, asked) == asked || asked == 0 {
+        return Ok(());
+    }
+    let (_, stream) = machine.mcu.controller(DMA_2);
+    let control = stream.get(StreamRegister::S5cr);
+    // Enabled, on channel 6, from memory, a word; of one word, to the timer's burst register.
+    let described = control & STREAM_FIELDS == STREAM_WANTED && stream.get(StreamRegister::S5ndtr) == 1;
+    if !described || stream.get(StreamRegister::S5par) != TIM1_DMAR {
+        return Ok(());
+    }
+    let from = stream.get(StreamRegister::S5m0ar);
+    stream.set(StreamRegister::S5cr, control & !1);
+    let word = host.read(from, Width::W32)?;
+    let (_, timer) = machine.mcu.advanced_timer(0);
+    if timer.get(TimerRegister::Dcr) == BDTR_INDEX {
+        timer.set(TimerRegister::Bdtr, word);
+    }
+    Ok(())
 }
 
 struct Around<R> {
@@ -76,6 +136,7 @@ struct Around<R> {
     interrupt_began: u64,
     sampling: bool,
     control: u64,
+    served: u64,
     stray: Option<String>,
 }
 
@@ -124,6 +185,10 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let machine = session.board_mut();
         let scene = &mut self.scene;
         scene.plant.advance(stop.at, machine);
+        if let Err(error) = serve_timer(&mut self.served, machine, host) {
+            self.stray = Some(format!("the controller reached no memory: {error}"));
+            return None;
+        }
         // A reset of the chip lets go of the pins without a write.
         scene.plant.look(machine);
         let Some(socket) = machine.mcu.usart[USART2].chip_mut::<Socket>() else {
@@ -140,7 +205,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         }
         scene.plant.wire_emergency(stop.at, machine);
         if let Some(upset) = scene.upset.take()
-            && let Err(error) = upset.strike(machine, host, self.control)
+            && let Err(error) = upset.strike(stop.at, machine, host, self.control)
         {
             self.stray = Some(format!("the upset did not reach the memory: {error}"));
             return None;
@@ -175,9 +240,18 @@ pub fn run<R: Remote>(
     for converter in &mut machine.mcu.adc {
         converter.set_reference(3300);
     }
-    let scene = Scene { plant, cable, longest_interrupt: 0, upset: None, led_astray: false };
+    let scene = Scene {
+        plant,
+        cable,
+        longest_interrupt: 0,
+        upset: None,
+        led_astray: false,
+        enough: false,
+        interrupt: false,
+    };
     let control = machine::address_of(image, "CONTROL");
-    let around = Around { scene, remote, interrupt_began: 0, sampling: false, control, stray: None };
+    let around =
+        Around { scene, remote, interrupt_began: 0, sampling: false, control, served: 0, stray: None };
     let finished = machine.run(image, VirtualNanos(STOP_NS), around);
     let Around { scene, remote, stray, .. } = finished.driver;
     assert!(stray.is_none() || scene.led_astray, "{stray:?}");

@@ -1,10 +1,13 @@
 //! Driver, motor, encoder and analogue inputs at the chip's pins.
 
+use motorlens_firmware::beat::split;
 use motorlens_shared::link::DriveMode;
 use motorlens_virtual_motor::{Bridge, VirtualMotor};
 use rigless::device::{DeviceContext, Level, RegisterFile};
-use rigless::soc::st::tim::{Channel, Tim};
+use rigless::soc::st::tim::{BreakInput, BreakSource, Channel, Tim};
+use rigless::soc::stm32f427::generated::gpioa::Register as PortRegister;
 use rigless::soc::stm32f427::generated::tim1::Register;
+use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::soc::stm32f427::peripherals::adc::Channel as AdcChannel;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::tim::General;
@@ -12,19 +15,31 @@ use rigless::time::VirtualNanos;
 
 use crate::machine::Machine;
 
-/// GPIOB among the ports, TIM3 among the general timers.
+/// GPIOA and GPIOB among the ports, TIM3 among the general timers.
+const PORT_A: usize = 0;
 const PORT_B: usize = 1;
 const TIMER_3: usize = 1;
+/// The outputs of an advanced timer are enabled.
+const MOE: u64 = 1 << 15;
+/// The PWM at port A.
+const PWM: u8 = 8;
 /// Pins of port B.
 const FORWARD: u8 = 0;
 const BACKWARD: u8 = 1;
-const ENABLE: u8 = 10;
+const ENABLE: u8 = 15;
 const EMERGENCY: u8 = 12;
 /// Inputs of the converter.
 const CURRENT_INPUT: u8 = 1;
 const SUPPLY_INPUT: u8 = 4;
+/// Both fields ICxF of a timer's CCMR1.
+const FILTERS: u64 = 0xf0f0;
 /// One period of the PWM, s.
 const PWM_PERIOD_S: f64 = 50e-6;
+
+/// Whether a port's pin is given to a peripheral.
+fn alternate(registers: &RegisterFile, pin: u8) -> bool {
+    registers.get(PortRegister::Moder) >> (2 * pin) & 3 == 2
+}
 
 /// The motor with its driver, and what can be done to it.
 #[derive(Debug)]
@@ -43,12 +58,15 @@ pub struct Plant {
     pub sampled: Vec<i64>,
     now: VirtualNanos,
     duty: f64,
+    second: f64,
     sign: f64,
     enabled: bool,
+    pulses: bool,
     first_driven: Option<usize>,
     period_began: VirtualNanos,
     phase: u8,
     edges: i64,
+    beats: usize,
 }
 
 impl Plant {
@@ -63,18 +81,33 @@ impl Plant {
             sampled: Vec::new(),
             now: VirtualNanos(0),
             duty: 0.0,
+            second: 0.0,
             sign: 0.0,
             enabled: false,
+            pulses: false,
             first_driven: None,
             period_began: VirtualNanos(0),
             phase: 0,
             edges: 0,
+            beats: 1,
         }
+    }
+
+    /// The same, sampled so many times a second: where that is less than a thousand, the sampling timer interrupts between the
+    /// sampling instants too.
+    pub fn sampled_at(mut self, rate_hz: u16) -> Self {
+        self.beats = split(1_000_000 / u32::from(rate_hz)).0 as usize;
+        self
     }
 
     /// Whether the driver's enable is high.
     pub fn driven(&self) -> bool {
         self.enabled
+    }
+
+    /// Whether the PWM's pin carries the timer's output: the timer's outputs are enabled and the pin is the timer's.
+    pub fn pulses(&self) -> bool {
+        self.pulses
     }
 
     /// The PWM's high share at the driver.
@@ -91,7 +124,7 @@ impl Plant {
     /// the log of the first run must hold.
     pub fn run_counts(&self, samples: usize) -> Vec<i64> {
         let first = self.first_driven.unwrap_or_default();
-        self.sampled.iter().skip(first).take(samples).copied().collect()
+        self.sampled.iter().skip(first).step_by(self.beats).take(samples).copied().collect()
     }
 
     /// Lets the motor run up to `at` under the bridge as it was, and gives the encoder's edges to the chip.
@@ -105,6 +138,13 @@ impl Plant {
             return;
         }
         let target = self.motor.counts();
+        if self.edges == target {
+            return;
+        }
+        // The edges come together, at the instant of the look, and are clean: the counter's filter, which lets a level through
+        // after 0.76 us, is left out while they do.
+        let filtered = machine.mcu.timer(TIMER_3).1.get(GeneralRegister::Ccmr1Input);
+        machine.mcu.timer(TIMER_3).1.set(GeneralRegister::Ccmr1Input, filtered & !FILTERS);
         while self.edges != target {
             let step = if target > self.edges { 1 } else { 3 };
             let next = (self.phase + step) & 3;
@@ -120,6 +160,7 @@ impl Plant {
             self.phase = next;
             self.edges += if step == 1 { 1 } else { -1 };
         }
+        machine.mcu.timer(TIMER_3).1.set(GeneralRegister::Ccmr1Input, filtered);
     }
 
     /// What the bridge does now, and until when at most, `end` at the latest.
@@ -131,13 +172,18 @@ impl Plant {
         match self.driver {
             DriveMode::SignMagnitudeBrake => (Bridge::Volts(self.sign * self.duty * nominal), end),
             DriveMode::LockedAntiPhase => (Bridge::Volts((2.0 * self.duty - 1.0) * nominal), end),
-            DriveMode::SignMagnitudeCoast => {
+            DriveMode::InInBrake => (Bridge::Volts((self.duty - self.second) * nominal), end),
+            DriveMode::SignMagnitudeCoast | DriveMode::InInCoast => {
+                let (sign, duty) = match self.driver {
+                    DriveMode::InInCoast => ((self.duty - self.second).signum(), self.duty.max(self.second)),
+                    _ => (self.sign, self.duty),
+                };
                 // The off part matters: go from switch to switch.
                 let period = (PWM_PERIOD_S * 1e9) as u64;
-                let on = (self.duty * PWM_PERIOD_S * 1e9).round() as u64;
+                let on = (duty * PWM_PERIOD_S * 1e9).round() as u64;
                 let since = (self.now.0 - self.period_began.0) % period;
                 let (bridge, rest) = if since < on {
-                    (Bridge::Volts(self.sign * nominal), on - since)
+                    (Bridge::Volts(sign * nominal), on - since)
                 } else {
                     (Bridge::Floating, period - since)
                 };
@@ -146,17 +192,28 @@ impl Plant {
         }
     }
 
-    /// Looks at the driver's inputs after the program may have changed them.
+    /// Looks at the driver's inputs after the program or the chip may have changed them.
     pub fn look(&mut self, machine: &mut Machine) {
         let (port, registers) = machine.mcu.port(PORT_B);
         let high = |pin: u8| port.level(Pin::new(pin).expect("a port has 16"), registers) == Level::High;
-        (self.enabled, self.sign) = (high(ENABLE), f64::from(high(FORWARD)) - f64::from(high(BACKWARD)));
+        self.sign = f64::from(high(FORWARD)) - f64::from(high(BACKWARD));
+        let enable = (high(ENABLE), alternate(registers, ENABLE));
+        let (_, registers) = machine.mcu.port(PORT_A);
+        let pulsed = alternate(registers, PWM);
+        // A pin that is the timer's follows the timer's output, which is there while the timer is clocked.
+        let (timer, registers) = machine.mcu.advanced_timer(0);
+        let third = Channel::new(3).expect("the timer has four");
+        self.enabled = match enable {
+            (_, true) => timer.complementary_output(third, registers) == Some(Level::High),
+            (high, false) => high,
+        };
         if self.enabled && self.first_driven.is_none() {
             self.first_driven = Some(self.sampled.len() - 1);
         }
-        let (_, registers) = machine.mcu.advanced_timer(0);
         let top = registers.get(Register::Arr) as f64 + 1.0;
-        self.duty = registers.get(Register::Ccr1) as f64 / top;
+        self.pulses = pulsed && registers.get(Register::Bdtr) & MOE != 0;
+        let share = |compare| if self.pulses { registers.get(compare) as f64 / top } else { 0.0 };
+        (self.duty, self.second) = (share(Register::Ccr1), share(Register::Ccr2));
     }
 
     /// A new period of the PWM has begun.
@@ -176,11 +233,15 @@ impl Plant {
         }
     }
 
-    /// Puts the emergency contact to the pin.
+    /// Puts the emergency contact to the pin, which is the timer's break input too.
     pub fn wire_emergency(&self, at: VirtualNanos, machine: &mut Machine) {
         let level = (!self.emergency).then_some(Level::Low);
         machine.mcu.drive_port(at, PORT_B, |port, registers, context| {
             port.drive(Pin::new(EMERGENCY).expect("a port has 16"), level, registers, context);
+        });
+        let level = if self.emergency { Level::High } else { Level::Low };
+        machine.mcu.drive_advanced_timer(at, 0, |timer, registers, context| {
+            timer.drive_break_source(BreakInput::First, BreakSource::Pin, level, registers, context);
         });
     }
 }

@@ -64,6 +64,9 @@ impl Remote for Session {
         (self.hand)(now, &self.capture, scene);
         if self.captured.is_none() {
             self.capture.receive(received, now);
+            if std::mem::take(&mut scene.interrupt) {
+                self.capture.stop(now);
+            }
             self.capture.poll(now, send);
             self.captured = self.capture.take_outcome();
         } else if let Some(inquiry) = &mut self.then {
@@ -72,6 +75,6 @@ impl Remote for Session {
             self.answers = inquiry.take_outcome();
         }
         let done = self.captured.is_some() && (self.then.is_none() || self.answers.is_some());
-        !done && now < self.patience
+        !done && !scene.enough && now < self.patience
     }
 }

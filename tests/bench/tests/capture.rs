@@ -64,7 +64,7 @@ fn the_slowest_and_the_fastest_sampling_lose_nothing_either() {
         let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.2, high_hz: 8.0, tones: 8, seed: 2 };
         let capture = Capture::new(setup, &Programme::single("multisine", shape, 5.0), 1);
         let session = Session::new(capture, Duration::from_secs(10), Box::new(|_, _, _| ()));
-        let plant = plant(DriveMode::SignMagnitudeBrake);
+        let plant = plant(DriveMode::SignMagnitudeBrake).sampled_at(rate_hz);
         let done = bench::run(&machine::image(), core, plant, Cable::new(0.0, 1), session);
         machine::assert_clean(&done.session);
         let run = done.remote.run();

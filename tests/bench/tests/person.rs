@@ -235,6 +235,45 @@ fn a_cable_pulled_for_two_seconds_ends_the_run_with_its_log_and_the_next_one_goe
 }
 
 #[test]
+fn ctrl_c_stops_the_motor_at_once_and_saves_the_log() {
+    let out = fresh_directory("interrupted");
+    let bench = Bench::start("1");
+    let cable = Extension::to(&bench.address);
+    let mut capture = program(&["capture", "--port", &cable.address, "--programme", "multisine"]);
+    capture.args(["--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
+    let running = capture.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    cable.wait_for(20_000);
+    let id = running.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill runs").success());
+    let ended = running.wait_with_output().expect("it ends by itself");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(4), "{said}");
+    assert!(said.contains("stopped on request"), "{said}");
+    let files: Vec<_> =
+        fs::read_dir(&out).expect("made").map(|entry| entry.expect("a file").path()).collect();
+    let [log] = files.as_slice() else { panic!("one log, and nothing half: {files:?}") };
+    let log = fs::read_to_string(log).expect("the log so far is saved");
+    let samples = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).count();
+    assert!((500..7000).contains(&samples) && said.contains(&format!("{samples} samples")), "{said}");
+    let status = json(bench.program(&["device", "hello"]))["status"].clone();
+    assert_eq!(status["state"]["Stopped"], "asked");
+}
+
+#[test]
+fn device_check_finds_the_bench_wired_right_and_where_its_motor_breaks_away() {
+    let bench = Bench::start("1");
+    let checked = json(bench.program(&["device", "check"]));
+    assert_eq!(checked["ok"], true, "{checked}");
+    let stall = checked["stall_voltage_v"].as_f64().expect("it turned");
+    assert!((0.1..4.0).contains(&stall), "{checked}");
+    // A driver that is not of the kind that is stated does not follow.
+    let mut other = bench.program(&["device", "check"]);
+    other.args(["--drive", "in-in"]);
+    let checked = json(other);
+    assert_eq!(checked["ok"], false, "{checked}");
+}
+
+#[test]
 fn a_capture_that_is_killed_leaves_no_half_file_and_a_board_that_stopped_and_answers() {
     let out = fresh_directory("killed");
     let bench = Bench::start("1");

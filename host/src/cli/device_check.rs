@@ -1,0 +1,72 @@
+//! `device check`: the self-test of the wiring.
+
+use motorlens_shared::link::Setup;
+use serde_json::json;
+
+use super::Console;
+use super::capture::{Drive, converse, run_number};
+use super::device::At;
+use super::interrupt::interrupted;
+use crate::device::check::{check, programme, setup};
+use crate::device::{Capture, Port};
+use crate::error::{Error, Result};
+
+/// Options of `device check`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub at: At,
+    /// How the driver is driven
+    #[arg(long, value_enum, default_value = "brake")]
+    pub drive: Drive,
+    /// Supply of the driver in volts
+    #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
+    pub supply: f32,
+    /// Largest voltage that is applied [default: half the supply]
+    #[arg(long, value_name = "VOLTS")]
+    pub amplitude: Option<f32>,
+}
+
+/// Plays the slow triangle and says what it shows.
+pub fn run(args: &Args, console: &Console) -> Result<()> {
+    let amplitude = args.amplitude.unwrap_or(0.5 * args.supply);
+    let programme = programme(amplitude);
+    programme.validate(args.supply).map_err(|error| {
+        Error::usage(error.to_string(), "lower --amplitude, or state the --supply there is")
+    })?;
+    let setup = setup(Setup {
+        drive: args.drive.mode(),
+        supply_mv: (args.supply * 1000.0).round() as u16,
+        ..Setup::default()
+    });
+    setup
+        .check(1024, true)
+        .map_err(|fault| Error::usage(fault.to_string(), "see motorlens device check --help"))?;
+    let mut port = Port::open(&args.at.port)?;
+    let mut capture = Capture::new(setup, &programme, run_number());
+    let captured = converse(&mut port, &mut capture, "check", programme.seconds(), &interrupted(), console)?;
+    let checked = check(&captured);
+    let mut document = json!({ "schema": 1 });
+    if let (Some(all), Ok(serde_json::Value::Object(found))) =
+        (document.as_object_mut(), serde_json::to_value(&checked))
+    {
+        all.extend(found);
+    }
+    console.answer(&document, || {
+        let mut lines: Vec<String> = Vec::new();
+        for finding in &checked.findings {
+            lines.push(format!("{} {}", if finding.ok { "right" } else { "WRONG" }, finding.what));
+            if !finding.ok {
+                lines.push(format!("      do: {}", finding.fix));
+            }
+        }
+        let [forward, backward] =
+            checked.breakaway_v.map(|volts| volts.map_or("-".into(), |v| format!("{v:.2} V")));
+        lines.push(format!("the motor breaks away at {forward} forward, {backward} backward"));
+        if let Some(volts) = checked.stall_voltage_v {
+            lines.push(format!("for its runs: motorlens capture --stall-voltage {volts:.1}"));
+        }
+        lines.join("\n")
+    });
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! After whatever happens to chip, program, line or host, the bridge's pins are off within 2 ms and stay off, and the log so far is
+//! there.
+//!
+//! The pins, not the program's intention: the enable as the port or the timer drives it, and the PWM's pin. A fault of the core, whose
+//! handler does what the panic's does, is shown on the emulated Pico: this core's emulator raises none.
+
+use std::time::Duration;
+
+use motorlens::device::Capture;
+use motorlens_bench::bench::{self, Done, Scene, Upset};
+use motorlens_bench::cable::Cable;
+use motorlens_bench::machine;
+use motorlens_bench::plant::Plant;
+use motorlens_bench::remote::{Hand, Session};
+use motorlens_shared::excitation::{Programme, Shape};
+use motorlens_shared::link::{Cause, DriveMode, Reset, Setup};
+use motorlens_virtual_motor::{Motor, VirtualMotor};
+
+/// The bar.
+const OFF: Duration = Duration::from_millis(2);
+
+/// Runs, does `act` to the scene after 0.4 s of log, and sees the pins off `within` so long from then to the end. `act` is called at
+/// each half millisecond from then on with the time since.
+fn off_after(
+    within: Duration,
+    rate_hz: u16,
+    drive: DriveMode,
+    mut act: impl FnMut(Duration, &mut Scene) + Send + 'static,
+) -> Done<Session> {
+    // The log of the fastest sampling lasts half a second.
+    let link_timeout_ms = if rate_hz > 1000 { 250 } else { 500 };
+    let setup = Setup { rate_hz, drive, link_timeout_ms, ..Setup::default() };
+    let mut began = None;
+    let hand: Hand = Box::new(move |now, capture, scene| {
+        if began.is_none() && capture.samples() >= usize::from(rate_hz) * 2 / 5 && scene.plant.driven() {
+            began = Some(now);
+        }
+        let Some(began) = began else { return };
+        act(now - began, scene);
+        if now - began > within {
+            let plant = &scene.plant;
+            assert!(!plant.driven() && !plant.pulses(), "on {:?} after: {plant:?}", now - began);
+        }
+    });
+    let rise = Programme::single("rise", Shape::Triangle { amplitude_v: 8.0, period_s: 4.0 }, 20.0);
+    let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), drive).sampled_at(rate_hz);
+    let session = Session::new(Capture::new(setup, &rise, 1), Duration::from_secs(40), hand);
+    bench::run_at_full_rate(&machine::image(), plant, Cable::new(0.0, 1), session)
+}
+
+/// The log so far, the plant's own counts in it.
+fn assert_log(done: &Done<Session>, cause: Cause, at_least: usize) {
+    let run = done.remote.run();
+    assert_eq!(run.cause, cause);
+    assert!(run.holes.is_empty() && run.samples.len() >= at_least, "{} samples", run.samples.len());
+    let counts = done.scene.plant.run_counts(run.status.next as usize);
+    for (index, sample) in &run.samples {
+        assert_eq!(i64::from(sample.count), counts[*index as usize], "sample {index}");
+    }
+}
+
+/// An upset that only the watchdog ends, by a restart.
+fn upset(upset: Upset, rate_hz: u16, drive: DriveMode) {
+    let done = off_after(OFF, rate_hz, drive, move |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(upset);
+        }
+    });
+    assert_log(&done, Cause::Watchdog, usize::from(rate_hz) * 2 / 5);
+    assert_eq!((done.remote.run().status.reset, done.session.resets().len()), (Reset::Watchdog, 1));
+}
+
+#[test]
+fn a_panic() {
+    upset(Upset::Panic, 1000, DriveMode::SignMagnitudeBrake);
+}
+
+#[test]
+fn a_dead_sampling_timer() {
+    for rate_hz in [100, 1000, 2000] {
+        upset(Upset::DeadSampling, rate_hz, DriveMode::SignMagnitudeBrake);
+    }
+}
+
+#[test]
+fn a_hang_with_interrupts_held_off() {
+    for (rate_hz, drive) in [(1000, DriveMode::LockedAntiPhase), (100, DriveMode::SignMagnitudeBrake)] {
+        let done = off_after(OFF, rate_hz, drive, |since, scene| {
+            if since.is_zero() {
+                scene.upset = Some(Upset::Hang);
+            } else if since == Duration::from_millis(900) {
+                // The watchdog has reset the chip by now, which the emulated core sees when it goes on.
+                scene.upset = Some(Upset::GoOn);
+            }
+        });
+        assert_log(&done, Cause::Watchdog, usize::from(rate_hz) * 2 / 5);
+    }
+}
+
+#[test]
+fn a_crystal_that_stops() {
+    // The emulated core gets no NMI of it, so what is shown is the timer's break, which comes before any program.
+    let done = off_after(OFF, 1000, DriveMode::LockedAntiPhase, |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(Upset::ClockLoss);
+        }
+        scene.enough = since > Duration::from_millis(300);
+    });
+    assert!(!done.scene.plant.driven());
+}
+
+#[test]
+fn a_supply_that_sinks() {
+    let done = off_after(OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(Upset::Supply(2800));
+        }
+        // Over the watchdog's restart too, after which the supply is still low.
+        scene.enough = since > Duration::from_millis(1200);
+    });
+    assert!(!done.scene.plant.driven());
+}
+
+#[test]
+fn the_emergency_contact_at_every_rate_and_even_where_it_only_bounces() {
+    for (rate_hz, open_for) in [(100, 1000), (1000, 1000), (100, 1)] {
+        let done = off_after(OFF, rate_hz, DriveMode::LockedAntiPhase, move |since, scene| {
+            scene.plant.emergency = since < Duration::from_millis(open_for);
+        });
+        assert_log(&done, Cause::Emergency, usize::from(rate_hz) * 2 / 5);
+        machine::assert_clean(&done.session);
+    }
+}
+
+#[test]
+fn a_cable_pulled_once_the_link_timeout_is_over() {
+    let timeout = Duration::from_millis(Setup::default().link_timeout_ms.into());
+    let done = off_after(timeout + OFF, 1000, DriveMode::SignMagnitudeBrake, move |since, scene| {
+        scene.cable.out = since < 2 * timeout;
+    });
+    assert_log(&done, Cause::LinkLoss, 400);
+}
+
+#[test]
+fn ctrl_c_at_the_host() {
+    let done = off_after(OFF, 1000, DriveMode::LockedAntiPhase, |since, scene| {
+        scene.interrupt |= since.is_zero();
+    });
+    assert_log(&done, Cause::Asked, 400);
+    machine::assert_clean(&done.session);
+}
