@@ -44,11 +44,16 @@ pub struct Facts<'a> {
 impl Standing {
     /// What `facts` amount to.
     pub fn of(facts: &Facts) -> Self {
-        let verdict = facts.clean.map(|clean| facts.errors.verdict(facts.effects.len(), clean));
+        // While an effect is to be added, how it ends is open.
+        let searched = facts.clean.filter(|_| facts.suggested.is_none());
+        let verdict = searched.map(|clean| facts.errors.verdict(facts.effects.len(), clean));
         let headline = match (verdict, facts.doubted) {
             (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict),
-            (None, None) => facts.errors.so_far(facts.effects),
+            (None, None) => {
+                let best = |kind: Kind| format!("; the best candidate is {}", kind.name());
+                facts.errors.so_far(facts.effects) + &facts.suggested.map_or(String::new(), best)
+            }
         };
         let badge = match (facts.doubted, facts.suggested, verdict) {
             (Some(_), ..) => "Not confirmed",
@@ -184,6 +189,13 @@ mod tests {
             told.headline.contains("101 x the noise") && told.headline.contains("not enough"),
             "{told:?}"
         );
+    }
+
+    #[test]
+    fn while_an_effect_is_to_be_added_nothing_is_said_to_have_failed() {
+        let told = Standing::of(&Facts { suggested: Some(Kind::DeadZone), ..facts(&[], 101.0) });
+        assert_eq!((told.verdict, told.next.effect), (None, Some(Kind::DeadZone)));
+        assert!(told.headline.ends_with("the best candidate is dead_zone."), "{told:?}");
     }
 
     #[test]

@@ -30,6 +30,12 @@ fn adding_what_is_suggested_brings_the_error_to_the_floor_and_removing_it_takes_
             break;
         }
         if round == 0 {
+            assert!(
+                browser.text("#headline").contains("the best candidate is"),
+                "{}",
+                browser.text("#headline")
+            );
+            assert!(browser.text("#next").starts_with("Add "));
             browser.screenshot("#missing", "light-3-missing-suspects");
             let first = "document.querySelector('#candidates meter').value";
             let others = "Math.max(...[...document.querySelectorAll('#candidates meter')].slice(1).map((m) => m.value))";
