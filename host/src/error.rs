@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::log::guess::Proposal;
+
 /// Result of anything that can fail with a user-visible message.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -77,12 +79,21 @@ pub struct BadInput {
     pub why: String,
     /// What to do, as an instruction.
     pub remedy: String,
+    /// Options under which the file could be read, where the program has a guess.
+    pub proposal: Option<Box<Proposal>>,
 }
 
 impl BadInput {
     /// A fault of the whole file.
     pub fn new(file: &Path, why: impl Into<String>, remedy: impl Into<String>) -> Self {
-        BadInput { file: file.to_owned(), line: None, column: None, why: why.into(), remedy: remedy.into() }
+        BadInput {
+            file: file.to_owned(),
+            line: None,
+            column: None,
+            why: why.into(),
+            remedy: remedy.into(),
+            proposal: None,
+        }
     }
 
     /// The same fault, at a line counted from 1.
@@ -96,6 +107,13 @@ impl BadInput {
     #[must_use]
     pub fn in_column(mut self, name: impl Into<String>) -> Self {
         self.column = Some(Column::Name(name.into()));
+        self
+    }
+
+    /// The same fault, with options that would read the file.
+    #[must_use]
+    pub fn proposing(mut self, proposal: Option<Proposal>) -> Self {
+        self.proposal = proposal.map(Box::new);
         self
     }
 
@@ -116,7 +134,11 @@ impl fmt::Display for BadInput {
         if let Some(column) = &self.column {
             write!(f, ", column {column}")?;
         }
-        write!(f, ": {}.\n  do: {}", self.why, self.remedy)
+        write!(f, ": {}.\n  do: {}", self.why, self.remedy)?;
+        if let Some(proposal) = &self.proposal {
+            proposal.preview.iter().try_for_each(|line| write!(f, "\n      {line}"))?;
+        }
+        Ok(())
     }
 }
 
@@ -165,6 +187,7 @@ impl Error {
                 error["column"] = json!(fault.column.as_ref().map(Column::to_string));
                 error["why"] = json!(fault.why);
                 error["remedy"] = json!(fault.remedy);
+                error["proposal"] = json!(fault.proposal);
             }
             Error::Device { why, remedy } => {
                 error["kind"] = json!("device");

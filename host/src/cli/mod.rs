@@ -45,6 +45,7 @@ pub use console::Console;
 
 use crate::error::{Error, Result};
 use crate::formula;
+use crate::log::guess::{self, Proposal};
 
 /// Finds out what a motor model is missing: fit, compare, diagnose, add, and watch the error fall.
 #[derive(Debug, Parser)]
@@ -158,9 +159,31 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console.fail(&error);
+            if let Error::BadInput(fault) = &error
+                && let Some(proposal) = &fault.proposal
+            {
+                let given = std::env::args().skip(1);
+                console.say(format!("  so the whole command is\n    {}", with_proposal(given, proposal)));
+            }
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// The command that was `given`, with the options of `proposal` in the place of its own.
+fn with_proposal(given: impl Iterator<Item = String>, proposal: &Proposal) -> String {
+    const REPLACED: [&str; 4] = ["--map", "--supply-volts", "--counts-per-rev", "--rate"];
+    let mut words = vec!["motorlens".to_owned()];
+    let mut given = given;
+    while let Some(word) = given.next() {
+        if REPLACED.contains(&word.as_str()) {
+            let _value = given.next();
+        } else if !REPLACED.iter().any(|option| word.strip_prefix(option).is_some_and(|v| v.starts_with('='))) {
+            words.push(guess::quoted(&word));
+        }
+    }
+    words.push(proposal.options());
+    words.join(" ")
 }
 
 /// Lets every verb use the effects in these files.

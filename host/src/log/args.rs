@@ -32,6 +32,9 @@ pub struct ReadArgs {
     /// Supply of the driver in volts, where the log gives duty only
     #[arg(long, value_name = "VOLTS", value_parser = positive)]
     pub supply_volts: Option<f64>,
+    /// Encoder counts per turn of the output shaft, after x4 decoding and gearing (above the motor file's)
+    #[arg(long, value_name = "COUNTS", value_parser = positive)]
+    pub counts_per_rev: Option<f64>,
     /// Duty per radian of error and unit of kp of a position servo (bam-json; 0.1649 if absent)
     #[arg(long, value_name = "GAIN", value_parser = positive)]
     pub servo_gain: Option<f64>,
@@ -46,7 +49,9 @@ impl ReadArgs {
     /// # Errors
     /// Bad input in the motor file.
     pub fn motor_file(&self) -> Result<MotorFile> {
-        self.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)
+        let mut motor = self.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
+        motor.counts_per_rev = self.counts_per_rev.or(motor.counts_per_rev);
+        Ok(motor)
     }
 
     /// The options of the reader, with the motor file read.

@@ -87,30 +87,6 @@ fn quantity_named(key: &str) -> Result<Quantity, String> {
         })
 }
 
-/// A guess at the mapping from the headers of a file, for messages; never applied by itself.
-pub fn suggest(headers: &[String]) -> Option<String> {
-    const HINTS: [(Quantity, &[&str], &str); 4] = [
-        (Quantity::Time, &["time", "t", "timestamp", "seconds", "ms", "millis"], "s"),
-        (Quantity::Voltage, &["voltage", "u", "v", "volt", "volts", "command", "pwm", "input"], "V"),
-        (Quantity::Speed, &["speed", "velocity", "vel", "rpm", "omega", "w", "y"], "rad/s"),
-        (Quantity::Angle, &["angle", "position", "pos", "theta", "encoder", "counts", "deg"], "rad"),
-    ];
-    let find = |words: &[&str]| {
-        let exact = headers.iter().find(|header| words.contains(&header.to_lowercase().as_str()));
-        exact.or_else(|| {
-            headers.iter().find(|header| {
-                let lower = header.to_lowercase();
-                words.iter().any(|word| word.len() > 2 && lower.contains(word))
-            })
-        })
-    };
-    let parts: Vec<String> = HINTS
-        .iter()
-        .filter_map(|(quantity, words, unit)| find(words).map(|header| format!("{quantity}={header}:{unit}")))
-        .collect();
-    (parts.len() >= 2).then(|| parts.join(","))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,14 +120,5 @@ mod tests {
             let error = text.parse::<Mapping>().unwrap_err();
             assert!(error.contains(answer), "{text}: {error}");
         }
-    }
-
-    #[test]
-    fn headers_of_a_foreign_log_lead_to_a_suggestion() {
-        let headers = ["t", "u", "y"].map(String::from);
-        assert_eq!(suggest(&headers).unwrap(), "time=t:s,voltage=u:V,speed=y:rad/s");
-        let headers = ["time", "leftSpeed", "leftCommand"].map(String::from);
-        assert_eq!(suggest(&headers).unwrap(), "time=time:s,voltage=leftCommand:V,speed=leftSpeed:rad/s");
-        assert_eq!(suggest(&["foo".to_owned()]), None);
     }
 }

@@ -8,6 +8,7 @@ mod args;
 pub mod bam;
 pub mod beat;
 mod fields;
+pub mod guess;
 pub mod hold;
 mod json;
 pub mod losses;

@@ -4,7 +4,8 @@ use std::io::BufRead;
 use std::path::Path;
 
 use super::fields::Splitter;
-use super::mapping::{self, Mapping};
+use super::guess;
+use super::mapping::Mapping;
 use super::samples::{Place, Samples};
 use super::text::cannot_read;
 use super::units::{Quantity, Unit};
@@ -32,8 +33,14 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
 
     let width = head.headers.as_ref().map(Vec::len);
     let names = head.headers.unwrap_or_default();
-    let wanted =
-        Choice { path, line: head.line, names: &names, meta: &meta }.columns(options.map.as_ref())?;
+    let choice = Choice { path, line: head.line, names: &names, meta: &meta };
+    let wanted = match choice.columns(options.map.as_ref())? {
+        Ok(wanted) => wanted,
+        Err(Missing { header, why }) => {
+            let rows = first_rows(path, input, head.delimiter)?;
+            return Err(choice.missing(header, why, guess::propose(&names, &rows)));
+        }
+    };
     let mut samples = Samples::new(path, wanted.iter().map(|column| column.header.clone()).collect());
 
     let mut splitter = Splitter::new(head.delimiter);
@@ -102,11 +109,7 @@ fn numbers_of<'w>(
     }
     for (column, number) in wanted.iter().zip(numbers) {
         let text = row.get(column.index).unwrap_or_default();
-        let value = text.parse::<f64>().ok().or_else(|| {
-            let decimal_comma = delimiter != b',' && text.contains(',');
-            decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
-        });
-        *number = match value {
+        *number = match self::number(text, delimiter) {
             Some(value) if value.is_finite() => value * column.factor,
             Some(_) => {
                 return Err((&column.header, format!("\"{text}\" is not a number a fit can use")));
@@ -153,6 +156,38 @@ fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options:
     Ok(())
 }
 
+/// Rows from which a mapping is guessed.
+const GUESSED_FROM: usize = 2000;
+
+/// The numbers of the first rows; NaN where a field is none.
+fn first_rows(path: &Path, mut input: impl BufRead, delimiter: u8) -> Result<Vec<Vec<f64>>> {
+    let mut splitter = Splitter::new(delimiter);
+    let (mut rows, mut line) = (Vec::new(), Vec::new());
+    while rows.len() < GUESSED_FROM
+        && input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0
+    {
+        if splitter.split(&line) {
+            rows.push(splitter.iter().map(|text| number(text, delimiter).unwrap_or(f64::NAN)).collect());
+        }
+        line.clear();
+    }
+    Ok(rows)
+}
+
+/// The number in a field; a comma is a decimal one where something else separates the fields.
+fn number(text: &str, delimiter: u8) -> Option<f64> {
+    text.parse::<f64>().ok().or_else(|| {
+        let decimal_comma = delimiter != b',' && text.contains(',');
+        decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
+    })
+}
+
+/// A canonical column that neither the header nor the mapping has.
+struct Missing {
+    header: &'static str,
+    why: &'static str,
+}
+
 /// The header of a file, out of which columns are chosen.
 struct Choice<'a> {
     path: &'a Path,
@@ -162,7 +197,7 @@ struct Choice<'a> {
 }
 
 impl Choice<'_> {
-    fn columns(&self, map: Option<&Mapping>) -> Result<Vec<Wanted>> {
+    fn columns(&self, map: Option<&Mapping>) -> Result<Result<Vec<Wanted>, Missing>> {
         let mut wanted = Vec::new();
         for quantity in Quantity::ALL {
             if let Some(source) = map.and_then(|map| map.source(quantity)) {
@@ -176,15 +211,16 @@ impl Choice<'_> {
         }
         let has = |quantity| wanted.iter().any(|column: &Wanted| column.quantity == quantity);
         if !has(Quantity::Time) {
-            return Err(self.missing("time_s", "no column gives the time"));
+            return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
         }
         if !has(Quantity::Voltage) && !has(Quantity::Duty) {
-            return Err(self.missing("voltage_v", "no column gives the voltage"));
+            return Ok(Err(Missing { header: "voltage_v", why: "no column gives the voltage" }));
         }
         if !has(Quantity::Angle) && !has(Quantity::Speed) {
-            return Err(self.missing("angle_rad", "no column gives the angle or the speed (speed_rad_s)"));
+            let why = "no column gives the angle or the speed (speed_rad_s)";
+            return Ok(Err(Missing { header: "angle_rad", why }));
         }
-        Ok(wanted)
+        Ok(Ok(wanted))
     }
 
     fn named(&self, quantity: Quantity, column: &str, unit: Unit) -> Result<Wanted> {
@@ -210,7 +246,7 @@ impl Choice<'_> {
                     self.path,
                     "encoder counts need the counts of one turn of the output shaft",
                     format!(
-                        "put counts_per_rev into motor.toml or write --map {quantity}={column}:rev/1400 (for 1400 counts)"
+                        "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
                     ),
                 )
                 .in_column(&header)
@@ -219,17 +255,23 @@ impl Choice<'_> {
         Ok(Wanted { quantity, index, header, factor })
     }
 
-    fn missing(&self, header: &str, why: &str) -> crate::error::Error {
-        let example =
-            mapping::suggest(self.names).unwrap_or_else(|| "time=t:ms,voltage=u:V,speed=y:deg/s".into());
-        BadInput::new(
-            self.path,
-            format!("{why}; the columns are {}", self.listed()),
-            format!("say which column is what and in which unit, for example --map {example}"),
-        )
-        .at_line(self.line)
-        .in_column(header)
-        .into()
+    fn missing(&self, header: &str, why: &str, proposal: Option<guess::Proposal>) -> crate::error::Error {
+        let remedy = match &proposal {
+            Some(proposal) => {
+                let assumptions = proposal.assumptions();
+                let assumptions =
+                    if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
+                format!("say which column is what and in which unit; it looks like {}{assumptions}", proposal.options())
+            }
+            None => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
+                     or --map duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
+                .into(),
+        };
+        BadInput::new(self.path, format!("{why}; the columns are {}", self.listed()), remedy)
+            .at_line(self.line)
+            .in_column(header)
+            .proposing(proposal)
+            .into()
     }
 
     fn listed(&self) -> String {

@@ -60,6 +60,11 @@ impl Quantity {
         }
     }
 
+    /// Its SI unit.
+    pub fn si(self) -> &'static str {
+        self.units()[0].0
+    }
+
     /// Units it may come in, with the factor to SI; the first is the SI unit.
     fn units(self) -> &'static [(&'static str, f64)] {
         const VOLT: &[(&str, f64)] = &[("V", 1.0), ("mV", 1e-3)];

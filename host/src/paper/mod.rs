@@ -215,7 +215,7 @@ fn refused(data: &data::Data, error: &RecordError) -> Error {
     };
     let file = data.records.get(number - 1).map(|r| r.path.clone()).unwrap_or_default();
     let remedy = "give a log of angle or speed with two samples or more".to_owned();
-    BadInput { file, line: None, column: None, why: error.to_string(), remedy }.into()
+    BadInput { file, line: None, column: None, why: error.to_string(), remedy, proposal: None }.into()
 }
 
 #[cfg(test)]

@@ -1,0 +1,227 @@
+//! What the names of columns say: a quantity, a unit, or that the column is a command and no measurement.
+
+use super::super::units::Quantity;
+
+/// What the name of one column says.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Said {
+    /// The quantity it names, and how plainly (higher is plainer).
+    pub quantity: Option<(Quantity, u8)>,
+    /// Its unit as `--map` writes it.
+    pub unit: Option<&'static str>,
+    /// It is what somebody wanted, a setpoint or an error: never a measurement.
+    pub wanted: bool,
+}
+
+use Quantity::{Angle, Current, Duty, Speed, Supply, Time, Voltage};
+
+/// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 22] = [
+    (Time, 3, None, &["time", "zeit", "timestamp", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"]),
+    (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
+    (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
+    (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec"]),
+    (Duty, 3, None, &["pwm", "duty", "dutycycle", "tastgrad", "throttle", "pwmvalue"]),
+    (Duty, 2, None, &["cmd", "command", "output", "out", "effort", "power", "control", "ctrl", "stellgroesse"]),
+    (Voltage, 4, None, &["voltage", "spannung", "tension", "vmotor", "umotor", "motorvoltage", "appliedvolts"]),
+    (Voltage, 3, Some("V"), &["volts", "volt"]),
+    (Voltage, 2, None, &["u", "v", "vm", "um", "va", "input", "in"]),
+    (Supply, 4, None, &["vbat", "vbatt", "battery", "supply", "vcc", "vin", "vbus", "bus", "vsupply", "batterie", "akku"]),
+    (Angle, 4, None, &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "rotation", "shaft", "q"]),
+    (Angle, 3, Some("counts"), &["enc", "encoder", "count", "counts", "ticks", "tick", "pulses", "edges", "cnt", "qei"]),
+    (Angle, 2, Some("deg"), &["deg", "degree", "degrees", "grad"]),
+    (Angle, 2, Some("rad"), &["rad", "radians"]),
+    (Angle, 2, Some("rev"), &["rev", "revs", "revolutions", "turns", "rotations"]),
+    (Speed, 5, None, &["speed", "velocity", "vel", "omega", "geschwindigkeit", "qd", "dtheta", "thetadot", "w", "y"]),
+    (Speed, 5, Some("rpm"), &["rpm", "drehzahl", "upm", "umin"]),
+    (Speed, 4, Some("rev/s"), &["rps"]),
+    (Speed, 4, Some("deg/s"), &["dps"]),
+    (Speed, 4, Some("rad/s"), &["rads", "radps"]),
+    (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "curr"]),
+    (Current, 3, Some("mA"), &["ma"]),
+];
+
+/// A name with one of these is of what was wanted.
+const WANTED: [&str; 22] = [
+    "setpoint", "set", "sp", "target", "goal", "ref", "reference", "desired", "des", "demand", "soll", "sollwert",
+    "wanted", "error", "err", "e", "commanded", "kp", "ki", "kd", "integral", "pid",
+];
+
+/// Units as people write them, within brackets or behind an underscore, longest first.
+const UNITS: [(&str, Quantity, &str); 38] = [
+    ("milliseconds", Time, "ms"),
+    ("microseconds", Time, "us"),
+    ("seconds", Time, "s"),
+    ("sec", Time, "s"),
+    ("ns", Time, "ns"),
+    ("us", Time, "us"),
+    ("µs", Time, "us"),
+    ("ms", Time, "ms"),
+    ("s", Time, "s"),
+    ("mv", Voltage, "mV"),
+    ("volts", Voltage, "V"),
+    ("volt", Voltage, "V"),
+    ("v", Voltage, "V"),
+    ("%", Duty, "100"),
+    ("percent", Duty, "100"),
+    ("pct", Duty, "100"),
+    ("rad/s", Speed, "rad/s"),
+    ("rads/s", Speed, "rad/s"),
+    ("rad s-1", Speed, "rad/s"),
+    ("rad_s", Speed, "rad/s"),
+    ("rad_per_s", Speed, "rad/s"),
+    ("radps", Speed, "rad/s"),
+    ("deg/s", Speed, "deg/s"),
+    ("°/s", Speed, "deg/s"),
+    ("deg_s", Speed, "deg/s"),
+    ("dps", Speed, "deg/s"),
+    ("rpm", Speed, "rpm"),
+    ("1/min", Speed, "rpm"),
+    ("rps", Speed, "rev/s"),
+    ("rev/s", Speed, "rev/s"),
+    ("counts/s", Speed, "counts/s"),
+    ("rad", Angle, "rad"),
+    ("deg", Angle, "deg"),
+    ("°", Angle, "deg"),
+    ("rev", Angle, "rev"),
+    ("counts", Angle, "counts"),
+    ("ma", Current, "mA"),
+    ("a", Current, "A"),
+];
+
+/// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`.
+pub fn said(name: &str) -> Said {
+    let (bare, bracket) = bracketed(name);
+    let lower = bare.to_lowercase();
+    let unit = bracket.as_deref().and_then(unit_named).or_else(|| {
+        // The longest unit that ends the name behind an underscore or a blank.
+        let ends = UNITS.iter().filter(|(text, ..)| {
+            lower.strip_suffix(text).is_some_and(|rest| rest.ends_with(['_', ' ', '-', '.']))
+        });
+        ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
+    });
+    let words = words(&bare);
+    let wanted = words.iter().any(|word| WANTED.contains(&word.as_str()));
+    let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
+    for (quantity, plain, implied, list) in WORDS {
+        let here = words.iter().any(|word| list.contains(&word.as_str())) || list.contains(&lower.as_str());
+        if here && best.is_none_or(|(_, before, _)| plain > before) {
+            best = Some((quantity, plain, implied));
+        }
+    }
+    // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
+    let quantity = match (best, unit) {
+        (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
+        (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
+        (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
+        (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
+        (Some((named, plain, _)), Some(_)) => Some((named, plain)),
+        (Some((named, plain, _)), None) => Some((named, plain)),
+        (None, Some((of, _))) => Some((of, 2)),
+        (None, None) => None,
+    };
+    let unit = unit.filter(|(of, _)| {
+        quantity.is_some_and(|(q, _)| q == *of || (q == Supply && *of == Voltage))
+    });
+    let implied = best.and_then(|(of, _, implied)| implied.filter(|_| quantity.is_some_and(|(q, _)| q == of)));
+    // "speed" of "encoder counts" counts per second.
+    let implied = match (quantity, implied) {
+        (Some((Speed, _)), Some("counts")) => Some("counts/s"),
+        (_, implied) => implied,
+    };
+    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), wanted }
+}
+
+/// The name without what stands in its brackets, and that.
+fn bracketed(name: &str) -> (String, Option<String>) {
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
+        if let Some((before, rest)) = name.split_once(open)
+            && let Some((inside, after)) = rest.split_once(close)
+        {
+            return (format!("{before}{after}").trim().to_owned(), Some(inside.trim().to_owned()));
+        }
+    }
+    // "Position / rad", "Zeit in s".
+    for between in [" / ", " in ", ", "] {
+        if let Some((before, unit)) = name.rsplit_once(between)
+            && unit_named(unit.trim()).is_some()
+        {
+            return (before.trim().to_owned(), Some(unit.trim().to_owned()));
+        }
+    }
+    (name.trim().to_owned(), None)
+}
+
+fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
+    let lower = text.to_lowercase();
+    UNITS.iter().find(|(known, ..)| *known == lower).map(|(_, quantity, unit)| (*quantity, *unit))
+}
+
+/// The words of a name in small letters: split at everything that is no letter, and where small letters turn large.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for c in name.chars() {
+        let turn = before.is_lowercase() && c.is_uppercase();
+        if !c.is_alphabetic() || turn {
+            words.push(String::new());
+        }
+        if c.is_alphabetic()
+            && let Some(word) = words.last_mut()
+        {
+            word.extend(c.to_lowercase());
+        }
+        before = c;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_the_wild_say_quantity_and_unit() {
+        for (name, quantity, unit) in [
+            ("t_ms", Time, Some("ms")),
+            ("millis", Time, Some("ms")),
+            ("Time (s)", Time, Some("s")),
+            ("Zeit [s]", Time, Some("s")),
+            ("pwm", Duty, None),
+            ("duty", Duty, None),
+            ("u", Voltage, None),
+            ("volts", Voltage, Some("V")),
+            ("Spannung [V]", Voltage, Some("V")),
+            ("Vbat", Supply, None),
+            ("rpm", Speed, Some("rpm")),
+            ("Drehzahl", Speed, Some("rpm")),
+            ("omega (rad/s)", Speed, Some("rad/s")),
+            ("speed_rad_s", Speed, Some("rad/s")),
+            ("leftSpeed", Speed, None),
+            ("motor speed [deg/s]", Speed, Some("deg/s")),
+            ("ticks", Angle, Some("counts")),
+            ("enc", Angle, Some("counts")),
+            ("counts", Angle, Some("counts")),
+            ("encoderCount", Angle, Some("counts")),
+            ("deg", Angle, Some("deg")),
+            ("theta", Angle, None),
+            ("Position (rad)", Angle, Some("rad")),
+            ("position_deg", Angle, Some("deg")),
+            ("current_mA", Current, Some("mA")),
+        ] {
+            let said = said(name);
+            assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
+            assert_eq!(said.unit, unit, "{name}: {said:?}");
+            assert!(!said.wanted, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_setpoint_is_known_by_its_name() {
+        for name in ["setpoint", "target_rpm", "goal_position", "speed_ref", "Sollwert", "pos_error", "desiredAngle"] {
+            assert!(said(name).wanted, "{name}");
+        }
+        assert_eq!(said("colour").quantity, None);
+    }
+}
