@@ -180,8 +180,13 @@ struct Asked {
 }
 
 fn asked(given: Vec<Given>, validate: Vec<Given>, motor: MotorFile, most: usize) -> PyResult<Asked> {
-    let validation = records(validate, &motor)?;
-    let records = records(given, &motor)?;
+    let mut validation = records(validate, &motor)?;
+    let mut records = records(given, &motor)?;
+    // A record in which the motor stands still tells its breakaway voltage, and no more.
+    let said = log::set_aside_still(&mut records, &mut validation);
+    if let Some(first) = records.first_mut() {
+        first.warnings.extend(said);
+    }
     Ok(Asked { records, options: Options { validation, motor, most, ..Options::default() } })
 }
 

@@ -57,8 +57,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let reading = ReadArgs { motor: Some(simulated.motor.clone()), ..ReadArgs::default() };
     let training = [simulated.training.as_slice(), &simulated.repeats].concat();
     let logs = Logs::new(
-        log::load(&training, &reading)?,
-        log::load(&simulated.held_out, &reading)?,
+        log::load(&training, &reading)?.records,
+        log::load(&simulated.held_out, &reading)?.records,
         reading.motor_file()?,
     );
 

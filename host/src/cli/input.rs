@@ -8,7 +8,7 @@ use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::fixed;
 use crate::fit::search::Problem;
-use crate::log::{self, ReadArgs, Record, Warning};
+use crate::log::{self, Loaded, ReadArgs, Record, Warning};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
@@ -31,6 +31,8 @@ pub struct Logs {
     pub validation: Vec<Record>,
     /// What is known of the motor.
     pub motor: MotorFile,
+    /// What the reader said that belongs to no record above.
+    warnings: Vec<Warning>,
     faults: OnceCell<Vec<Warning>>,
 }
 
@@ -41,20 +43,23 @@ impl LogArgs {
         if let Some(path) = &self.reading.motor {
             fixed::check(path, &motor.fixed)?;
         }
-        let records = log::load(&self.logs, &self.reading)?;
-        Ok(Logs::new(records, log::load_validation(&self.reading)?, motor))
+        let Loaded { records, validation, warnings } = log::load(&self.logs, &self.reading)?;
+        Ok(Logs { warnings, ..Logs::new(records, validation, motor) })
     }
 }
 
 impl Logs {
     /// Logs to fit, logs to judge by, and what is known of their motor.
     pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Self {
-        Self { records, validation, motor, faults: OnceCell::new() }
+        Self { records, validation, motor, warnings: Vec::new(), faults: OnceCell::new() }
     }
 
     /// What is odd about the logs; sought once.
     pub fn faults(&self) -> &[Warning] {
-        self.faults.get_or_init(|| log::data_faults(self.records.iter().chain(&self.validation)))
+        self.faults.get_or_init(|| {
+            let of_content = log::data_faults(self.records.iter().chain(&self.validation));
+            log::together(self.warnings.iter().cloned().chain(of_content))
+        })
     }
 
     /// Tells what is odd about the logs.

@@ -178,7 +178,8 @@ fn with_proposal(given: impl Iterator<Item = String>, proposal: &Proposal) -> St
     while let Some(word) = given.next() {
         if REPLACED.contains(&word.as_str()) {
             let _value = given.next();
-        } else if !REPLACED.iter().any(|option| word.strip_prefix(option).is_some_and(|v| v.starts_with('='))) {
+        } else if !REPLACED.iter().any(|option| word.strip_prefix(option).is_some_and(|v| v.starts_with('=')))
+        {
             words.push(guess::quoted(&word));
         }
     }

@@ -45,7 +45,8 @@ struct Document {
 /// Fits, compares, and tells.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let motor = args.reading.motor_file()?;
-    let [first, second] = [log::load(&args.first, &args.reading)?, log::load(&args.second, &args.reading)?];
+    let load = |paths| Ok::<_, crate::error::Error>(log::load(paths, &args.reading)?.records);
+    let [first, second] = [load(&args.first)?, load(&args.second)?];
     let effects: Vec<Kind> = if let Some(path) = &args.model {
         Model::read(path)?.values().kinds()
     } else if let Some(names) = &args.effects {

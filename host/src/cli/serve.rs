@@ -30,8 +30,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let session = if args.logs.is_empty() {
         serve::demo()?
     } else {
-        let records = log::load(&args.logs, &args.reading)?;
-        Session::new(records, log::load_validation(&args.reading)?, args.reading.motor_file()?)?
+        let loaded = log::load(&args.logs, &args.reading)?;
+        for warning in &loaded.warnings {
+            console.say(super::prose::fault(warning));
+        }
+        Session::new(loaded.records, loaded.validation, args.reading.motor_file()?)?
     };
     serve::serve(session, args.port, |address| {
         let url = format!("http://{address}");

@@ -10,6 +10,9 @@ use std::time::Duration;
 const AGAIN: Duration = Duration::from_millis(250);
 /// The board is taken for dead after this time without an answer.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// So many bytes are kept of a board that speaks otherwise, and after this time they are enough to know that it does.
+const HEARD: usize = 240;
+const ENOUGH: Duration = Duration::from_secs(3);
 /// The board stops the motor when it hears nothing for its link timeout; this is how often it hears something.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
 
@@ -30,6 +33,9 @@ pub struct Exchange {
     spoke: Duration,
     out: Vec<u8>,
     damaged: u64,
+    /// The first bytes heard, as long as none of them made a message.
+    heard: Vec<u8>,
+    understood: bool,
 }
 
 impl Exchange {
@@ -70,6 +76,9 @@ impl Exchange {
     /// request that it belongs to (0 is what the board says unasked).
     pub fn receive(&mut self, bytes: &[u8]) -> Vec<Packet<FromBoard>> {
         let mut messages = Vec::new();
+        if !self.understood {
+            self.heard.extend(bytes.iter().take(HEARD - self.heard.len().min(HEARD)));
+        }
         for byte in bytes {
             match self.decoder.push::<Packet<FromBoard>>(*byte) {
                 Some(Ok(packet)) => self.arrived(packet, &mut messages),
@@ -81,6 +90,7 @@ impl Exchange {
     }
 
     fn arrived(&mut self, packet: Packet<FromBoard>, messages: &mut Vec<Packet<FromBoard>>) {
+        self.understood = true;
         if packet.message == FromBoard::Refused(Refusal::Version) {
             // The board has started anew since the hello; greet it again and let the request be repeated.
             self.tell(ToBoard::Hello { oldest: OLDEST, newest: NEWEST });
@@ -104,7 +114,12 @@ impl Exchange {
     /// Lets time pass, and hands over what is to be sent.
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         if let Some(pending) = &mut self.pending {
-            if now.saturating_sub(pending.since) > PATIENCE {
+            let waited = now.saturating_sub(pending.since);
+            let foreign = !self.understood && !self.heard.is_empty();
+            if foreign && (waited > PATIENCE || waited > ENOUGH && self.heard.len() >= HEARD) {
+                self.pending = None;
+                self.answer = Some(Err(Fault::Foreign(std::mem::take(&mut self.heard))));
+            } else if waited > PATIENCE {
                 self.pending = None;
                 self.answer = Some(Err(Fault::Silent));
             } else if pending.sent.is_none_or(|sent| now.saturating_sub(sent) >= AGAIN) {

@@ -8,11 +8,13 @@ mod capture;
 pub mod check;
 mod collector;
 mod exchange;
+mod foreign;
 mod inquiry;
 pub mod lines;
 mod listen;
 mod port;
 mod record;
+mod trouble;
 
 pub use capture::{Capture, Captured};
 pub use collector::Collector;
@@ -30,6 +32,8 @@ use std::fmt;
 pub enum Fault {
     /// No answer, however often asked.
     Silent,
+    /// Bytes came, and none of them of this program's link: the beginning of what was heard.
+    Foreign(Vec<u8>),
     /// The board speaks other versions of the protocol: its oldest and newest.
     Version(u16, u16),
     /// The board refused.
@@ -43,6 +47,7 @@ pub enum Fault {
 impl From<Fault> for crate::error::Error {
     fn from(fault: Fault) -> Self {
         let remedy = match &fault {
+            Fault::Foreign(heard) => foreign::remedy(heard),
             Fault::Silent => "check power, cable and port; the firmware runs at 921,600 baud",
             Fault::Version(..) => "flash the firmware that belongs to this program: motorlens device flash",
             Fault::Refused(_) => "change what the board names and try again",
@@ -57,6 +62,13 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Silent => write!(f, "the board does not answer"),
+            Self::Foreign(heard) => {
+                write!(
+                    f,
+                    "the board runs other firmware: it does not speak the link, but says {}",
+                    foreign::shown(heard)
+                )
+            }
             Self::Version(oldest, newest) => {
                 write!(f, "the board speaks versions {oldest} to {newest} of the link, this program does not")
             }

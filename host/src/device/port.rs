@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
 
+use super::trouble;
 use crate::error::{Error, Result};
 
 /// The board's speed, baud. TCP knows no speed.
@@ -141,12 +142,7 @@ fn open_tcp(name: &str, address: &str) -> Result<Box<dyn Line>> {
 }
 
 fn open_serial(name: &str, baud: u32) -> Result<Box<dyn Line>> {
-    let mut port = SerialPort::open(name, baud).map_err(|error| {
-        let ports = SerialPort::available_ports().unwrap_or_default();
-        let found: Vec<String> = ports.iter().map(|port| port.display().to_string()).collect();
-        let found = if found.is_empty() { "none is there".to_owned() } else { found.join(", ") };
-        Error::device(format!("{name}: {error}"), format!("name a serial port ({found}) or tcp://host:port"))
-    })?;
+    let mut port = SerialPort::open(name, baud).map_err(|error| trouble::cannot_open(name, &error))?;
     port.set_read_timeout(TURN)
         .map_err(|error| Error::device(format!("{name}: {error}"), "use another serial adapter"))?;
     // What an earlier program left in the line is not for this conversation.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::mapping::Mapping;
-use super::{Format, Hold, ReadOptions, Record, read};
+use super::roles::{Range, divide};
+use super::{Format, Hold, ReadOptions, Record, Warning, read, servo, set_aside_still};
 use crate::error::Result;
 use crate::motor_file::{self, MotorFile};
 
@@ -17,7 +18,7 @@ pub struct ReadArgs {
     ///
     /// Columns by header or by 0-based number. Units: s ms us, V mV, rad deg rev counts, rad/s deg/s rev/s rpm counts/s,
     /// A mA; a scale may follow: voltage=u:V*0.031, speed=y:rpm/-1. For a drive that logs its duty:
-    /// duty=command:255,supply=battery:mV (or --supply-volts).
+    /// duty=command:255,supply=battery:mV (or --supply-volts). For a position servo: target=goal:deg,angle=position:deg.
     #[arg(long, value_name = "MAP")]
     pub map: Option<Mapping>,
     /// Layout of the log files
@@ -35,12 +36,24 @@ pub struct ReadArgs {
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing (above the motor file's)
     #[arg(long, value_name = "COUNTS", value_parser = positive)]
     pub counts_per_rev: Option<f64>,
-    /// Duty per radian of error and unit of kp of a position servo (bam-json; 0.1649 if absent)
+    /// Position servos: duty per radian of error (bam-json: and per unit of kp); found from the motion if absent
     #[arg(long, value_name = "GAIN", value_parser = positive)]
     pub servo_gain: Option<f64>,
+    /// Position servos: duty that the loop takes off per rad/s of speed; found from the motion with the gain
+    #[arg(long, value_name = "DAMPING", value_parser = not_negative)]
+    pub servo_damping: Option<f64>,
     /// A log to keep out of every fit and to judge by; repeatable
     #[arg(short, long, value_name = "LOG")]
     pub validate: Vec<PathBuf>,
+    /// Seconds to leave out, of all records or of one: 3.2..4.0, run2:3.2..4.0, run2:9.., run2 (all of it); repeatable
+    ///
+    /// Times are those of the log's own clock, as messages about the data print them. What stands before and after becomes a record
+    /// of its own.
+    #[arg(long, value_name = "[RECORD:]FROM..TO")]
+    pub skip: Vec<Range>,
+    /// Seconds to keep out of every fit and to judge by, written as for --skip; repeatable
+    #[arg(long, value_name = "[RECORD:]FROM..TO")]
+    pub judge_by: Vec<Range>,
 }
 
 impl ReadArgs {
@@ -65,30 +78,53 @@ impl ReadArgs {
             hold: self.hold,
             supply_volts: self.supply_volts,
             servo_gain: self.servo_gain,
+            servo_damping: self.servo_damping,
             motor: self.motor_file()?,
         })
     }
 }
 
-/// Reads the records of several files, in their order.
-///
-/// # Errors
-/// The first fault met; see [`read`].
-pub fn load(paths: &[PathBuf], args: &ReadArgs) -> Result<Vec<Record>> {
-    let options = args.options()?;
-    let mut records = Vec::new();
-    for path in paths {
-        records.extend(read(path, &options)?);
-    }
-    Ok(records)
+/// Records by what they are for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Loaded {
+    /// To fit.
+    pub records: Vec<Record>,
+    /// To judge by: the logs of `--validate` and the ranges of `--judge-by`.
+    pub validation: Vec<Record>,
+    /// What was found odd where it belongs to no record of these.
+    pub warnings: Vec<Warning>,
 }
 
-/// Reads the records of `--validate`.
+/// Reads the records of several files and gives each its role. A record in which the motor stands still tells its breakaway voltage
+/// and has none.
 ///
 /// # Errors
-/// The first fault met; see [`read`].
-pub fn load_validation(args: &ReadArgs) -> Result<Vec<Record>> {
-    load(&args.validate, args)
+/// The first fault met, see [`read`]; wrong usage where a range of `--skip` or `--judge-by` touches no record.
+pub fn load(paths: &[PathBuf], args: &ReadArgs) -> Result<Loaded> {
+    let options = args.options()?;
+    let all = |paths: &[PathBuf]| -> Result<Vec<Record>> {
+        let mut records = Vec::new();
+        for path in paths {
+            records.extend(read(path, &options)?);
+        }
+        Ok(records)
+    };
+    let (mut records, mut validation) =
+        divide(all(paths)?, all(&args.validate)?, &args.skip, &args.judge_by)?;
+    // One controller for all.
+    let fitted = records.len();
+    records.append(&mut validation);
+    servo::close_loops(&mut records);
+    validation = records.split_off(fitted);
+    let warnings = set_aside_still(&mut records, &mut validation);
+    Ok(Loaded { records, validation, warnings })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("give a number of 0 or more".into()),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -1,7 +1,7 @@
 //! `--map time=t:ms,voltage=u,speed=y:deg/s`: which column of a foreign file is what, and in which unit.
 //!
-//! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, voltage, duty, angle, speed, current or
-//! supply. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
+//! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, voltage, duty, target (of a position servo),
+//! angle, speed, current or supply. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
 //! `*factor` or `/divisor`; for duty it is the number that means full duty. Where duty is given instead of voltage, the
 //! voltage is duty times the supply column, or times `--supply-volts`.
 
@@ -18,6 +18,8 @@ pub struct Source {
     pub column: String,
     /// Its unit and scale.
     pub unit: Unit,
+    /// The unit as it was written; empty where none was.
+    pub written: String,
 }
 
 /// The meaning of the columns of a file.
@@ -53,17 +55,16 @@ impl FromStr for Mapping {
                 .split_once('=')
                 .ok_or_else(|| format!("\"{part}\" lacks an equals sign: write for example voltage=u:V"))?;
             let quantity = quantity_named(key.trim())?;
-            let (column, unit) = match place.rsplit_once(':') {
-                Some((column, unit)) => (column, Unit::parse(quantity, unit.trim())?),
-                None => (place, Unit::SI),
-            };
+            let (column, written) = place.rsplit_once(':').unwrap_or((place, ""));
+            let unit = if place.contains(':') { Unit::parse(quantity, written.trim())? } else { Unit::SI };
             if column.trim().is_empty() {
                 return Err(format!("\"{part}\" names no column: write for example {quantity}=3"));
             }
             if mapping.source(quantity).is_some() {
                 return Err(format!("{quantity} is mapped twice"));
             }
-            mapping.sources.push(Source { quantity, column: column.trim().to_owned(), unit });
+            let (column, written) = (column.trim().to_owned(), written.trim().to_owned());
+            mapping.sources.push(Source { quantity, column, unit, written });
         }
         if mapping.source(Quantity::Duty).is_some() && mapping.source(Quantity::Voltage).is_some() {
             return Err(

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, bam, repair, sysid, sysid_list, table, text};
+use super::{Hold, Metadata, Record, bam, repair, servo, sysid, sysid_list, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -32,8 +32,10 @@ pub struct ReadOptions {
     pub hold: Option<Hold>,
     /// Supply of the driver, V, where the log gives duty only.
     pub supply_volts: Option<f64>,
-    /// Duty per radian of error and unit of kp of a servo whose voltage is inferred; [`super::bam::SERVO_GAIN`] if absent.
+    /// Duty per radian of error of a position servo; of a BAM log, per unit of kp too ([`super::bam::SERVO_GAIN`] if absent).
     pub servo_gain: Option<f64>,
+    /// Duty per rad/s that the loop of a servo takes off.
+    pub servo_damping: Option<f64>,
     /// What is known of the motor, above what the file says.
     pub motor: MotorFile,
 }
@@ -75,7 +77,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
             let (why, remedy) = json_kind(start);
             Err(BadInput::new(path, why, remedy).at_line(1).into())
         }
-        Format::Csv => Ok(repair::repaired(table::read(path, input, options)?)),
+        Format::Csv => {
+            let tests = table::read(path, input, options)?;
+            let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
+            servo::close_loops(&mut records);
+            Ok(records)
+        }
     }
 }
 

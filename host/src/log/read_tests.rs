@@ -210,7 +210,7 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
             no_voltage.as_bytes(),
             "line 1, column voltage_v",
             "time_s, command, angle_rad",
-            "--map time=time_s:s,voltage=command:V,angle=angle_rad",
+            "--map time=time_s:s,duty=command:1,angle=angle_rad:rad --supply-volts 12",
         ),
         (no_angle.as_bytes(), "line 1, column angle_rad", "time_s, voltage_v, y", "--map"),
         (double.as_bytes(), "line 1, column time_s", "two columns", "rename"),

@@ -6,6 +6,8 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::Metadata;
+use super::mapping::Mapping;
+use super::servo::Servo;
 
 /// What the voltage does between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -69,6 +71,10 @@ pub struct Record {
     pub meta: Metadata,
     /// What the voltage does between samples.
     pub hold: Hold,
+    /// The position loop that drives the motor, where the log has a target and no voltage.
+    pub servo: Option<Servo>,
+    /// The mapping by which it was read, where one was given.
+    pub map: Option<Mapping>,
     /// Oddities met while reading.
     pub warnings: Vec<Warning>,
 }

@@ -202,26 +202,37 @@ fn cut(record: Record, pauses: &[usize], resets: &[usize]) -> Vec<Record> {
         what: format!("{what}; read as {} records{short}", kept.len()),
         fix: "log without pauses, and read the counter in full width; nothing is to be done if these are separate tests".into(),
     });
-    let mut warnings: Vec<Warning> = record.warnings.iter().cloned().chain(warnings).collect();
-    let parts = kept.iter().enumerate().map(|(number, &(begin, end))| {
-        let mut part = Record {
-            name: format!("{} part {}", record.name, number + 1),
-            // Said once.
-            warnings: std::mem::take(&mut warnings),
-            ..record.clone()
-        };
-        for column in columns(&mut part) {
-            *column = column[begin..end].to_vec();
-        }
-        part
+    let mut before = record.warnings.clone();
+    cut_already(&mut before);
+    let mut warnings: Vec<Warning> = before.into_iter().chain(warnings).collect();
+    let parts = kept.iter().enumerate().map(|(number, &(begin, end))| Record {
+        // Said once.
+        warnings: std::mem::take(&mut warnings),
+        ..part(&record, begin..end, number + 1)
     });
     parts.collect()
 }
 
+/// Takes back the advice to cut at a gap where that is done.
+pub(super) fn cut_already(warnings: &mut Vec<Warning>) {
+    warnings.retain(|warning| !warning.what.starts_with(super::samples::MISSING));
+}
+
+/// The samples `range` of `record`, as its part of this number.
+pub(super) fn part(record: &Record, range: std::ops::Range<usize>, number: usize) -> Record {
+    let mut part = record.clone();
+    part.name = format!("{} part {number}", record.name);
+    for column in columns(&mut part) {
+        *column = column[range.clone()].to_vec();
+    }
+    part
+}
+
 fn columns(record: &mut Record) -> impl Iterator<Item = &mut Vec<f64>> {
-    let Record { time_s, voltage_v, angle_rad, speed_rad_s, current_a, supply_v, .. } = record;
+    let Record { time_s, voltage_v, angle_rad, speed_rad_s, current_a, supply_v, servo, .. } = record;
     let optional = [angle_rad, speed_rad_s, current_a, supply_v].into_iter().flatten();
-    [time_s, voltage_v].into_iter().chain(optional)
+    let target = servo.as_mut().map(|servo| &mut servo.target_rad);
+    [time_s, voltage_v].into_iter().chain(optional).chain(target)
 }
 
 fn named(samples: &[usize], time_s: &[f64]) -> String {

@@ -16,6 +16,10 @@ const BAD_SHARE: f64 = 0.02;
 const REPEAT_SHARE: f64 = 0.10;
 /// Bad rows that are reported one by one; the rest is summed up.
 const LISTED: usize = 3;
+/// A clock that goes back to within this share of the way from its beginning starts anew.
+const NEAR_BEGINNING: f64 = 0.05;
+/// What the warning of a pause begins with.
+pub(super) const MISSING: &str = "samples are missing";
 /// A pause is worth a warning from this many median intervals on.
 const GAP_INTERVALS: f64 = 10.0;
 
@@ -69,6 +73,7 @@ pub struct Samples {
     strays: Option<(BadField, usize)>,
     repeats: usize,
     first_repeat: Option<Place>,
+    restarts: Vec<usize>,
 }
 
 /// The last place seen, and that of the longest pause so far.
@@ -92,6 +97,7 @@ impl Samples {
             strays: None,
             repeats: 0,
             first_repeat: None,
+            restarts: Vec::new(),
         }
     }
 
@@ -105,7 +111,9 @@ impl Samples {
         self.places.last = Some(place);
         if let Some(&before) = self.columns[0].last() {
             let step = row[0] - before;
-            if step < 0.0 {
+            if step < 0.0 && self.starts_anew(row[0], before) {
+                self.restarts.push(self.len());
+            } else if step < 0.0 {
                 let fault = BadInput::new(
                     &self.path,
                     format!("time goes backwards, from {before} s to {} s", row[0]),
@@ -126,6 +134,24 @@ impl Samples {
             column.push(value);
         }
         Ok(())
+    }
+
+    /// Whether a clock that goes from `before` back to `now` starts anew, as for another test: it is nearer to the beginning than to
+    /// the end, and there are samples for a record behind it.
+    fn starts_anew(&self, now: f64, before: f64) -> bool {
+        let begin = self.restarts.last().copied().unwrap_or(0);
+        let first = self.columns[0][begin];
+        self.len() - begin >= FEWEST_SAMPLES && now - first < NEAR_BEGINNING * (before - first)
+    }
+
+    /// Number of samples taken.
+    pub fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    /// The samples with which the clock starts anew.
+    pub fn restarts(&self) -> &[usize] {
+        &self.restarts
     }
 
     /// Leaves out a row that has an unreadable field.
@@ -249,7 +275,7 @@ impl Samples {
         {
             warnings.push(Warning {
                 place: format!("{file}, {}", place.in_words()),
-                what: format!("samples are missing for {pause:.3} s before this row"),
+                what: format!("{MISSING} for {pause:.3} s before this row"),
                 fix: "log without pauses, or cut the file there and give both parts".into(),
             });
         }

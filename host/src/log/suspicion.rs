@@ -6,12 +6,17 @@
 use super::hold::hold;
 use super::motion::peak;
 use super::quantum::quantum;
+use super::readings::{blind_near_zero, speed_beside_angle};
+use super::remap::remapped;
+use super::renewed::stale_voltage;
+use super::stops::hard_stop;
 use super::timing::median_interval;
+use super::units::Quantity;
 use super::weak::Weak;
-use super::{Record, Warning, faults};
+use super::{Record, Warning, faults, together};
 
 /// A finding about one record: short name, column, cause, remedy.
-type Odd = (&'static str, &'static str, String, String);
+pub(super) type Odd = (&'static str, &'static str, String, String);
 
 /// A record and its regression, where it moves enough for one.
 struct Seen<'a> {
@@ -21,12 +26,21 @@ struct Seen<'a> {
 
 /// What reader and judge found odd, and everything odd about the content: all that is told before any physics.
 pub fn data_faults<'a>(records: impl IntoIterator<Item = &'a Record> + Clone) -> Vec<Warning> {
-    records.clone().into_iter().flat_map(faults).chain(suspicions(records)).collect()
+    together(records.clone().into_iter().flat_map(faults).chain(suspicions(records)))
 }
 
 /// Everything odd about `records`, each by itself and against each other.
 pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
-    let alone = [beyond_supply, constant_supply, stale, jumps, drifting_count];
+    let alone = [
+        beyond_supply,
+        constant_supply,
+        stale_voltage,
+        stale,
+        jumps,
+        hard_stop,
+        speed_beside_angle,
+        blind_near_zero,
+    ];
     let regressed = [clipped, wrong_gear];
     let seen: Vec<Seen> =
         records.into_iter().map(|record| Seen { record, weak: Weak::new(record) }).collect();
@@ -233,48 +247,6 @@ fn jumps(record: &Record) -> Option<Odd> {
     })
 }
 
-/// Angle and integrated speed may differ by this share.
-const DRIFT: f64 = 0.02;
-
-/// How late the speed may be beside its angle, s, and the steps in which that is tried.
-const LATEST_S: f64 = 0.2;
-const LATE_STEP_S: f64 = 0.01;
-
-/// The angle falls behind the speed that stands beside it.
-fn drifting_count(record: &Record) -> Option<Odd> {
-    let (angle, speed) = (record.angle_rad.as_ref()?, record.speed_rad_s.as_ref()?);
-    let way = |late_s: f64| {
-        let (mut way, mut lost, mut left, mut at) = (0.0, 0.0, 0.0, 0);
-        for k in 1..record.len() {
-            // A late or filtered speed belongs to a motion before it.
-            while at + 1 < record.len() && record.time_s[at + 1] <= record.time_s[k] - late_s {
-                at += 1;
-            }
-            if at == 0 {
-                continue;
-            }
-            let passed = 0.5 * (speed[k] + speed[k - 1]) * (record.time_s[k] - record.time_s[k - 1]);
-            let missed = passed - (angle[at] - angle[at - 1]);
-            way += passed.abs();
-            lost += missed * passed.signum();
-            left += missed * missed;
-        }
-        (way, lost / way, left)
-    };
-    let step = median_interval(&record.time_s).max(LATE_STEP_S);
-    let trials = (0..=(LATEST_S / step) as usize).map(|k| (k as f64 * step, way(k as f64 * step)));
-    let (_, (way, share, _)) = trials.min_by(|a, b| a.1.2.total_cmp(&b.1.2))?;
-    // A whole factor is a matter of units, and told as such.
-    (way > 1.0 && share.abs() > DRIFT && share.abs() < 0.3).then(|| {
-        (
-            "lost_counts",
-            "angle_rad",
-            format!("the angle misses {:.1} % of the way that the speed beside it makes", 100.0 * share),
-            "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
-        )
-    })
-}
-
 /// The encoder's count shows on which side of the gears the angle is.
 fn wrong_gear(Seen { record, weak }: &Seen) -> Option<Odd> {
     let gear = record.meta.gear_ratio().filter(|g| *g > 1.5)?;
@@ -295,13 +267,16 @@ fn wrong_gear(Seen { record, weak }: &Seen) -> Option<Odd> {
     };
     let (why, factor) = told.or_else(by_plate)?;
     let column = if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" };
-    let (quantity, unit) = if record.angle_rad.is_some() { ("angle", "rad") } else { ("speed", "rad/s") };
+    let quantity = if record.angle_rad.is_some() { Quantity::Angle } else { Quantity::Speed };
     let turn = if factor > 1.0 { format!("/{gear}") } else { format!("*{gear}") };
     Some((
         "wrong_gear_ratio",
         column,
         why,
-        format!("say --map {quantity}={column}:{unit}{turn}, or correct gear_ratio and counts_per_rev"),
+        format!(
+            "say {}, or correct gear_ratio and counts_per_rev",
+            remapped(record, &[(quantity, quantity, &turn)])
+        ),
     ))
 }
 
@@ -330,7 +305,8 @@ fn duty(seen: &[Seen]) -> Option<Warning> {
             "perhaps_duty: the voltage never passes {highest:.3}, as {looks} does; then every gain is wrong by the supply's voltage"
         ),
         fix: format!(
-            "if it is a duty, say --map duty=voltage_v:{full} (with the column's own name) and --supply-volts 12 (the supply of this drive)"
+            "if it is a duty, say {} --supply-volts 12 (with the voltage of this drive's supply)",
+            remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)])
         ),
     })
 }

@@ -55,10 +55,6 @@ const DRIVE_TRAIN: &[Side] = &[
 pub const TEST_KEY: &str = "sysid_test";
 /// Metadata key of a record whose entries are in radians by their names.
 pub const UNIT_KEY: &str = "sysid_unit";
-/// The mappings that turn a motion round and keep its unit.
-pub const TURN_ROTATIONS: &str = "--map angle=position:rev*-1,speed=velocity:rev/s*-1";
-/// The same of radians.
-pub const TURN_RADIANS: &str = "--map angle=position:rad*-1,speed=velocity:rad/s*-1";
 
 /// Reads the records of a SysId file: one per test, two per test of a drive train.
 ///
@@ -151,6 +147,7 @@ fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions
         angle_rad: Some(next()),
         speed_rad_s: Some(next()),
         hold: options.hold.unwrap_or_default(),
+        map: options.map.clone(),
         meta,
         warnings,
         ..Record::default()

@@ -256,6 +256,7 @@ fn one(path: &Path, list: &List, motor: &str, test: &Test, options: &ReadOptions
         angle_rad: position.and_then(|_| columns.next()),
         speed_rad_s: velocity.and_then(|_| columns.next()),
         hold: options.hold.unwrap_or_default(),
+        map: options.map.clone(),
         meta,
         warnings,
         ..Record::default()

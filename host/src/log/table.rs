@@ -7,6 +7,8 @@ use super::fields::Splitter;
 use super::guess;
 use super::mapping::Mapping;
 use super::samples::{Place, Samples};
+use super::servo::Servo;
+use super::structure::{self, Structure};
 use super::text::cannot_read;
 use super::units::{Quantity, Unit};
 use super::{Metadata, ReadOptions, Record, Warning, preamble};
@@ -21,11 +23,11 @@ struct Wanted {
     factor: f64,
 }
 
-/// Reads one record from `input`, which stands at the beginning of the file at `path`.
+/// Reads the record (or the tests) from `input`, which stands at the beginning of the file at `path`.
 ///
 /// # Errors
 /// Bad input, with line and column; wrong usage where an option is missing to make sense of the mapping.
-pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Record> {
+pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
     let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
     let head = preamble::read(path, &mut input, by_number)?;
     let mut meta = head.meta;
@@ -43,6 +45,8 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
     };
     let mut samples = Samples::new(path, wanted.iter().map(|column| column.header.clone()).collect());
 
+    let state = structure::state_column(&names).filter(|k| wanted.iter().all(|column| column.index != *k));
+    let mut structure = Structure::default();
     let mut splitter = Splitter::new(head.delimiter);
     let mut numbers = vec![0.0; wanted.len()];
     let mut number = head.line;
@@ -63,7 +67,12 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
                 samples.stray(place, &wanted[0].header, why.into());
             } else {
                 match numbers_of(&splitter, &wanted, width, head.delimiter, &mut numbers) {
-                    Ok(()) => samples.accept(place, &numbers)?,
+                    Ok(()) => {
+                        samples.accept(place, &numbers)?;
+                        if let Some(state) = state.and_then(|index| splitter.get(index)) {
+                            structure.saw(samples.len().saturating_sub(1), state);
+                        }
+                    }
                     Err((column, why)) if width.is_some_and(|width| splitter.len() < width) => {
                         samples.stray(place, column, why);
                     }
@@ -73,6 +82,7 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         }
         line.clear();
     }
+    structure.restarts = samples.restarts().to_vec();
     let (columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
     if head.skipped > 0 {
         warnings.push(Warning {
@@ -85,12 +95,13 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         name: super::stem(path),
         path: path.to_owned(),
         hold: options.hold.or(meta.hold()).unwrap_or_default(),
+        map: options.map.clone(),
         meta,
         warnings,
         ..Record::default()
     };
     fill(&mut record, &wanted, columns, options)?;
-    Ok(record)
+    Ok(structure.tests(record))
 }
 
 fn numbers_of<'w>(
@@ -125,12 +136,13 @@ fn numbers_of<'w>(
 }
 
 fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options: &ReadOptions) -> Result<()> {
-    let mut duty = None;
+    let (mut duty, mut target) = (None, None);
     for (column, values) in wanted.iter().zip(columns) {
         match column.quantity {
             Quantity::Time => record.time_s = values,
             Quantity::Voltage => record.voltage_v = values,
             Quantity::Duty => duty = Some(values),
+            Quantity::Target => target = Some(values),
             Quantity::Angle => record.angle_rad = Some(values),
             Quantity::Speed => record.speed_rad_s = Some(values),
             Quantity::Current => record.current_a = Some(values),
@@ -152,6 +164,15 @@ fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options:
                 ));
             }
         };
+    }
+    if let Some(target_rad) = target.filter(|_| record.voltage_v.is_empty()) {
+        let volts = options.supply_volts;
+        if let (None, Some(volts)) = (&record.supply_v, volts) {
+            record.supply_v = Some(vec![volts; target_rad.len()]);
+        }
+        record.voltage_v = vec![0.0; target_rad.len()];
+        let (gain, damping) = (options.servo_gain, options.servo_damping);
+        record.servo = Some(Servo { target_rad, gain, damping });
     }
     Ok(())
 }
@@ -212,6 +233,14 @@ impl Choice<'_> {
         let has = |quantity| wanted.iter().any(|column: &Wanted| column.quantity == quantity);
         if !has(Quantity::Time) {
             return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
+        }
+        // The target of a servo drives it only where nothing nearer to the motor was logged.
+        if !has(Quantity::Voltage) && !has(Quantity::Duty) && has(Quantity::Target) {
+            if !has(Quantity::Angle) {
+                let why = "a target moves the motor by its angle, and no column gives the angle";
+                return Ok(Err(Missing { header: "angle_rad", why }));
+            }
+            return Ok(Ok(wanted));
         }
         if !has(Quantity::Voltage) && !has(Quantity::Duty) {
             return Ok(Err(Missing { header: "voltage_v", why: "no column gives the voltage" }));
@@ -288,7 +317,7 @@ impl Choice<'_> {
 fn displaced(quantity: Quantity, map: Option<&Mapping>) -> bool {
     map.is_some_and(|map| match quantity {
         Quantity::Angle | Quantity::Speed => map.names_motion(),
-        Quantity::Voltage => map.source(Quantity::Duty).is_some(),
+        Quantity::Voltage => [Quantity::Duty, Quantity::Target].iter().any(|q| map.source(*q).is_some()),
         _ => false,
     })
 }

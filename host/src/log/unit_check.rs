@@ -7,7 +7,9 @@ use std::f64::consts::TAU;
 use super::Record;
 use super::motion::{peak, slope, speed};
 use super::quantum::quantum;
+use super::remap::remapped;
 use super::timing::median_interval;
+use super::units::Quantity::{Angle, Duty, Time, Voltage};
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
@@ -45,7 +47,7 @@ fn time(record: &Record) -> Option<Fault> {
         return Some(fault(
             "time_s",
             format!("a sample every {interval} s is too slow for a motor; the column looks like {unit}"),
-            format!("if so, say --map time=time_s:{unit} (with the column's own name)"),
+            format!("if so, say {}", remapped(record, &[(Time, Time, unit)])),
         ));
     }
     (interval < FASTEST_INTERVAL).then(|| {
@@ -63,14 +65,21 @@ fn voltage(record: &Record) -> Option<Fault> {
         return Some(fault(
             "voltage_v",
             format!("the voltage reaches {highest}, which looks like millivolts or a timer's compare value"),
-            "say --map voltage=voltage_v:mV for millivolts, or --map duty=COLUMN:FULL with --supply-volts for duty",
+            format!(
+                "say {} for millivolts, or {} --supply-volts 12 for duty (full scale and supply of this drive)",
+                remapped(record, &[(Voltage, Voltage, "mV")]),
+                remapped(record, &[(Voltage, Duty, "4095")])
+            ),
         ));
     }
     (highest > 100.0 && whole(&record.voltage_v)).then(|| {
         fault(
             "voltage_v",
             format!("the voltage holds whole numbers up to {highest}, which looks like a PWM command"),
-            "say --map duty=COLUMN:255 --supply-volts 12 (full scale and supply of this drive)",
+            format!(
+                "say {} --supply-volts 12 (full scale and supply of this drive)",
+                remapped(record, &[(Voltage, Duty, if highest <= 255.0 { "255" } else { "1023" })])
+            ),
         )
     })
 }
@@ -81,7 +90,11 @@ fn angle(record: &Record) -> Option<Fault> {
         return Some(fault(
             "angle_rad",
             "the angle holds whole numbers only, which looks like encoder counts or degrees".into(),
-            "say --map angle=angle_rad:rev/1400 (with the counts of one turn) or --map angle=angle_rad:deg",
+            format!(
+                "say {} --counts-per-rev 1400 (with the counts of one turn), or {}",
+                remapped(record, &[(Angle, Angle, "counts")]),
+                remapped(record, &[(Angle, Angle, "deg")])
+            ),
         ));
     }
     // The counts of one turn fix what one count must be.
@@ -93,7 +106,7 @@ fn angle(record: &Record) -> Option<Fault> {
             format!(
                 "one encoder count is {step:.4} times what it is in radians; the column looks like {unit}"
             ),
-            format!("say --map angle=angle_rad:{unit}, or correct counts_per_rev"),
+            format!("say {}, or correct counts_per_rev", remapped(record, &[(Angle, Angle, unit)])),
         )
     })
 }
@@ -165,7 +178,7 @@ fn gain(record: &Record) -> Option<Fault> {
             format!(
                 "a sample every {interval:.3} s and only {gain:.5} rad/s per volt: the column looks like ms"
             ),
-            "if so, say --map time=time_s:ms (with the column's own name)",
+            format!("if so, say {}", remapped(record, &[(Time, Time, "ms")])),
         ));
     }
     if gain > FRANTIC {
@@ -253,7 +266,7 @@ mod tests {
             (&|r| scale(Some(&mut r.time_s), 1e-5), "column time_s", "too fast", "--map time"),
             (&|r| scale(Some(&mut r.voltage_v), 1000.0), "column voltage_v", "millivolts", "voltage_v:mV"),
             (&|r| scale(Some(&mut r.voltage_v), 40.0), "column voltage_v", "PWM", "duty="),
-            (&counts, "column angle_rad", "counts", "rev/1400"),
+            (&counts, "column angle_rad", "counts", "--counts-per-rev 1400"),
             (&degrees, "column angle_rad", "looks like deg", "angle_rad:deg"),
             (&rpm, "column speed_rad_s", "looks like rpm", "speed_rad_s:rpm"),
             (&geared, "column angle_rad", "turns a minute", "gear_ratio"),

@@ -12,6 +12,8 @@ pub enum Quantity {
     Voltage,
     /// Fraction of the supply that the driver puts out, -1 to 1.
     Duty,
+    /// Angle that a position servo was told to go to, rad.
+    Target,
     /// Angle of the output shaft, rad.
     Angle,
     /// Speed of the output shaft, rad/s.
@@ -24,10 +26,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order in which a log lists them.
-    pub const ALL: [Quantity; 7] = [
+    pub const ALL: [Quantity; 8] = [
         Quantity::Time,
         Quantity::Voltage,
         Quantity::Duty,
+        Quantity::Target,
         Quantity::Angle,
         Quantity::Speed,
         Quantity::Current,
@@ -40,6 +43,7 @@ impl Quantity {
             Quantity::Time => "time",
             Quantity::Voltage => "voltage",
             Quantity::Duty => "duty",
+            Quantity::Target => "target",
             Quantity::Angle => "angle",
             Quantity::Speed => "speed",
             Quantity::Current => "current",
@@ -53,6 +57,7 @@ impl Quantity {
             Quantity::Time => Some("time_s"),
             Quantity::Voltage => Some("voltage_v"),
             Quantity::Duty => None,
+            Quantity::Target => Some("target_rad"),
             Quantity::Angle => Some("angle_rad"),
             Quantity::Speed => Some("speed_rad_s"),
             Quantity::Current => Some("current_a"),
@@ -74,7 +79,9 @@ impl Quantity {
             Quantity::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
-            Quantity::Angle => &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)],
+            Quantity::Angle | Quantity::Target => {
+                &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)]
+            }
             Quantity::Speed => {
                 &[("rad/s", 1.0), ("deg/s", DEGREE), ("rev/s", TAU), ("counts/s", TAU), ("rpm", RPM)]
             }

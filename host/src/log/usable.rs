@@ -5,6 +5,8 @@
 
 use super::motion::{alignment, correlation, low_pass, peak, slope, span, speed};
 use super::quantum::quantum;
+use super::remap::{Change, remapped};
+use super::units::Quantity;
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Result};
 
@@ -111,6 +113,10 @@ fn rises(record: &Record) -> bool {
 fn no_motion(record: &Record) -> Option<Fault> {
     let (column, moved, values) = match (&record.angle_rad, &record.speed_rad_s) {
         (Some(angle), _) => ("angle_rad", span(angle), angle),
+        // A reading that rests beside zero while the voltage changes is no motion either.
+        (None, Some(speed)) if span(&record.voltage_v) > 0.0 && span(speed) == 0.0 => {
+            ("speed_rad_s", 0.0, speed)
+        }
         (None, Some(speed)) => ("speed_rad_s", peak(speed), speed),
         (None, None) => return None,
     };
@@ -121,10 +127,12 @@ fn no_motion(record: &Record) -> Option<Fault> {
         name: "no_motion",
         column,
         why: format!(
-            "the motor never moves although the voltage reaches {:.3} V",
+            "the motor never moves although the voltage reaches {:.3} V: its breakaway voltage is higher, or it is not driven",
             peak(&record.voltage_v)
         ),
-        fix: "check the motor's supply, the enable line and the encoder's plug; raise the voltage above the friction".into(),
+        fix: "raise the voltage above the friction; check the motor's supply, the enable line and the encoder's plug; beside records \
+              that move, this one is taken to tell the breakaway voltage and nothing else"
+            .into(),
     })
 }
 
@@ -137,7 +145,10 @@ fn reversed(record: &Record) -> Option<Fault> {
             name: "angle_against_speed",
             column: "speed_rad_s",
             why: "the speed has the opposite sign of the change of the angle".into(),
-            fix: "turn one of them round: --map angle=angle_rad,speed=speed_rad_s:rad/s*-1".into(),
+            fix: format!(
+                "turn one of them round: {}",
+                remapped(record, &[(Quantity::Speed, Quantity::Speed, "*-1")])
+            ),
         });
     }
     let motion = speed(record);
@@ -147,17 +158,14 @@ fn reversed(record: &Record) -> Option<Fault> {
     let same_sign = smoothed.iter().map(|voltage| alignment(voltage, &motion)).fold(1.0, f64::min);
     let flipped = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
     flipped.then(|| {
-        let (column, turn) = if record.meta.get(sysid::TEST_KEY).is_some() {
-            // The mapping's unit takes the place of the layout's own, so it is named.
-            let column = if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" };
-            let radians = record.meta.get(sysid::UNIT_KEY) == Some("rad");
-            let turn = if radians { sysid::TURN_RADIANS } else { sysid::TURN_ROTATIONS };
-            (column, turn)
-        } else if record.angle_rad.is_some() {
-            ("angle_rad", "--map angle=angle_rad:rad*-1")
-        } else {
-            ("speed_rad_s", "--map speed=speed_rad_s:rad/s*-1")
-        };
+        let present = [
+            (Quantity::Angle, "angle_rad", record.angle_rad.is_some()),
+            (Quantity::Speed, "speed_rad_s", record.speed_rad_s.is_some()),
+        ];
+        let of = || present.into_iter().filter(|(.., present)| *present);
+        let column = of().next().map_or("angle_rad", |(_, column, _)| column);
+        let changes: Vec<Change> = of().map(|(quantity, ..)| (quantity, quantity, "*-1")).collect();
+        let turn = remapped(record, &changes);
         Fault {
             name: "sign_flipped",
             column,

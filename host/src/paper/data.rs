@@ -44,7 +44,7 @@ pub fn data(args: &PaperArgs) -> Result<Data> {
 }
 
 fn own_records(args: &PaperArgs) -> Result<Data> {
-    let records = log::load(&args.on, &args.reading)?;
+    let records = log::load(&args.on, &args.reading)?.records;
     Ok(Data { records, motor: args.reading.motor_file()?, hidden: None })
 }
 

@@ -80,12 +80,13 @@ pub fn quoted(text: &str) -> String {
 pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
     let parts = parts(names, rows);
     let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
-    let driven = has(Quantity::Voltage) || has(Quantity::Duty);
+    let servo = has(Quantity::Target) && has(Quantity::Angle);
+    let driven = has(Quantity::Voltage) || has(Quantity::Duty) || servo;
     if !driven || !(has(Quantity::Angle) || has(Quantity::Speed)) {
         return None;
     }
     let counts = parts.iter().any(|part| part.unit.starts_with("counts"));
-    let duty_alone = has(Quantity::Duty) && !has(Quantity::Supply);
+    let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
         .iter()
         .map(|part| format!("{}={}:{}", part.quantity, column(names, part.index), part.unit))
@@ -113,20 +114,22 @@ fn column(names: &[String], index: usize) -> String {
 /// The column for each quantity, in the order of [`Quantity::ALL`].
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
-    let values = |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
+    let values =
+        |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
     let useful = |index: usize| rows.is_empty() || values(index).next().is_some();
     let mut quantities: Vec<Option<(Quantity, u8)>> = said
         .iter()
         .enumerate()
         .map(|(index, said)| said.quantity.filter(|_| !said.wanted && useful(index)))
         .collect();
-    // A voltage that hardly changes beside a duty is the supply's; whole numbers far beyond any supply are a duty.
-    let duty = quantities.iter().any(|q| q.is_some_and(|(q, _)| q == Quantity::Duty));
+    // A voltage that hardly changes beside a duty or a target is the supply's; whole numbers far beyond any supply are a duty.
+    let driven = quantities.iter().any(|q| q.is_some_and(|(q, _)| q == Quantity::Duty))
+        || said.iter().any(|said| said.target);
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
         let range = Range::of(values(index));
         if quantity == Quantity::Voltage {
-            if duty && range.low > 0.0 && range.high - range.low < 0.4 * range.high {
+            if driven && range.low > 0.0 && range.high - range.low < 0.4 * range.high {
                 *guess = Some((Quantity::Supply, plain));
             } else if range.whole && range.peak() > 60.0 && said[index].unit.is_none() {
                 *guess = Some((Quantity::Duty, plain));
@@ -139,6 +142,16 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         {
             // "command", "output": in volts by its size.
             *guess = Some((Quantity::Voltage, plain));
+        }
+    }
+    let drives =
+        |q: &Option<(Quantity, u8)>| q.is_some_and(|(q, _)| [Quantity::Voltage, Quantity::Duty].contains(&q));
+    if !quantities.iter().any(drives) {
+        // What a servo was told is what drives it, where nothing nearer to the motor was logged.
+        for (guess, said) in quantities.iter_mut().zip(&said) {
+            if said.target && said.quantity.is_none_or(|(q, _)| q == Quantity::Angle) {
+                *guess = Some((Quantity::Target, 1));
+            }
         }
     }
     let mut parts: Vec<Part> = Vec::new();
@@ -173,8 +186,8 @@ fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> St
         (Quantity::Time, None) => time_unit(values, &range),
         (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
         (Quantity::Voltage | Quantity::Supply, None) => "V",
-        (Quantity::Angle, None) if range.whole && range.high - range.low > 100.0 => "deg",
-        (Quantity::Angle, None) => "rad",
+        (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
+        (Quantity::Angle | Quantity::Target, None) => "rad",
         (Quantity::Speed, None) => "rad/s",
         (Quantity::Current, None) if range.peak() > 60.0 => "mA",
         (Quantity::Current, None) => "A",
@@ -218,7 +231,8 @@ struct Range {
 
 impl Range {
     fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut range = Self { low: f64::INFINITY, high: f64::NEG_INFINITY, whole: true, has_round_tens: true };
+        let mut range =
+            Self { low: f64::INFINITY, high: f64::NEG_INFINITY, whole: true, has_round_tens: true };
         for value in values {
             range.low = range.low.min(value);
             range.high = range.high.max(value);
@@ -250,7 +264,8 @@ fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> String {
     let counted = part.unit.starts_with("counts");
     let factor = Unit::parse(part.quantity, &part.unit).map_or(1.0, |unit| unit.factor);
     let own = if part.quantity == Quantity::Duty { "" } else { part.unit.as_str() };
-    let mut text = format!("{:<8} {name}: {} .. {} {own}", part.quantity.key(), short(range.low), short(range.high));
+    let mut text =
+        format!("{:<8} {name}: {} .. {} {own}", part.quantity.key(), short(range.low), short(range.high));
     if counted {
         text += " (turns follow from the counts per turn)";
     } else if factor != 1.0 {
@@ -303,7 +318,11 @@ mod tests {
         let proposal = propose(&names("t_ms;pwm;rpm"), &rows).unwrap();
         assert_eq!(proposal.options(), "--map time=t_ms:ms,duty=pwm:255,speed=rpm:rpm --supply-volts 12");
         assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
-        assert!(proposal.preview[2].contains("rad/s") && proposal.preview[2].contains('█'), "{:?}", proposal.preview);
+        assert!(
+            proposal.preview[2].contains("rad/s") && proposal.preview[2].contains('█'),
+            "{:?}",
+            proposal.preview
+        );
     }
 
     #[test]
@@ -314,13 +333,15 @@ mod tests {
             proposal.options(),
             "--map \"time=Time (s):s,voltage=Voltage (V):V,angle=Position (rad):rad\""
         );
+        let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| [row.as_slice(), &[row[2]]].concat()).collect();
         let proposal = propose(&names("t, s;u;u$;pos"), &rows).unwrap();
         assert_eq!(proposal.map, "time=0:s,voltage=u:V,angle=pos:rad");
     }
 
     #[test]
     fn counts_need_their_number_a_turn_and_a_column_of_the_supply_is_used() {
-        let rows = rows(|k| vec![10_000.0 * k, (200.0 * k.sin()).round(), (90.0 * k).round(), 11.8 + 0.1 * k.sin()]);
+        let rows =
+            rows(|k| vec![10_000.0 * k, (200.0 * k.sin()).round(), (90.0 * k).round(), 11.8 + 0.1 * k.sin()]);
         let proposal = propose(&names("micros;cmd;enc;Vbat"), &rows).unwrap();
         assert_eq!(
             proposal.options(),
@@ -338,6 +359,17 @@ mod tests {
     }
 
     #[test]
+    fn a_servo_is_driven_by_its_target_and_the_volts_beside_it_are_its_supply() {
+        let rows = rows(|k| vec![0.02 * k, (0.1 * k).sin(), (0.1 * k - 0.2).sin(), 12.0 + 0.1 * k.sin()]);
+        let proposal = propose(&names("timestamp;goal_position;present_position;volts"), &rows).unwrap();
+        assert_eq!(
+            proposal.map,
+            "time=timestamp:s,target=goal_position:rad,angle=present_position:rad,supply=volts:V"
+        );
+        assert_eq!(proposal.supply_volts, None);
+    }
+
+    #[test]
     fn a_table_without_time_is_proposed_with_a_rate() {
         let rows = rows(|k| vec![k.sin(), k.cos()]);
         let proposal = propose(&names("voltage_v;speed_rad_s"), &rows).unwrap();
@@ -346,8 +378,13 @@ mod tests {
 
     #[test]
     fn full_duty_follows_from_the_values() {
-        for (peak, step, full) in [(0.75, 0.01, "1"), (100.0, 1.0, "100"), (60.0, 10.0, "100"), (180.0, 1.0, "255"), (900.0, 1.0, "1000")]
-        {
+        for (peak, step, full) in [
+            (0.75, 0.01, "1"),
+            (100.0, 1.0, "100"),
+            (60.0, 10.0, "100"),
+            (180.0, 1.0, "255"),
+            (900.0, 1.0, "1000"),
+        ] {
             let range = Range::of((0..=100).map(|k| (f64::from(k) / 100.0 * peak / step).round() * step));
             assert_eq!(full_duty(&range, None), full, "{peak}");
         }

@@ -11,6 +11,8 @@ pub struct Said {
     pub unit: Option<&'static str>,
     /// It is what somebody wanted, a setpoint or an error: never a measurement.
     pub wanted: bool,
+    /// It is where a servo was told to go.
+    pub target: bool,
 }
 
 use Quantity::{Angle, Current, Duty, Speed, Supply, Time, Voltage};
@@ -22,17 +24,47 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 22] = [
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
     (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec"]),
     (Duty, 3, None, &["pwm", "duty", "dutycycle", "tastgrad", "throttle", "pwmvalue"]),
-    (Duty, 2, None, &["cmd", "command", "output", "out", "effort", "power", "control", "ctrl", "stellgroesse"]),
-    (Voltage, 4, None, &["voltage", "spannung", "tension", "vmotor", "umotor", "motorvoltage", "appliedvolts"]),
+    (
+        Duty,
+        2,
+        None,
+        &["cmd", "command", "output", "out", "effort", "power", "control", "ctrl", "stellgroesse"],
+    ),
+    (
+        Voltage,
+        4,
+        None,
+        &["voltage", "spannung", "tension", "vmotor", "umotor", "motorvoltage", "appliedvolts"],
+    ),
     (Voltage, 3, Some("V"), &["volts", "volt"]),
     (Voltage, 2, None, &["u", "v", "vm", "um", "va", "input", "in"]),
-    (Supply, 4, None, &["vbat", "vbatt", "battery", "supply", "vcc", "vin", "vbus", "bus", "vsupply", "batterie", "akku"]),
-    (Angle, 4, None, &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "rotation", "shaft", "q"]),
-    (Angle, 3, Some("counts"), &["enc", "encoder", "count", "counts", "ticks", "tick", "pulses", "edges", "cnt", "qei"]),
+    (
+        Supply,
+        4,
+        None,
+        &["vbat", "vbatt", "battery", "supply", "vcc", "vin", "vbus", "bus", "vsupply", "batterie", "akku"],
+    ),
+    (
+        Angle,
+        4,
+        None,
+        &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "rotation", "shaft", "q"],
+    ),
+    (
+        Angle,
+        3,
+        Some("counts"),
+        &["enc", "encoder", "count", "counts", "ticks", "tick", "pulses", "edges", "cnt", "qei"],
+    ),
     (Angle, 2, Some("deg"), &["deg", "degree", "degrees", "grad"]),
     (Angle, 2, Some("rad"), &["rad", "radians"]),
     (Angle, 2, Some("rev"), &["rev", "revs", "revolutions", "turns", "rotations"]),
-    (Speed, 5, None, &["speed", "velocity", "vel", "omega", "geschwindigkeit", "qd", "dtheta", "thetadot", "w", "y"]),
+    (
+        Speed,
+        5,
+        None,
+        &["speed", "velocity", "vel", "omega", "geschwindigkeit", "qd", "dtheta", "thetadot", "w", "y"],
+    ),
     (Speed, 5, Some("rpm"), &["rpm", "drehzahl", "upm", "umin"]),
     (Speed, 4, Some("rev/s"), &["rps"]),
     (Speed, 4, Some("deg/s"), &["dps"]),
@@ -43,8 +75,45 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 22] = [
 
 /// A name with one of these is of what was wanted.
 const WANTED: [&str; 22] = [
-    "setpoint", "set", "sp", "target", "goal", "ref", "reference", "desired", "des", "demand", "soll", "sollwert",
-    "wanted", "error", "err", "e", "commanded", "kp", "ki", "kd", "integral", "pid",
+    "setpoint",
+    "set",
+    "sp",
+    "target",
+    "goal",
+    "ref",
+    "reference",
+    "desired",
+    "des",
+    "demand",
+    "soll",
+    "sollwert",
+    "wanted",
+    "error",
+    "err",
+    "e",
+    "commanded",
+    "kp",
+    "ki",
+    "kd",
+    "integral",
+    "pid",
+];
+
+/// Of these, the ones that are where to go; `action` is what robot learning calls it.
+const TARGETS: [&str; 13] = [
+    "setpoint",
+    "set",
+    "sp",
+    "target",
+    "goal",
+    "ref",
+    "reference",
+    "desired",
+    "des",
+    "soll",
+    "sollwert",
+    "commanded",
+    "action",
 ];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
@@ -102,6 +171,7 @@ pub fn said(name: &str) -> Said {
     });
     let words = words(&bare);
     let wanted = words.iter().any(|word| WANTED.contains(&word.as_str()));
+    let target = words.iter().any(|word| TARGETS.contains(&word.as_str()));
     let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
     for (quantity, plain, implied, list) in WORDS {
         let here = words.iter().any(|word| list.contains(&word.as_str())) || list.contains(&lower.as_str());
@@ -120,16 +190,16 @@ pub fn said(name: &str) -> Said {
         (None, Some((of, _))) => Some((of, 2)),
         (None, None) => None,
     };
-    let unit = unit.filter(|(of, _)| {
-        quantity.is_some_and(|(q, _)| q == *of || (q == Supply && *of == Voltage))
-    });
-    let implied = best.and_then(|(of, _, implied)| implied.filter(|_| quantity.is_some_and(|(q, _)| q == of)));
+    let unit =
+        unit.filter(|(of, _)| quantity.is_some_and(|(q, _)| q == *of || (q == Supply && *of == Voltage)));
+    let implied =
+        best.and_then(|(of, _, implied)| implied.filter(|_| quantity.is_some_and(|(q, _)| q == of)));
     // "speed" of "encoder counts" counts per second.
     let implied = match (quantity, implied) {
         (Some((Speed, _)), Some("counts")) => Some("counts/s"),
         (_, implied) => implied,
     };
-    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), wanted }
+    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), wanted, target }
 }
 
 /// The name without what stands in its brackets, and that.
@@ -219,7 +289,9 @@ mod tests {
 
     #[test]
     fn a_setpoint_is_known_by_its_name() {
-        for name in ["setpoint", "target_rpm", "goal_position", "speed_ref", "Sollwert", "pos_error", "desiredAngle"] {
+        for name in
+            ["setpoint", "target_rpm", "goal_position", "speed_ref", "Sollwert", "pos_error", "desiredAngle"]
+        {
             assert!(said(name).wanted, "{name}");
         }
         assert_eq!(said("colour").quantity, None);

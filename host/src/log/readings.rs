@@ -1,0 +1,196 @@
+//! Speeds that are late, filtered, or blind near zero, and counters that lose edges beside them.
+
+use super::Record;
+use super::motion::peak;
+use super::suspicion::Odd;
+use super::timing::median_interval;
+
+/// Angle and integrated speed may differ by this share.
+const DRIFT: f64 = 0.02;
+/// How late the speed may be beside its angle, and over how long a mean may be taken, s, and the steps in which that is tried.
+const LATEST_S: f64 = 0.2;
+const LATE_STEP_S: f64 = 0.01;
+/// A speed that is later than this is said to be.
+const LATE_S: f64 = 0.02;
+/// ... where that explains all but this share of what parts it from the angle at once.
+const EXPLAINED: f64 = 0.5;
+
+/// What is left between speed and angle if the speed is `late_s` late and a mean over `mean_s`.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    late_s: f64,
+    mean_s: f64,
+    way: f64,
+    share: f64,
+    left: f64,
+}
+
+/// The angle falls behind the speed that stands beside it; a late or filtered speed is no such thing and told as what it is.
+pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
+    let (angle, speed) = (record.angle_rad.as_ref()?, record.speed_rad_s.as_ref()?);
+    let time = &record.time_s;
+    let step = median_interval(time).max(LATE_STEP_S);
+    let angle_at = |t: f64| {
+        let k = time.partition_point(|s| *s <= t).clamp(1, time.len() - 1);
+        let part = ((t - time[k - 1]) / (time[k] - time[k - 1])).clamp(0.0, 1.0);
+        angle[k - 1] + part * (angle[k] - angle[k - 1])
+    };
+    let trial = |late_s: f64, mean_s: f64| {
+        let (mut way, mut lost, mut left) = (0.0, 0.0, 0.0);
+        for k in 1..record.len() {
+            let dt = time[k] - time[k - 1];
+            let (to, from) = (time[k] - late_s, time[k - 1] - late_s);
+            if from - mean_s < time[0] {
+                continue;
+            }
+            let passed = 0.5 * (speed[k] + speed[k - 1]) * dt;
+            // The mean speed over a window ends with the window.
+            let turned = if mean_s > 0.0 {
+                let mean = |t: f64| (angle_at(t) - angle_at(t - mean_s)) / mean_s;
+                0.5 * (mean(to) + mean(from)) * dt
+            } else {
+                angle_at(to) - angle_at(from)
+            };
+            let missed = passed - turned;
+            way += passed.abs();
+            lost += missed * passed.signum();
+            left += missed * missed;
+        }
+        Trial { late_s, mean_s, way, share: lost / way, left }
+    };
+    let steps = (LATEST_S / step) as usize;
+    let late = (0..=steps).map(|k| trial(k as f64 * step, 0.0));
+    let means = (1..=steps).map(|k| trial(0.0, k as f64 * step));
+    let at_once = trial(0.0, 0.0);
+    let best = late.chain(means).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    if best.way > 1.0 && best.share.abs() > DRIFT && best.share.abs() < 0.3 {
+        // A whole factor is a matter of units, and told as such.
+        return Some((
+            "lost_counts",
+            "angle_rad",
+            format!("the angle misses {:.1} % of the way that the speed beside it makes", 100.0 * best.share),
+            "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
+        ));
+    }
+    let ms = 1e3 * best.late_s.max(best.mean_s);
+    let how = if best.mean_s > 0.0 { "a mean over" } else { "late by" };
+    (1e-3 * ms > LATE_S && best.left < EXPLAINED * at_once.left && best.way > 1.0).then(|| {
+        (
+            "late_speed",
+            "speed_rad_s",
+            format!("the speed is {how} {ms:.0} ms beside the angle, which is right: the angle is used and the speed is not"),
+            "nothing, if the angle is what counts; else log the speed without its filter".into(),
+        )
+    })
+}
+
+/// A sensor is blind where no reading lies nearer to zero than this share of the fastest ...
+const BLIND: f64 = 0.04;
+/// ... though so many lie just above, in so many different values,
+const JUST_ABOVE: usize = 30;
+const LEVELS: usize = 12;
+/// and the motion passes through so often.
+const PASSES: usize = 4;
+
+/// The speed is never read near zero, although the motor reverses or stops.
+pub(super) fn blind_near_zero(record: &Record) -> Option<Odd> {
+    let speed = record.speed_rad_s.as_ref()?;
+    let fastest = peak(speed);
+    let lowest = speed.iter().map(|w| w.abs()).filter(|w| *w > 0.0).fold(f64::MAX, f64::min);
+    if !(lowest > BLIND * fastest && lowest < 0.5 * fastest) {
+        return None;
+    }
+    let mut above: Vec<f64> =
+        speed.iter().map(|w| w.abs()).filter(|w| *w > 0.0 && *w < 3.0 * lowest).collect();
+    above.sort_by(f64::total_cmp);
+    let all = above.len();
+    // A speed in whole counts a sample has few values near zero, evenly spaced.
+    above.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * fastest);
+    let passes = speed.windows(2).filter(|w| w[0] * w[1] < 0.0 || (w[0] == 0.0) != (w[1] == 0.0)).count();
+    (passes >= PASSES && all >= JUST_ABOVE && above.len() >= LEVELS).then(|| {
+        (
+            "blind_near_zero",
+            "speed_rad_s",
+            format!(
+                "the speed never reads between {:.3} and {lowest:.3} rad/s, and passes there {passes} times: its sensor does not see slow motion, \
+                 which looks like friction",
+                -lowest
+            ),
+            "log the angle, or the encoder's count (--map angle=COLUMN:counts), which slow motion shows too".into(),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::motion::slope;
+    use crate::log::usable::tests::motor;
+
+    fn both(change: impl Fn(&mut Vec<f64>)) -> Record {
+        let mut record = motor();
+        let mut speed = slope(&record.time_s, record.angle_rad.as_ref().unwrap());
+        change(&mut speed);
+        record.speed_rad_s = Some(speed);
+        record
+    }
+
+    fn alone(change: impl Fn(&mut Vec<f64>)) -> Record {
+        Record { angle_rad: None, ..both(change) }
+    }
+
+    #[test]
+    fn a_late_or_filtered_speed_is_told_and_no_counter_is_blamed() {
+        let late = both(|w| w.rotate_right(8));
+        let mean = both(|w| {
+            let before = w.clone();
+            for k in 10..w.len() {
+                w[k] = before[k - 10..k].iter().sum::<f64>() / 10.0;
+            }
+        });
+        for record in [late, mean] {
+            let (name, _, why, _) = speed_beside_angle(&record).unwrap();
+            assert_eq!(name, "late_speed", "{why}");
+        }
+        assert_eq!(speed_beside_angle(&both(|_| ())), None);
+    }
+
+    #[test]
+    fn a_counter_that_loses_edges_is_told() {
+        let lossy = both(|w| w.iter_mut().for_each(|w| *w *= 1.1));
+        assert_eq!(speed_beside_angle(&lossy).unwrap().0, "lost_counts");
+    }
+
+    #[test]
+    fn a_speed_that_is_never_read_near_zero_is_told_and_counts_a_sample_are_not() {
+        let wave = |w: &mut Vec<f64>| {
+            for (k, w) in w.iter_mut().enumerate() {
+                *w = 20.0 * (0.02 * k as f64).sin();
+            }
+        };
+        for mode in 0..3 {
+            let record = alone(|w| {
+                wave(w);
+                let mut last = 0.0;
+                for w in w.iter_mut() {
+                    let seen = w.abs() > 1.5;
+                    *w = match mode {
+                        _ if seen => *w,
+                        0 => 0.0,
+                        1 => last,
+                        _ => 1.5_f64.copysign(*w),
+                    };
+                    last = *w;
+                }
+            });
+            let odd = blind_near_zero(&record);
+            assert!(odd.is_some_and(|odd| odd.2.contains("between -1.5")), "{mode}");
+        }
+        assert_eq!(blind_near_zero(&alone(wave)), None);
+        let counted = alone(|w| {
+            wave(w);
+            w.iter_mut().for_each(|w| *w = (*w / 1.5).round() * 1.5);
+        });
+        assert_eq!(blind_near_zero(&counted), None);
+    }
+}

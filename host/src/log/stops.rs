@@ -1,0 +1,149 @@
+//! Hard stops: the shaft stands at one end of its way while the voltage pushes it on.
+
+use super::Record;
+use super::motion::{peak, slope, span};
+use super::quantum::quantum;
+use super::suspicion::Odd;
+
+/// The voltage must push so many times as hard as where the shaft moves freely: friction alone holds less ...
+const HARDER: f64 = 1.5;
+/// ... and by this share of the highest.
+const PUSHES: f64 = 0.3;
+/// What stands at so much of the highest voltage is held by no weight that the motor moves.
+const FULL: f64 = 0.6;
+/// Shortest stay at the stop, s, together.
+const STAY_S: f64 = 0.1;
+/// A stop gives way by this share of the whole way.
+const SOFT: f64 = 0.004;
+/// Ranges named in a message.
+const NAMED: usize = 4;
+
+/// The angle stands at its largest or smallest value under a voltage that moves it elsewhere.
+pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
+    let angle = record.angle_rad.as_ref()?;
+    // A position loop holds a load at one angle, as a stop does.
+    if record.servo.is_some() || record.meta.get("kp").is_some() {
+        return None;
+    }
+    let ends = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let found: Vec<_> = [(ends.1, 1.0), (ends.0, -1.0)]
+        .into_iter()
+        .filter_map(|(end, outwards)| Some((end, stays(record, angle, end, outwards)?)))
+        .collect();
+    let (end, volts) = found.first().map(|(end, (volts, _))| (*end, *volts))?;
+    let ranges: Vec<(f64, f64)> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
+    let more = ranges.len().saturating_sub(NAMED);
+    let named: Vec<String> =
+        ranges.iter().take(NAMED).map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
+    let skip: Vec<String> = ranges
+        .iter()
+        .map(|(from, to)| {
+            format!("--skip {}", super::guess::quoted(&format!("{}:{from:.3}..{to:.3}", record.name)))
+        })
+        .collect();
+    let rest = if more > 0 { format!(" and {more} times more") } else { String::new() };
+    Some((
+        "hard_stop",
+        "angle_rad",
+        format!(
+            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: it meets a stop, from {}{rest}",
+            named.join(", from ")
+        ),
+        format!(
+            "no model has the stop: leave these times out with {}, or record a motion that does not reach it",
+            skip.join(" ")
+        ),
+    ))
+}
+
+/// The highest voltage that pushed against `end`, and when the shaft stood there.
+fn stays(record: &Record, angle: &[f64], end: f64, outwards: f64) -> Option<(f64, Vec<(f64, f64)>)> {
+    let (time, volts) = (&record.time_s, &record.voltage_v);
+    let near = (SOFT * span(angle)).max(2.0 * quantum(angle).unwrap_or(0.0));
+    let speed = slope(time, angle);
+    let slow = 0.1 * peak(&speed);
+    // The voltages that move it freely in this direction.
+    let mut moving: Vec<f64> = (0..angle.len())
+        .filter(|&k| speed[k] * outwards > slow && (angle[k] - end).abs() > near)
+        .map(|k| (volts[k] * outwards).max(0.0))
+        .collect();
+    if moving.len() < 20 {
+        return None;
+    }
+    moving.sort_by(f64::total_cmp);
+    let free = moving[moving.len() / 10];
+    let at_end = |k: usize| (angle[k] - end).abs() <= near && speed[k].abs() < slow;
+    let (mut hardest, mut stay, mut ranges) = (0.0_f64, 0.0, Vec::new());
+    let mut k = 0;
+    while k < angle.len() {
+        if !at_end(k) {
+            k += 1;
+            continue;
+        }
+        let begin = k;
+        while k < angle.len() && at_end(k) {
+            k += 1;
+        }
+        let pushed: Vec<f64> = (begin..k).map(|i| volts[i] * outwards).collect();
+        let push = pushed.iter().fold(0.0_f64, |p, v| p.max(*v));
+        let until = time[k.min(angle.len() - 1)];
+        let least = pushed.iter().fold(f64::MAX, |p, v| p.min(*v));
+        // A weight balances one voltage; a stop stands whatever pushes.
+        let stands = push > FULL * peak(volts) || push - least > PUSHES * peak(volts);
+        if push > HARDER * free && push > PUSHES * peak(volts) && stands {
+            hardest = hardest.max(push);
+            stay += until - time[begin];
+            ranges.push((time[begin.saturating_sub(1)], until));
+        }
+    }
+    (stay > STAY_S).then_some((hardest, ranges))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::usable::tests::motor;
+
+    /// A motor whose shaft is held at `limit` rad either way, with friction of `friction` V.
+    fn bounded(limit: f64, friction: f64) -> Record {
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 0.005).collect();
+        let volts: Vec<f64> = time.iter().map(|t| 6.0 * (1.7 * t).sin()).collect();
+        let (mut w, mut x) = (0.0_f64, 0.0_f64);
+        let mut angles = Vec::new();
+        for v in &volts {
+            let driven = if w == 0.0 && v.abs() < friction { 0.0 } else { v - friction * v.signum() };
+            w += 0.05 * (2.0 * driven - w);
+            if v.abs() < friction && w.abs() < 0.2 {
+                w = 0.0;
+            }
+            x += 0.005 * w;
+            if x.abs() > limit {
+                (x, w) = (limit * x.signum(), 0.0);
+            }
+            angles.push(x);
+        }
+        Record {
+            name: "a run".into(),
+            time_s: time,
+            voltage_v: volts,
+            angle_rad: Some(angles),
+            ..Record::default()
+        }
+    }
+
+    #[test]
+    fn a_stop_is_told_with_its_angle_and_the_options_that_cut_it() {
+        let (name, _, why, fix) = hard_stop(&bounded(1.5, 0.5)).unwrap();
+        assert_eq!(name, "hard_stop");
+        assert!(why.contains("stands at 1.50 rad at up to 6.0 V"), "{why}");
+        assert!(fix.contains("--skip \"a run:") || fix.contains("--skip a run:"), "{fix}");
+    }
+
+    #[test]
+    fn friction_that_holds_and_a_motor_that_turns_freely_are_no_stop() {
+        for friction in [0.0, 1.0, 3.0] {
+            assert_eq!(hard_stop(&bounded(1e9, friction)), None, "{friction}");
+        }
+        assert_eq!(hard_stop(&motor()), None);
+    }
+}
