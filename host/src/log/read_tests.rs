@@ -138,7 +138,7 @@ fn closing_words_of_a_logger_are_left_out_but_not_words_between_rows() {
 }
 
 #[test]
-fn a_pause_in_the_log_is_a_warning_with_its_line_and_cuts_the_record() {
+fn a_pause_in_the_log_is_a_warning_with_its_sample_and_time_and_cuts_the_record() {
     let text = canonical(100, |row| (row >= 50).then(|| format!("{},1,{row}", 1.0 + row as f64 * 0.01)));
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.csv");
@@ -146,7 +146,10 @@ fn a_pause_in_the_log_is_a_warning_with_its_line_and_cuts_the_record() {
     let records = read(&path, &ReadOptions::default()).unwrap();
     assert_eq!(records.iter().map(|record| record.len()).collect::<Vec<_>>(), [50, 50]);
     let warnings = &records[0].warnings;
-    assert!(warnings.iter().any(|warning| warning.place.contains("line 52")), "{warnings:?}");
+    assert!(
+        warnings.iter().any(|warning| warning.what.contains("before sample 51 (1.500 s)")),
+        "{warnings:?}"
+    );
 }
 
 #[test]
