@@ -6,7 +6,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-/// The base model, one equation a line, in the symbols of [`BASE`].
+/// The base model, one equation a line, in the symbols of `BASE`.
 pub const BASE_EQUATIONS: [&str; 4] = [
     "tau_e du/dt = v - k_e w - u                                   u = R i: current as a voltage, V",
     "dw/dt = (gain / tau_m) (u + f) - (viscous_share / tau_m) w    f = T R / (n K_t): torque as a voltage, V",
