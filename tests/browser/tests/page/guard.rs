@@ -31,7 +31,7 @@ fn only_the_own_page_is_answered_and_uploads_have_a_limit() {
     assert!(answer(&server, &["GET / HTTP/1.1", "Host: evil.example"], 0).contains("403"));
     let post = "POST /api/diagnose HTTP/1.1";
     assert!(answer(&server, &[post, "Host: SELF", "Origin: http://evil.example"], 0).contains("403"));
-    let upload = "POST /api/upload?name=a.csv&role=replace HTTP/1.1";
+    let upload = "POST /api/upload?name=a.csv&role=fit HTTP/1.1";
     let large = 201_000_000;
     let length = format!("Content-Length: {large}");
     let refused = answer(&server, &[upload, "Host: SELF", &length], large);
