@@ -70,7 +70,11 @@ fn adding_what_is_suggested_brings_the_error_to_the_floor_and_removing_it_takes_
     browser.size(390, 844, true);
     pictures(&mut browser, "small");
     let wide = browser.number("document.documentElement.scrollWidth");
-    assert!(wide <= 390.0, "the page is {wide} wide on a screen of 390");
+    let beyond = browser.value(
+        "[...document.querySelectorAll('body *')].filter((e) => e.getBoundingClientRect().right > 391 && !e.closest('.table'))\
+         .map((e) => `${e.tagName}#${e.id}.${e.className} in ${e.parentElement.id}`).slice(0, 12).join(', ')",
+    );
+    assert!(wide <= 390.0, "the page is {wide} wide on a screen of 390; too wide: {beyond}");
     browser.size(1280, 900, false);
     let chips = effects(&mut browser);
     browser.click(".chip button");

@@ -72,7 +72,7 @@ fn ten_records_of_100_000_samples_are_on_the_screen_soon() {
     let paints = tries(1500.0, 8, || open().number("document.body.dataset.painted"));
     let mut browser = open();
     browser.wait(FRESH);
-    assert!(browser.number("state.records[9].samples") >= 100_000.0);
+    assert!(browser.number("state.data.entries[9].samples") >= 100_000.0);
     // From the wish to see two seconds until they are drawn from all of their own samples.
     let mut from = 10.0;
     let mut computed = Vec::new();
