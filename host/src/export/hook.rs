@@ -12,7 +12,7 @@ use motorlens_shared::step::{Drive, State};
 use super::expression::{Printer, Text, reach};
 use super::program::{NUMBERS, PYTHON, name};
 use super::record::{Input, Recorded, Tape, record};
-use super::step::{input, lit, memory};
+use super::step::{constants, input, lit, memory};
 use crate::model_file::Model;
 
 /// What of a [`Drive`] the program applies, by its names there.
@@ -46,14 +46,7 @@ struct Traced {
 
 fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
     let (traced, tape) = record(|| {
-        let base = Base {
-            gain: lit(base.gain),
-            tau_m: lit(base.tau_m),
-            tau_e: lit(base.tau_e),
-            viscous_share: lit(base.viscous_share),
-        };
-        let numbers: Vec<(Kind, Vec<Recorded>)> =
-            effects.iter().map(|(kind, p)| (*kind, p.iter().map(|x| lit(*x)).collect())).collect();
+        let (base, numbers) = constants(base, effects);
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
         let prepared = Prepared::new(&base, &effects, rig);
         let several = Several::new(&effects, &prepared.setting);

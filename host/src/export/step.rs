@@ -60,14 +60,7 @@ impl Effects<Recorded> for InOnePart {
 /// Writes down a step of `base` with `effects` on `rig`.
 pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Step {
     let (step, tape) = record(|| {
-        let base = Base {
-            gain: lit(base.gain),
-            tau_m: lit(base.tau_m),
-            tau_e: lit(base.tau_e),
-            viscous_share: lit(base.viscous_share),
-        };
-        let numbers: Vec<(Kind, Vec<Recorded>)> =
-            effects.iter().map(|(kind, p)| (*kind, p.iter().map(|x| lit(*x)).collect())).collect();
+        let (base, numbers) = constants(base, effects);
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
         let prepared = Prepared::new(&base, &effects, rig);
         let parts =
@@ -91,6 +84,20 @@ pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -
         }
     });
     Step { tape, ..step }
+}
+
+/// The parameters of a model, as constants of the tape.
+pub(super) fn constants(
+    base: &Base<f64>,
+    effects: &[(Kind, Vec<f64>)],
+) -> (Base<Recorded>, Vec<(Kind, Vec<Recorded>)>) {
+    let base = Base {
+        gain: lit(base.gain),
+        tau_m: lit(base.tau_m),
+        tau_e: lit(base.tau_e),
+        viscous_share: lit(base.viscous_share),
+    };
+    (base, effects.iter().map(|(kind, p)| (*kind, p.iter().map(|x| lit(*x)).collect())).collect())
 }
 
 pub(super) fn lit(x: f64) -> Recorded {

@@ -73,8 +73,8 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 22] = [
     (Current, 3, Some("mA"), &["ma"]),
 ];
 
-/// A name with one of these is of what was wanted.
-const WANTED: [&str; 22] = [
+/// A name with one of these is of where to go, ...
+const TARGETS: [&str; 12] = [
     "setpoint",
     "set",
     "sp",
@@ -84,37 +84,16 @@ const WANTED: [&str; 22] = [
     "reference",
     "desired",
     "des",
-    "demand",
     "soll",
     "sollwert",
-    "wanted",
-    "error",
-    "err",
-    "e",
     "commanded",
-    "kp",
-    "ki",
-    "kd",
-    "integral",
-    "pid",
 ];
 
-/// Of these, the ones that are where to go; `action` is what robot learning calls it.
-const TARGETS: [&str; 13] = [
-    "setpoint",
-    "set",
-    "sp",
-    "target",
-    "goal",
-    "ref",
-    "reference",
-    "desired",
-    "des",
-    "soll",
-    "sollwert",
-    "commanded",
-    "action",
-];
+/// ... as is one with what robot learning calls it, which may be measured all the same; ...
+const ACTION: &str = "action";
+
+/// ... and one with one of these is of what was wanted otherwise, or made of it.
+const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
 const UNITS: [(&str, Quantity, &str); 38] = [
@@ -170,8 +149,9 @@ pub fn said(name: &str) -> Said {
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
     let words = words(&bare);
-    let wanted = words.iter().any(|word| WANTED.contains(&word.as_str()));
-    let target = words.iter().any(|word| TARGETS.contains(&word.as_str()));
+    let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let wanted = any_of(&TARGETS) || any_of(&WANTED);
+    let target = any_of(&TARGETS) || any_of(&[ACTION]);
     let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
     for (quantity, plain, implied, list) in WORDS {
         let here = words.iter().any(|word| list.contains(&word.as_str())) || list.contains(&lower.as_str());

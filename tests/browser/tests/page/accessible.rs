@@ -1,5 +1,7 @@
 //! The page and the report by the rules of axe-core: WCAG 2 levels A and AA, and its best practices.
 
+use std::path::Path;
+
 use motorlens_browser_tests::{Browser, Server, run};
 
 use super::{added, alone, diagnosed, opened};
@@ -18,6 +20,16 @@ fn violations(browser: &mut Browser) -> serde_json::Value {
     browser.value(
         "axe.run(document, { resultTypes: ['violations'] }).then((r) => r.violations.map((v) => `${v.id}: ${v.nodes.slice(0, 3).map((n) => n.target.join(' ') + ' ' + (n.any[0]?.message || '')).join(' | ')}`))",
     )
+}
+
+/// The demo's report, written to `directory` and opened.
+fn report(directory: &Path) -> Browser {
+    let out = directory.to_str().unwrap();
+    run(&["demo", "--quiet", "--out", out]);
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&format!("file://{out}/report.html"));
+    browser.wait("document.querySelector('.plot canvas')");
+    browser
 }
 
 #[test]
@@ -39,11 +51,7 @@ fn the_page_breaks_no_rule_in_light_dark_and_on_a_phone() {
 fn the_report_breaks_no_rule() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
-    let out = directory.path().to_str().unwrap();
-    run(&["demo", "--quiet", "--out", out]);
-    let mut browser = Browser::start(1280, 900);
-    browser.open(&format!("file://{out}/report.html"));
-    browser.wait("document.querySelector('.plot canvas')");
+    let mut browser = report(directory.path());
     for scheme in ["light", "dark"] {
         browser.prefer(scheme);
         assert_eq!(violations(&mut browser), serde_json::json!([]), "{scheme}");
@@ -54,11 +62,7 @@ fn the_report_breaks_no_rule() {
 fn print_opens_and_draws_everything_and_cuts_nothing() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
-    let out = directory.path().to_str().unwrap();
-    run(&["demo", "--quiet", "--out", out]);
-    let mut browser = Browser::start(1280, 900);
-    browser.open(&format!("file://{out}/report.html"));
-    browser.wait("document.querySelector('.plot canvas')");
+    let mut browser = report(directory.path());
     browser.value(
         "addEventListener('beforeprint', () => setTimeout(() => {}, 0)); addEventListener('beforeprint', () => { globalThis.printed = [...document.querySelectorAll('.plot')].filter((p) => !p.closest('[hidden]') && p.clientWidth && !p.querySelector('canvas') && parseInt(p.style.minHeight) > 0).length; globalThis.shut = document.querySelectorAll('details:not([open])').length; })",
     );
