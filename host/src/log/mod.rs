@@ -49,6 +49,7 @@ pub use args::{Loaded, ReadArgs, load};
 pub use metadata::{EncoderShaft, Metadata};
 pub use read::{Format, ReadOptions, read};
 pub use record::{Hold, Record, Warning};
+pub(crate) use repair::part;
 pub use samples::FEWEST_SAMPLES;
 pub use still::set_aside_still;
 pub use suspicion::{data_faults, suspicions};

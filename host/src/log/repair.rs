@@ -219,7 +219,7 @@ pub(super) fn cut_already(warnings: &mut Vec<Warning>) {
 }
 
 /// The samples `range` of `record`, as its part of this number.
-pub(super) fn part(record: &Record, range: std::ops::Range<usize>, number: usize) -> Record {
+pub(crate) fn part(record: &Record, range: std::ops::Range<usize>, number: usize) -> Record {
     let mut part = record.clone();
     part.name = format!("{} part {number}", record.name);
     for column in columns(&mut part) {

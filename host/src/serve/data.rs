@@ -14,7 +14,7 @@ use super::App;
 use super::fits::kept;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
-use crate::log::{FEWEST_SAMPLES, Record};
+use crate::log::{FEWEST_SAMPLES, Record, part};
 use crate::motor_file::MotorFile;
 
 /// What a record is used for.
@@ -69,7 +69,11 @@ impl Entry {
             let name = &self.record.name;
             if several { format!("{name} (part {})", k + 1) } else { name.clone() }
         };
-        pieces.iter().enumerate().map(|(k, (a, b))| part(&self.record, *a, *b, named(k))).collect()
+        let piece = |(k, (a, b)): (usize, &(usize, usize))| Record {
+            name: named(k),
+            ..part(&self.record, *a..*b, k + 1)
+        };
+        pieces.iter().enumerate().map(piece).collect()
     }
 
     /// Leaves out `[from, to]`, s; cuts that touch become one.
@@ -84,21 +88,6 @@ impl Entry {
         });
         self.cuts.push(joined);
         self.cuts.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    }
-}
-
-/// Samples `from..to` of `record`.
-fn part(record: &Record, from: usize, to: usize, name: String) -> Record {
-    let cut = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[from..to].to_vec());
-    Record {
-        name,
-        time_s: record.time_s[from..to].to_vec(),
-        voltage_v: record.voltage_v[from..to].to_vec(),
-        angle_rad: cut(&record.angle_rad),
-        speed_rad_s: cut(&record.speed_rad_s),
-        current_a: cut(&record.current_a),
-        supply_v: cut(&record.supply_v),
-        ..record.clone()
     }
 }
 
@@ -252,6 +241,7 @@ impl Data {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::servo::Servo;
 
     fn entry() -> Entry {
         let time_s: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).collect();
@@ -275,6 +265,17 @@ mod tests {
         assert_eq!(names, ["stairs (part 1)", "stairs (part 2)"]);
         assert!(pieces[0].time_s.iter().all(|t| *t < 3.2) && pieces[1].time_s.iter().all(|t| *t > 4.0));
         assert_eq!(pieces[1].speed_rad_s.as_ref().map(Vec::len), Some(pieces[1].len()));
+    }
+
+    #[test]
+    fn a_cut_leaves_the_targets_of_a_servo_as_long_as_its_record() {
+        let mut entry = entry();
+        let servo = Servo { target_rad: vec![0.5; 1000], gain: None, damping: None };
+        entry.record = Arc::new(Record { servo: Some(servo), ..entry.record.as_ref().clone() });
+        entry.cut(3.2, 4.0);
+        for piece in entry.pieces() {
+            assert_eq!(piece.servo.as_ref().map(|servo| servo.target_rad.len()), Some(piece.len()));
+        }
     }
 
     #[test]
