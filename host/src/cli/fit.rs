@@ -6,14 +6,12 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::discover::unit;
-use super::input::{LogArgs, Logs};
+use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::compare::measures::Measures;
-use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
 use crate::findings::{Errors, Facts, NextStep, Standing, named};
-use crate::fit::setup;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::report::shown_by_fit;
@@ -100,7 +98,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(prose::fault(warning));
     }
     faults.extend(lacking);
-    let standing = standing(&fitted, noise(&logs));
+    let standing = standing(&fitted);
     let document = Document {
         schema: 1,
         method: options.method,
@@ -116,7 +114,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         seed: options.seed,
         evaluations: fitted.evaluations,
         seconds: fitted.seconds,
-        noise_level: noise(&logs),
+        noise_level: fitted.noise_level,
         headline: &standing.headline,
         next_step: &standing.next,
     };
@@ -130,17 +128,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// Noise level of the logs, in the measured unit.
-fn noise(logs: &Logs) -> f64 {
-    let (problem, _) = setup::problem(&logs.records, &logs.motor);
-    noise_floor(&logs.records, &logs.validation, &problem)
-}
-
 /// Whether the model is enough, and what to do next.
-fn standing(fit: &Fit, noise: f64) -> Standing {
+fn standing(fit: &Fit) -> Standing {
     let error = fit.validation.unwrap_or(fit.train).rmse;
     Standing::of(&Facts {
-        errors: Errors { base: error, model: error, noise },
+        errors: Errors { base: error, model: error, noise: fit.noise_level },
         effects: &named(&fit.model.values().kinds(), &fit.parameters),
         clean: None,
         suggested: None,

@@ -23,6 +23,7 @@ pub use start::prepare;
 
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
+use crate::diagnose::discover::noise_floor;
 use crate::error::{Error, Result};
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
@@ -89,6 +90,8 @@ pub struct Fit {
     pub train: Measures,
     /// Errors on the records kept out.
     pub validation: Option<Measures>,
+    /// What a perfect model would leave, rms in the measured unit.
+    pub noise_level: f64,
     /// Best IAE of every generation; one number for methods without generations.
     pub objective_history: Vec<f64>,
     /// Candidates simulated over all records.
@@ -153,6 +156,7 @@ pub fn fit(
     if !validation.is_empty() {
         fit.validation = unseen(&problem, validation, motor, &searched.values);
     }
+    fit.noise_level = noise_floor(records, validation, &problem);
     (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
     fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
     Ok(fit)
@@ -169,6 +173,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         parameters,
         train: pooled(&free_runs(problem, values)).unwrap_or_default(),
         validation: None,
+        noise_level: 0.0,
         objective_history: Vec::new(),
         evaluations: 0,
         seconds: 0.0,
