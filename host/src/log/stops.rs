@@ -25,10 +25,12 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     if record.servo.is_some() || record.meta.get("kp").is_some() {
         return None;
     }
+    let near = (SOFT * span(angle)).max(2.0 * quantum(angle).unwrap_or(0.0));
+    let speed = slope(&record.time_s, angle);
     let ends = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
     let found: Vec<_> = [(ends.1, 1.0), (ends.0, -1.0)]
         .into_iter()
-        .filter_map(|(end, outwards)| Some((end, stays(record, angle, end, outwards)?)))
+        .filter_map(|(end, outwards)| Some((end, stays(record, angle, &speed, near, end, outwards)?)))
         .collect();
     let (end, volts) = found.first().map(|(end, (volts, _))| (*end, *volts))?;
     let ranges: Vec<(f64, f64)> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
@@ -56,12 +58,17 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     ))
 }
 
-/// The highest voltage that pushed against `end`, and when the shaft stood there.
-fn stays(record: &Record, angle: &[f64], end: f64, outwards: f64) -> Option<(f64, Vec<(f64, f64)>)> {
+/// The highest voltage that pushed against `end`, and when the shaft stood within `near` of it.
+fn stays(
+    record: &Record,
+    angle: &[f64],
+    speed: &[f64],
+    near: f64,
+    end: f64,
+    outwards: f64,
+) -> Option<(f64, Vec<(f64, f64)>)> {
     let (time, volts) = (&record.time_s, &record.voltage_v);
-    let near = (SOFT * span(angle)).max(2.0 * quantum(angle).unwrap_or(0.0));
-    let speed = slope(time, angle);
-    let slow = 0.1 * peak(&speed);
+    let (slow, highest) = (0.1 * peak(speed), peak(volts));
     // The voltages that move it freely in this direction.
     let mut moving: Vec<f64> = (0..angle.len())
         .filter(|&k| speed[k] * outwards > slow && (angle[k] - end).abs() > near)
@@ -89,8 +96,8 @@ fn stays(record: &Record, angle: &[f64], end: f64, outwards: f64) -> Option<(f64
         let until = time[k.min(angle.len() - 1)];
         let least = pushed.iter().fold(f64::MAX, |p, v| p.min(*v));
         // A weight balances one voltage; a stop stands whatever pushes.
-        let stands = push > FULL * peak(volts) || push - least > PUSHES * peak(volts);
-        if push > HARDER * free && push > PUSHES * peak(volts) && stands {
+        let stands = push > FULL * highest || push - least > PUSHES * highest;
+        if push > HARDER * free && push > PUSHES * highest && stands {
             hardest = hardest.max(push);
             stay += until - time[begin];
             ranges.push((time[begin.saturating_sub(1)], until));
