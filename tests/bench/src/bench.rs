@@ -27,6 +27,8 @@ const BDTR_INDEX: u64 = 0x44 / 4;
 /// A stream's enable, direction, both sizes and channel, and what they are for words to a peripheral on channel 6.
 const STREAM_FIELDS: u64 = 1 | 0b11 << 6 | 0b1111 << 11 | 0b111 << 25;
 const STREAM_WANTED: u64 = 1 | 0b01 << 6 | 0b1010 << 11 | 6 << 25;
+/// USART2 and DMA1, which serves it.
+const LINE: [std::ops::Range<u64>; 2] = [0x4000_4400..0x4000_4800, 0x4002_6000..0x4002_6400];
 /// DMA2 among the controllers.
 const DMA_2: usize = 1;
 /// TIM4 among the general timers.
@@ -145,6 +147,8 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let Settled::Access { access, .. } = settled else { return };
         let (machine, plant) = (session.board_mut(), &mut self.scene.plant);
         let at = access.virtual_time;
+        // The serial line is the main loop's: what it sets at the timers after it has heard a command is no interrupt's work.
+        self.sampling &= !LINE.iter().any(|registers| registers.contains(&access.address));
         if self.sampling {
             let length = access.instruction_count - self.interrupt_began;
             // The main loop's accesses follow after the interrupt's; the bridge is the last that the interrupt writes.

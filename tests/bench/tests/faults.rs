@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use motorlens::device::{Capture, Captured};
-use motorlens_bench::bench::{self, Done, Scene, Upset};
+use motorlens_bench::bench::{self, Done, Scene};
 use motorlens_bench::cable::Cable;
 use motorlens_bench::machine;
 use motorlens_bench::plant::Plant;
 use motorlens_bench::remote::{Hand, Session};
 use motorlens_shared::excitation::{Programme, Shape};
-use motorlens_shared::link::{Cause, DriveMode, Reset, Setup};
+use motorlens_shared::link::{Cause, DriveMode, Setup};
 use motorlens_virtual_motor::{Motor, VirtualMotor};
 
 fn multisine(seconds: f32) -> Programme {
