@@ -120,6 +120,8 @@ fn records_of_one_motor_are_the_same_and_of_another_are_not() {
     assert_eq!(two["verdict"], "different", "{two}");
     assert_eq!(two["parameters"][0]["name"], "coulomb.level", "{two}");
     run(here, &format!("same {}", set("a"))).ends(2);
+    let misplaced = run(here, &format!("same {} -- {} --motor a/motor.toml", set("a"), set("b"))).ends(2);
+    assert!(misplaced.err.contains("before --"), "{}", misplaced.err);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Console;
 use crate::diagnose::discover::{self, discover};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
 use crate::log::{self, ReadArgs};
 use crate::model_file::Model;
@@ -17,7 +17,7 @@ use crate::same::{Comparison, Verdict, same};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   motorlens same monday-1.csv monday-2.csv -- friday.csv
-  motorlens same left/*.csv -- right/*.csv --model left.json --motor motor.toml")]
+  motorlens same left/*.csv --model left.json -m motor.toml -- right/*.csv")]
 pub struct Args {
     /// Logs of the first set; those of the second follow after --
     #[arg(required = true, value_name = "LOG")]
@@ -44,6 +44,10 @@ struct Document {
 
 /// Fits, compares, and tells.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    if let Some(option) = args.second.iter().find(|path| path.to_string_lossy().starts_with('-')) {
+        let why = format!("{} stands after --, where only logs of the second set may", option.display());
+        return Err(Error::usage(why, "give the options before --"));
+    }
     let motor = args.reading.motor_file()?;
     let load = |paths| Ok::<_, crate::error::Error>(log::load(paths, &args.reading)?.records);
     let [first, second] = [load(&args.first)?, load(&args.second)?];
