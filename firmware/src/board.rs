@@ -27,8 +27,8 @@ impl<P, F, B, N, E, A, S, T: Pace> Pace for Parts<P, F, B, N, E, A, S, T> {
     fn cycles(&mut self) -> u32 {
         self.pace.cycles()
     }
-    fn set_rate(&mut self, rate_hz: u16) {
-        self.pace.set_rate(rate_hz);
+    fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
+        self.pace.set_rate(rate_hz, pwm_hz);
     }
 }
 
@@ -101,7 +101,7 @@ mod tests {
         fn cycles(&mut self) -> u32 {
             0
         }
-        fn set_rate(&mut self, _: u16) {}
+        fn set_rate(&mut self, _: u16, _: u32) {}
     }
 
     #[test]

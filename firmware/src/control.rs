@@ -55,7 +55,7 @@ impl<H: Hardware> Control<H> {
     pub fn new(mut hardware: H, log: &'static mut Log, reset: Reset) -> Self {
         hardware.release();
         let setup = Setup::default();
-        hardware.set_rate(setup.rate_hz);
+        hardware.set_rate(setup.rate_hz, setup.pwm_hz());
         let cut_short = log.recover(reset == Reset::Watchdog);
         let state = if cut_short { RunState::Stopped(Cause::Watchdog) } else { RunState::Idle };
         Self {
@@ -172,7 +172,7 @@ impl<H: Hardware> Control<H> {
     /// Takes another setup. Only while nothing runs; the caller has checked it.
     pub fn configure(&mut self, setup: Setup) {
         self.setup = setup;
-        self.hardware.set_rate(setup.rate_hz);
+        self.hardware.set_rate(setup.rate_hz, setup.pwm_hz());
     }
 
     /// The host was heard.

@@ -41,8 +41,9 @@ pub trait Pace {
     fn now_us(&mut self) -> u32;
     /// The core's cycle counter, wrapping; 0 where there is none.
     fn cycles(&mut self) -> u32;
-    /// Calls the control so many times a second from now on.
-    fn set_rate(&mut self, rate_hz: u16);
+    /// Calls the control so many times a second from now on, and puts the PWM near `pwm_hz`: a sampling period holds a whole
+    /// number of its periods. Both are checked before they come here.
+    fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32);
 }
 
 /// Everything the control loop touches.

@@ -2,36 +2,51 @@
 
 use embedded_io::{Write, WriteReady};
 use heapless::Deque;
-use motorlens_shared::link::{FromBoard, MAX_ENCODED, Packet, encode};
+use motorlens_shared::link::{FromBoard, MAX_ENCODED, MAX_PROTECTED, Packet, encode, encode_protected};
 
 /// Bytes that may wait for the line.
-const LENGTH: usize = 768;
+const LENGTH: usize = 1024;
+/// The longest frame of either kind.
+const LONGEST: usize = if MAX_PROTECTED > MAX_ENCODED { MAX_PROTECTED } else { MAX_ENCODED };
 
 /// Encoded frames, waiting for the line to take them.
 #[derive(Debug, Default)]
 pub struct Outbox {
     bytes: Deque<u8, LENGTH>,
+    protected: bool,
 }
 
 impl Outbox {
     /// An empty box.
     pub const fn new() -> Self {
-        Self { bytes: Deque::new() }
+        Self { bytes: Deque::new(), protected: false }
+    }
+
+    /// Frames are protected from now on, or not: as the host's are, which knows whether the line is bad.
+    pub fn protect(&mut self, protected: bool) {
+        self.protected = protected;
     }
 
     /// Whether any frame fits.
     pub fn has_room(&self) -> bool {
-        LENGTH - self.bytes.len() >= MAX_ENCODED
+        LENGTH - self.bytes.len() >= LONGEST
     }
 
     /// Queues a message; false when it does not fit, and then none of it is queued.
     pub fn post(&mut self, id: u16, message: FromBoard) -> bool {
-        let mut frame = [0; MAX_ENCODED];
-        let Ok(frame) = encode(&Packet { id, message }, &mut frame) else { return false };
-        if LENGTH - self.bytes.len() < frame.len() {
-            return false;
+        let packet = Packet { id, message };
+        if self.protected
+            && let Ok(frame) = encode_protected(&packet, &mut [0; MAX_PROTECTED])
+        {
+            return self.queue(frame);
         }
-        frame.iter().all(|byte| self.bytes.push_back(*byte).is_ok())
+        // Also what is too long to be protected.
+        encode(&packet, &mut [0; MAX_ENCODED]).is_ok_and(|frame| self.queue(frame))
+    }
+
+    fn queue(&mut self, frame: &[u8]) -> bool {
+        LENGTH - self.bytes.len() >= frame.len()
+            && frame.iter().all(|byte| self.bytes.push_back(*byte).is_ok())
     }
 
     /// Gives the line what it takes without waiting.

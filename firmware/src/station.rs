@@ -20,8 +20,6 @@ const STATUS_US: u32 = 100_000;
 pub trait Platform {
     /// The core's clock, Hz.
     const CORE_HZ: u32;
-    /// The PWM's frequency, Hz.
-    const PWM_HZ: u32;
     /// The numbers that the quick fit searches in: integers where the core has no floating-point unit.
     type Arithmetic: Arithmetic;
     /// The firmware's version.
@@ -98,6 +96,7 @@ impl Station {
             match self.decoder.push::<Packet<ToBoard>>(byte[0]) {
                 Some(Ok(packet)) => {
                     with(control, |control| control.heard());
+                    self.outbox.protect(self.decoder.protected());
                     self.answer(packet, line, control, platform);
                 }
                 Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),

@@ -95,7 +95,7 @@ where
         plain.extend(sum);
         let mut stuffed = [0; 256];
         let length = cobs::encode(&plain, &mut stuffed);
-        let _ = decode::<Packet<M>>(&mut stuffed[..length]);
+        let _ = decode::<Packet<M>>(&stuffed[..length]);
         if round % 64 == 0 {
             decoder.push::<Packet<M>>(0);
             let first = good[0].iter().filter_map(|byte| decoder.push::<Packet<M>>(*byte)).next();

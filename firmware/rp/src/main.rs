@@ -3,7 +3,7 @@
 //! | pin | what | wire to |
 //! |---|---|---|
 //! | GP2, GP3 | encoder A, B, pulled up (PIO 0, every edge) | the encoder |
-//! | GP6 | PWM, 20 kHz | the driver's PWM (or phase input: locked anti-phase) |
+//! | GP6 | PWM, 20 kHz or as asked | the driver's PWM (or phase input: locked anti-phase) |
 //! | GP7 | second PWM | IN2 of a driver with two PWM inputs, whose IN1 is at GP6 |
 //! | GP8, GP11 | direction forward, backward | the driver's IN1, IN2 |
 //! | GP9 | enable, high while driven | the driver's enable or standby, with a pull-down of 4.7 kOhm |

@@ -5,7 +5,7 @@ use motorlens_firmware::station::Platform;
 use motorlens_shared::link::Reset;
 
 use crate::hal::{Watchdog, fugit::ExtU32, pac};
-use crate::{Hardware, chip, pwm};
+use crate::{Hardware, chip};
 
 /// The board starts anew when the main loop or the sampling interrupt stood still for so long. Preparing a programme of
 /// many multisines takes the larger part of it.
@@ -28,7 +28,6 @@ impl Board {
 
 impl Platform for Board {
     const CORE_HZ: u32 = chip::CORE_HZ;
-    const PWM_HZ: u32 = pwm::PWM_HZ;
     type Arithmetic = chip::Arithmetic;
     const VERSION: [u8; 3] = [0, 1, 0];
 

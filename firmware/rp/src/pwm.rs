@@ -4,6 +4,7 @@ use core::convert::Infallible;
 
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 use motorlens_firmware::bridge::Pwms;
+use motorlens_shared::link::PWM_HZ;
 
 use crate::chip::CORE_HZ;
 use crate::hal::gpio::bank0::{Gpio6, Gpio7};
@@ -11,8 +12,6 @@ use crate::hal::gpio::{FunctionPwm, Pin, PullNone};
 use crate::hal::pac;
 use crate::hal::pwm::{FreeRunning, Pwm3, Slice};
 
-/// The PWM's frequency where the sampling rate divides it, Hz.
-pub const PWM_HZ: u32 = 20_000;
 /// GP6 is channel A of this slice, GP7 channel B.
 const SLICE: usize = 3;
 
@@ -43,9 +42,9 @@ impl Pwm {
     }
 }
 
-/// Makes the PWM's period a whole part of the sampling period; the nearest to [`PWM_HZ`].
-pub fn fit_to_rate(rate_hz: u32) {
-    let periods = (PWM_HZ + rate_hz / 2) / rate_hz;
+/// Makes the PWM's period a whole part of the sampling period; the nearest to `wanted_hz`, of at least 5 kHz, at `rate_hz`, of at most 2.
+pub fn fit_to_rate(rate_hz: u32, wanted_hz: u32) {
+    let periods = (wanted_hz + rate_hz / 2) / rate_hz;
     let ticks = CORE_HZ / (rate_hz * periods);
     // SAFETY: one register of the slice that belongs to `Pwm`; whatever it holds is a period.
     unsafe { (*pac::PWM::ptr()).ch(SLICE).top().write(|w| w.top().bits((ticks - 1) as u16)) };

@@ -40,10 +40,10 @@ impl Pace for Timers {
         chip::cycles()
     }
 
-    fn set_rate(&mut self, rate_hz: u16) {
+    fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
         // Rates are checked before they come here: 100 to 2000 Hz, a whole number of microseconds each.
         let (beats, apart) = beat::split(1_000_000 / u32::from(rate_hz));
-        pwm::fit_to_rate(1_000_000 / apart.max(1));
+        pwm::fit_to_rate(1_000_000 / apart.max(1), pwm_hz);
         critical_section::with(|_| {
             BEATS.store(beats, Ordering::Relaxed);
             LEFT.store(0, Ordering::Relaxed);

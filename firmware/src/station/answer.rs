@@ -183,7 +183,7 @@ fn capabilities<H: Hardware, P: Platform>(control: &Shared<H>) -> Capabilities {
         log_samples: LOG_LENGTH as u16,
         fit_samples: KEPT as u16,
         core_hz: P::CORE_HZ,
-        pwm_hz: P::PWM_HZ,
+        pwm_hz: P::CORE_HZ / u32::from(scaling.pwm_top.max(1)),
         measures_supply,
         measures_current,
         scaling,

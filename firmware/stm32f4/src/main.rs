@@ -2,7 +2,7 @@
 //!
 //! | pin | what | wire to |
 //! |---|---|---|
-//! | PA8 | PWM, 20 kHz (TIM1) | the driver's PWM (or phase input: locked anti-phase) |
+//! | PA8 | PWM, 20 kHz or as asked (TIM1) | the driver's PWM (or phase input: locked anti-phase) |
 //! | PA9 | second PWM (TIM1) | IN2 of a driver with two PWM inputs, whose IN1 is at PA8 |
 //! | PB0, PB1 | direction forward, backward | the driver's IN1, IN2 |
 //! | PB15 | enable, high while driven (TIM1_CH3N) | the driver's enable or standby, with a pull-down of 10 kOhm; a must for locked anti-phase |
@@ -37,6 +37,7 @@ use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
+use motorlens_shared::link::PWM_HZ;
 use stm32f4xx_hal::gpio::{Output, PB0, PB1};
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::serial::{Serial, config::Config as SerialConfig, config::DmaConfig};
@@ -78,7 +79,7 @@ fn main() -> ! {
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);
 
-    let (_, (first, second, ..)) = device.TIM1.pwm_hz(platform::PWM_HZ.Hz(), &mut rcc);
+    let (_, (first, second, ..)) = device.TIM1.pwm_hz(PWM_HZ.Hz(), &mut rcc);
     let emergency = Emergency::new(b.pb12.into_input());
     let pwm = Pwm::new(first.with(a.pa8), second.with(a.pa9), &emergency);
     let (forward, backward) = (b.pb0.into_push_pull_output(), b.pb1.into_push_pull_output());

@@ -13,8 +13,6 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use crate::Hardware;
 
-/// The PWM's frequency, Hz.
-pub const PWM_HZ: u32 = 20_000;
 /// The board starts anew when the main loop or the sampling interrupt stood still for so long. Preparing a programme of
 /// many multisines takes the larger part of it.
 const WATCHDOG_MS: u32 = 500;
@@ -45,7 +43,6 @@ impl Board {
 
 impl Platform for Board {
     const CORE_HZ: u32 = crate::CORE_HZ;
-    const PWM_HZ: u32 = PWM_HZ;
     type Arithmetic = Float;
     const VERSION: [u8; 3] = [0, 1, 0];
 

@@ -62,13 +62,10 @@ impl Pace for Timers {
         cortex_m::peripheral::DWT::cycle_count()
     }
 
-    fn set_rate(&mut self, rate_hz: u16) {
-        // Rates are checked before they come here: 100 to 2000 Hz.
+    fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
+        // Rates are checked before they come here: 100 to 2000 Hz, and 5 to 50 kHz.
         let (beats, apart) = beat::split(1_000_000 / u32::from(rate_hz));
-        crate::pwm::fit_period(
-            apart * (crate::CORE_HZ / 1_000_000),
-            crate::CORE_HZ / crate::platform::PWM_HZ,
-        );
+        crate::pwm::fit_period(apart * (crate::CORE_HZ / 1_000_000), crate::CORE_HZ / pwm_hz.max(1));
         BEATS.store(beats, Ordering::Relaxed);
         LEFT.store(0, Ordering::Relaxed);
         // A millisecond at most: 16 bits hold it.

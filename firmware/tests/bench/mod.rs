@@ -20,6 +20,8 @@ pub struct Rig {
     pub motor: VirtualMotor,
     pub now_us: u32,
     pub rate_hz: u16,
+    /// PWM ticks of full voltage; [`TOP`] unless another frequency is asked for.
+    pub top: u16,
     pub bridge: Bridge,
     pub jammed: bool,
     pub emergency: bool,
@@ -45,8 +47,8 @@ impl Pace for Rig {
     fn cycles(&mut self) -> u32 {
         0
     }
-    fn set_rate(&mut self, rate_hz: u16) {
-        self.rate_hz = rate_hz;
+    fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
+        (self.rate_hz, self.top) = (rate_hz, (Rest::CORE_HZ / pwm_hz) as u16);
     }
 }
 
@@ -56,14 +58,14 @@ impl Hardware for Rig {
         if self.jammed { 77 } else { self.motor.counts() as u16 }
     }
     fn apply(&mut self, _: DriveMode, duty: i16) -> i16 {
-        self.bridge = Bridge::Volts(f64::from(duty) / f64::from(TOP) * self.motor.motor().nominal_v);
+        self.bridge = Bridge::Volts(f64::from(duty) / f64::from(self.top) * self.motor.motor().nominal_v);
         duty
     }
     fn release(&mut self) {
         self.bridge = Bridge::Floating;
     }
     fn pwm_top(&self) -> u16 {
-        TOP
+        self.top
     }
     fn analog(&mut self) -> &mut Self {
         self
@@ -117,7 +119,6 @@ pub struct Rest {
 
 impl Platform for Rest {
     const CORE_HZ: u32 = 84_000_000;
-    const PWM_HZ: u32 = 20_000;
     type Arithmetic = motorlens_shared::quickfit::Float;
     const VERSION: [u8; 3] = [0, 1, 0];
     fn unique(&self) -> [u8; 12] {
@@ -156,6 +157,7 @@ impl Bench {
             motor,
             now_us: 0,
             rate_hz: 0,
+            top: TOP,
             bridge: Bridge::Floating,
             jammed: false,
             emergency: false,

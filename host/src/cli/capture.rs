@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
 use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{Cause, DriveMode, Setup};
 use serde::Serialize;
 
 use super::Console;
 use super::interrupt::interrupted;
+use super::strip::Strip;
 use crate::device::{Capture, Captured, Port, Shaft, record};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
@@ -53,7 +53,7 @@ pub struct Args {
     #[arg(long)]
     pub port: String,
     /// Save what the board prints as lines of text (docs/LINE_PROTOCOL.md): it plays its own programmes
-    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "stall_voltage", "stall_time", "keep_every", "seed"])]
+    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "stall_voltage", "stall_time", "keep_every", "pwm_frequency", "seed"])]
     pub listen: bool,
     /// Speed of the line with --listen
     #[arg(long, default_value_t = 250_000, requires = "listen")]
@@ -101,6 +101,9 @@ pub struct Args {
     /// Keep one sample of so many for the fit on the board
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub keep_every: u16,
+    /// Frequency of the PWM, 5000 to 50000; the board takes the nearest that divides the time between samples [default: 20000]
+    #[arg(long, value_name = "HZ")]
+    pub pwm_frequency: Option<u32>,
     /// Picks phases and orders
     #[arg(long, default_value_t = 1)]
     pub seed: u32,
@@ -152,6 +155,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             &mut capture,
             &play.log_name(),
             play.programme.seconds(),
+            Some(&shaft),
             &interrupted,
             console,
         );
@@ -160,6 +164,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         document.damaged_frames += capture.damaged();
         if let Some(captured) = &captured {
             document.logs.push(save(captured, &shaft, play, &args.out)?);
+            if let (0, Some(other)) = (index, other_frequency(args.pwm_frequency, captured)) {
+                console.say(other);
+            }
         }
         let cause = outcome.map_err(|error| told(error, captured.as_ref(), &args.out, play))?.cause;
         if cause != Cause::Finished {
@@ -231,25 +238,35 @@ pub(super) fn converse(
     capture: &mut Capture,
     name: &str,
     seconds: f32,
+    shaft: Option<&Shaft>,
     interrupted: &AtomicBool,
     console: &Console,
 ) -> Result<Captured> {
     let total = (seconds * f32::from(capture.setup().rate_hz)).round() as u64;
-    let bar = if console.shows_progress() { ProgressBar::new(total) } else { ProgressBar::hidden() };
-    let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} samples");
-    bar.set_style(style.expect("the template is sound"));
-    bar.set_message(name.to_owned());
+    let mut strip = Strip::new(name, total, shaft, console);
     let outcome = port.converse(|now, received, send| {
         capture.receive(received, now);
         if interrupted.swap(false, Ordering::Relaxed) {
             capture.stop(now);
         }
         capture.poll(now, send);
-        bar.set_position(capture.samples() as u64);
+        strip.show(capture, now);
         capture.take_outcome()
     });
-    bar.finish_and_clear();
+    strip.clear();
     Ok(outcome??)
+}
+
+/// The words for a PWM that is not at the frequency asked for, by more than the board's rounding to whole periods in a sample.
+fn other_frequency(asked: Option<u32>, captured: &Captured) -> Option<String> {
+    let (asked, has) = (asked?, captured.capabilities.pwm_hz);
+    // At 2000 samples a second whole periods lie 2 kHz apart.
+    (has.abs_diff(asked) > 1_000 + asked / 20).then(|| {
+        format!(
+            "the board's PWM runs at {has} Hz and not at the {asked} Hz asked for: its firmware is older than the choice\n  do: \
+             flash the firmware that belongs to this program, or leave --pwm-frequency away"
+        )
+    })
 }
 
 fn setup(args: &Args) -> Result<Setup> {
@@ -262,6 +279,7 @@ fn setup(args: &Args) -> Result<Setup> {
         stall_mv: (args.stall_voltage.unwrap_or(args.supply / 3.0) * 1000.0).round() as u16,
         stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
+        pwm_hz: args.pwm_frequency.unwrap_or(0),
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
         ..Setup::default()

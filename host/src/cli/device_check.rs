@@ -22,6 +22,9 @@ pub struct Args {
     /// Supply of the driver in volts
     #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
     pub supply: f32,
+    /// Frequency of the PWM, 5000 to 50000 [default: 20000]
+    #[arg(long, value_name = "HZ")]
+    pub pwm_frequency: Option<u32>,
     /// Largest voltage that is applied [default: half the supply]
     #[arg(long, value_name = "VOLTS")]
     pub amplitude: Option<f32>,
@@ -37,6 +40,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let setup = setup(Setup {
         drive: args.drive.mode(),
         supply_mv: (args.supply * 1000.0).round() as u16,
+        pwm_hz: args.pwm_frequency.unwrap_or(0),
         ..Setup::default()
     });
     setup
@@ -44,7 +48,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         .map_err(|fault| Error::usage(fault.to_string(), "see motorlens device check --help"))?;
     let mut port = Port::open(&args.at.port)?;
     let mut capture = Capture::new(setup, &programme, run_number());
-    let captured = converse(&mut port, &mut capture, "check", programme.seconds(), &interrupted(), console)?;
+    let captured =
+        converse(&mut port, &mut capture, "check", programme.seconds(), None, &interrupted(), console)?;
     let checked = check(&captured);
     let mut document = json!({ "schema": 1 });
     if let (Some(all), Ok(serde_json::Value::Object(found))) =

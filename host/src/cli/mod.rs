@@ -33,6 +33,8 @@ mod same;
 mod serve;
 mod shell;
 mod simulate;
+#[cfg(feature = "device")]
+mod strip;
 mod tune;
 mod watch;
 

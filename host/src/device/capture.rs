@@ -96,6 +96,11 @@ impl Capture {
         self.capabilities.as_ref().map(|capabilities| capabilities.scaling)
     }
 
+    /// Whether the board measures current, as far as it has told.
+    pub fn measures_current(&self) -> bool {
+        self.capabilities.is_some_and(|capabilities| capabilities.measures_current)
+    }
+
     /// Frames that arrived damaged.
     pub fn damaged(&self) -> u64 {
         self.exchange.damaged()

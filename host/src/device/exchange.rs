@@ -2,7 +2,8 @@
 
 use super::Fault;
 use motorlens_shared::link::{
-    Decoder, FromBoard, MAX_ENCODED, NEWEST, OLDEST, Packet, Refusal, ToBoard, agree, encode,
+    Decoder, FromBoard, MAX_ENCODED, MAX_PROTECTED, NEWEST, OLDEST, Packet, Refusal, ToBoard, agree, encode,
+    encode_protected,
 };
 use std::time::Duration;
 
@@ -13,6 +14,12 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// So many bytes are kept of a board that speaks otherwise, and after this time they are enough to know that it does.
 const HEARD: usize = 240;
 const ENOUGH: Duration = Duration::from_secs(3);
+/// The first version whose boards read protected frames.
+const PROTECTS: u16 = 3;
+/// A damaged frame makes up for so many whole ones; where the sum exceeds the limit the line is bad, and frames are protected from
+/// then on: where one in nine is damaged, or a few come together.
+const DAMAGE: u32 = 8;
+const BAD_LINE: u32 = 40;
 /// The board stops the motor when it hears nothing for its link timeout; this is how often it hears something.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
 
@@ -33,6 +40,11 @@ pub struct Exchange {
     spoke: Duration,
     out: Vec<u8>,
     damaged: u64,
+    /// How bad the line has been lately, and whether frames are protected for it.
+    trouble: u32,
+    protects: bool,
+    /// The newest version that the board speaks, once it has told.
+    newest: Option<u16>,
     /// The first bytes heard, as long as none of them made a message.
     heard: Vec<u8>,
     understood: bool,
@@ -63,8 +75,13 @@ impl Exchange {
     /// Returns its number.
     pub fn tell(&mut self, message: ToBoard) -> u16 {
         self.id = self.id.wrapping_add(1).max(1);
-        self.post(self.id, message);
+        self.post(self.id, message, self.protects);
         self.id
+    }
+
+    /// Whether the line has been found so bad that frames are protected.
+    pub fn protects(&self) -> bool {
+        self.protects
     }
 
     /// Frames that arrived damaged.
@@ -81,16 +98,26 @@ impl Exchange {
         }
         for byte in bytes {
             match self.decoder.push::<Packet<FromBoard>>(*byte) {
-                Some(Ok(packet)) => self.arrived(packet, &mut messages),
-                Some(Err(_)) => self.damaged += 1,
+                Some(Ok(packet)) => {
+                    self.trouble = self.trouble.saturating_sub(1);
+                    self.arrived(packet, &mut messages);
+                }
+                Some(Err(_)) => {
+                    self.damaged += 1;
+                    self.trouble = self.trouble.saturating_add(DAMAGE);
+                }
                 None => {}
             }
         }
+        self.protects |= self.trouble >= BAD_LINE && self.newest.is_some_and(|newest| newest >= PROTECTS);
         messages
     }
 
     fn arrived(&mut self, packet: Packet<FromBoard>, messages: &mut Vec<Packet<FromBoard>>) {
         self.understood = true;
+        if let FromBoard::Hello(hello) = &packet.message {
+            self.newest = Some(hello.newest);
+        }
         if packet.message == FromBoard::Refused(Refusal::Version) {
             // The board has started anew since the hello; greet it again and let the request be repeated.
             self.tell(ToBoard::Hello { oldest: OLDEST, newest: NEWEST });
@@ -123,9 +150,13 @@ impl Exchange {
                 self.pending = None;
                 self.answer = Some(Err(Fault::Silent));
             } else if pending.sent.is_none_or(|sent| now.saturating_sub(sent) >= AGAIN) {
-                pending.sent = Some(now);
+                let again = pending.sent.replace(now).is_some();
                 let (id, message) = (pending.id, pending.message.clone());
-                self.post(id, message);
+                self.post(id, message.clone(), self.protects);
+                // Asked in vain: a bad line, perhaps. A board of an older version takes this for one damaged frame more.
+                if again && !self.protects && self.newest.is_none_or(|newest| newest >= PROTECTS) {
+                    self.post(id, message, true);
+                }
             }
         }
         if now.saturating_sub(self.spoke) >= KEEP_ALIVE {
@@ -137,10 +168,14 @@ impl Exchange {
         }
     }
 
-    fn post(&mut self, id: u16, message: ToBoard) {
-        let mut frame = [0; MAX_ENCODED];
+    fn post(&mut self, id: u16, message: ToBoard, protected: bool) {
+        let packet = Packet { id, message };
         // Every message that this program makes fits in a frame: their sizes are bounded by their types.
-        if let Ok(frame) = encode(&Packet { id, message }, &mut frame) {
+        if protected {
+            if let Ok(frame) = encode_protected(&packet, &mut [0; MAX_PROTECTED]) {
+                self.out.extend_from_slice(frame);
+            }
+        } else if let Ok(frame) = encode(&packet, &mut [0; MAX_ENCODED]) {
             self.out.extend_from_slice(frame);
         }
     }

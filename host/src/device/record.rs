@@ -47,6 +47,7 @@ pub fn record(captured: &Captured, shaft: &Shaft, programme: &Programme) -> Resu
     meta.insert("drive", captured.setup.drive.name())?;
     meta.insert("supply", if capabilities.measures_supply { "measured" } else { "stated" })?;
     meta.insert("sample_rate_hz", &scaling.rate_hz.to_string())?;
+    meta.insert("pwm_hz", &capabilities.pwm_hz.to_string())?;
     meta.insert("ended", &captured.cause.to_string())?;
     if !captured.holes.is_empty() {
         let holes: Vec<_> =

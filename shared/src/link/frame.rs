@@ -1,5 +1,6 @@
 //! Frames on a serial line: where a message begins and ends, and whether it arrived whole.
 
+use super::protected::{self, MAX_PLAIN, MAX_PROTECTED};
 use crc::{CRC_32_ISCSI, Crc, NoTable};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -32,20 +33,60 @@ pub enum Damage {
 pub fn encode<'a, M: Serialize>(message: &M, out: &'a mut [u8; MAX_ENCODED]) -> Result<&'a [u8], Damage> {
     let mut plain = [0; MAX_MESSAGE];
     let used = postcard::to_slice(message, &mut plain[..MAX_MESSAGE - 4]).map_err(|_| Damage::TooLong)?.len();
-    let sum = CRC.checksum(&plain[..used]).to_le_bytes();
-    plain[used..used + 4].copy_from_slice(&sum);
-    let length = cobs::encode(&plain[..used + 4], out);
+    let length = close(&mut plain, used);
+    let length = cobs::encode(&plain[..length], out);
     out[length] = 0;
     Ok(&out[..=length])
 }
 
-/// Reads the message of one frame, given without its terminator. The bytes are overwritten.
+/// Writes `message` as a frame with forward error correction ([`protected`]), for a bad line. Only to an end of version 3 or later.
+///
+/// # Errors
+/// [`Damage::TooLong`] when the message does not fit.
+pub fn encode_protected<'a, M: Serialize>(
+    message: &M,
+    out: &'a mut [u8; MAX_PROTECTED],
+) -> Result<&'a [u8], Damage> {
+    let mut plain = [0; MAX_MESSAGE];
+    let used = postcard::to_slice(message, &mut plain[..MAX_PLAIN - 4]).map_err(|_| Damage::TooLong)?.len();
+    let length = close(&mut plain, protected::filled(used + 4) - 4);
+    protected::write(&plain[..length], out).ok_or(Damage::TooLong)
+}
+
+/// Puts the CRC behind the first `used` bytes; the length of both.
+fn close(plain: &mut [u8; MAX_MESSAGE], used: usize) -> usize {
+    let sum = CRC.checksum(&plain[..used]).to_le_bytes();
+    plain[used..used + 4].copy_from_slice(&sum);
+    used + 4
+}
+
+/// Reads the message of one frame, given without its terminator, protected or not.
 ///
 /// # Errors
 /// What is wrong with the frame; a wrong message never passes the CRC except by one chance in 2^32.
-pub fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, Damage> {
-    let length = cobs::decode_in_place(frame).map_err(|_| Damage::Stuffing)?;
-    let plain = frame.get(..length).ok_or(Damage::Stuffing)?;
+pub fn decode<M: DeserializeOwned>(frame: &[u8]) -> Result<M, Damage> {
+    read(frame).map(|(message, _)| message)
+}
+
+/// The message, and whether its frame was protected.
+fn read<M: DeserializeOwned>(frame: &[u8]) -> Result<(M, bool), Damage> {
+    let mut plain = [0; MAX_ENCODED];
+    let stuffed = match frame.len() {
+        // It cannot grow.
+        ..=MAX_ENCODED => cobs::decode(frame, &mut plain).map_err(|_| Damage::Stuffing),
+        _ => Err(Damage::TooLong),
+    };
+    let damage = match stuffed.and_then(|length| open(&plain[..length])) {
+        Err(damage @ (Damage::TooLong | Damage::Stuffing | Damage::Checksum)) => damage,
+        other => return other.map(|message| (message, false)),
+    };
+    let mut plain = [0; MAX_PLAIN];
+    let length = protected::read(frame, &mut plain).ok_or(damage)?;
+    open(&plain[..length]).map(|message| (message, true))
+}
+
+/// The message before a CRC that fits.
+fn open<M: DeserializeOwned>(plain: &[u8]) -> Result<M, Damage> {
     let (body, sum) =
         plain.split_last_chunk::<4>().map(|(body, sum)| (body, *sum)).ok_or(Damage::Checksum)?;
     if CRC.checksum(body) != u32::from_le_bytes(sum) {
@@ -66,9 +107,10 @@ pub fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, Damage> {
 /// first zero byte.
 #[derive(Debug, Clone)]
 pub struct Decoder {
-    bytes: [u8; MAX_ENCODED],
+    bytes: [u8; MAX_PROTECTED],
     length: usize,
     overrun: bool,
+    protected: bool,
 }
 
 impl Default for Decoder {
@@ -80,7 +122,7 @@ impl Default for Decoder {
 impl Decoder {
     /// A decoder that has seen nothing.
     pub const fn new() -> Self {
-        Self { bytes: [0; MAX_ENCODED], length: 0, overrun: false }
+        Self { bytes: [0; MAX_PROTECTED], length: 0, overrun: false, protected: false }
     }
 
     /// Takes the next byte. `Some` when it ended a frame: its message, or what was wrong with it.
@@ -101,8 +143,16 @@ impl Decoder {
             // An empty frame is a terminator sent to wake the line.
             0 => None,
             _ if overrun => Some(Err(Damage::TooLong)),
-            _ => Some(decode(&mut self.bytes[..length])),
+            _ => Some(read(&self.bytes[..length]).map(|(message, protected)| {
+                self.protected = protected;
+                message
+            })),
         }
+    }
+
+    /// Whether the last whole message came protected: its sender understands protected frames, and takes the line for bad.
+    pub fn protected(&self) -> bool {
+        self.protected
     }
 }
 

@@ -64,7 +64,16 @@ pub struct Setup {
     pub link_timeout_ms: u16,
     /// The quick fit keeps one sample of so many: 1 or more; voltages between are averaged.
     pub keep_every: u16,
+    /// The PWM's frequency, Hz, within [`PWM_LIMITS_HZ`]; 0 is [`PWM_HZ`]. The board takes the nearest that a sampling period holds whole
+    /// periods of, and tells it in its capabilities. Since version 3; an older board stays at its own.
+    pub pwm_hz: u32,
 }
+
+/// The PWM's frequency where none is asked for, Hz: above what is heard, and what every usual driver can switch.
+pub const PWM_HZ: u32 = 20_000;
+/// The frequencies that can be asked for, Hz. Below, the boards' 16-bit timers at their clocks have no more ticks for full voltage than
+/// fit in a sample; above, dead times and switching of usual drivers take a part of the voltage that the log does not know.
+pub const PWM_LIMITS_HZ: RangeInclusive<u32> = 5_000..=50_000;
 
 impl Default for Setup {
     fn default() -> Self {
@@ -79,6 +88,7 @@ impl Default for Setup {
             current_limit_ma: 0,
             link_timeout_ms: 500,
             keep_every: 5,
+            pwm_hz: 0,
         }
     }
 }
@@ -104,9 +114,16 @@ pub enum SetupFault {
     NoCurrentSense,
     /// `keep_every` is zero.
     KeepEvery,
+    /// The PWM's frequency is outside [`PWM_LIMITS_HZ`]. Since version 3.
+    Pwm,
 }
 
 impl Setup {
+    /// The PWM's frequency that is asked for, Hz.
+    pub fn pwm_hz(&self) -> u32 {
+        if self.pwm_hz == 0 { PWM_HZ } else { self.pwm_hz }
+    }
+
     /// Whether a supply measured as `supply_mv` fits the stated one.
     pub fn trusts(&self, supply_mv: u16) -> bool {
         let share = 100 * u32::from(supply_mv);
@@ -134,6 +151,8 @@ impl Setup {
             Err(SetupFault::NoCurrentSense)
         } else if self.keep_every == 0 {
             Err(SetupFault::KeepEvery)
+        } else if !PWM_LIMITS_HZ.contains(&self.pwm_hz()) {
+            Err(SetupFault::Pwm)
         } else {
             Ok(())
         }
@@ -152,6 +171,7 @@ impl fmt::Display for SetupFault {
             }
             Self::NoCurrentSense => "this board measures no current, so it cannot limit it",
             Self::KeepEvery => "the quick fit must keep one sample of 1 or more",
+            Self::Pwm => "the PWM's frequency must be 5000 to 50,000 Hz",
         })
     }
 }
@@ -261,6 +281,8 @@ mod tests {
             (Setup { rate_hz: 2000, ..good }, SetupFault::LinkTimeout),
             (Setup { current_limit_ma: 1, ..good }, SetupFault::NoCurrentSense),
             (Setup { keep_every: 0, ..good }, SetupFault::KeepEvery),
+            (Setup { pwm_hz: 4_999, ..good }, SetupFault::Pwm),
+            (Setup { pwm_hz: 50_001, ..good }, SetupFault::Pwm),
         ];
         for (setup, fault) in bad {
             assert_eq!(setup.check(1024, false), Err(fault));

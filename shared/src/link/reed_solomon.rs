@@ -1,0 +1,199 @@
+//! Reed-Solomon code over GF(256): parity symbols behind a message, from which as many lost symbols, or half as many wrong ones,
+//! are found again.
+//!
+//! The field is that of x^8 + x^4 + x^3 + x^2 + 1, the generator's roots are the first powers of 2 from 2^0 on. Decoding is
+//! Berlekamp-Massey begun at the locator of the erasures, a search of the roots, and Forney's values (Blahut, Algebraic Codes
+//! for Data Transmission, 2003, sections 7.2 to 7.5). In place and without a heap: the encoder runs on boards.
+
+/// The most symbols of a code word.
+pub const LONGEST: usize = 255;
+/// The most parity symbols.
+pub const MOST_PARITY: usize = 96;
+
+const POLYNOMIAL: u16 = 0x11d;
+
+/// Powers of 2, twice around, and their logarithms.
+const fn tables() -> ([u8; 510], [u8; 256]) {
+    let (mut exp, mut log) = ([0; 510], [0; 256]);
+    let (mut power, mut k) = (1_u16, 0);
+    while k < 255 {
+        (exp[k], exp[k + 255], log[power as usize]) = (power as u8, power as u8, k as u8);
+        power = if power & 0x80 == 0 { power << 1 } else { power << 1 ^ POLYNOMIAL };
+        k += 1;
+    }
+    (exp, log)
+}
+
+static TABLES: ([u8; 510], [u8; 256]) = tables();
+
+/// 2 to the power of `exponent`, below 510.
+fn exp(exponent: usize) -> u8 {
+    TABLES.0.get(exponent).copied().unwrap_or(0)
+}
+
+fn log(value: u8) -> usize {
+    usize::from(TABLES.1[usize::from(value)])
+}
+
+fn mul(one: u8, other: u8) -> u8 {
+    if one == 0 || other == 0 { 0 } else { exp(log(one) + log(other)) }
+}
+
+/// 0 for a division by 0, which is left to the message's checksum.
+fn div(one: u8, other: u8) -> u8 {
+    if one == 0 || other == 0 { 0 } else { exp(log(one) + 255 - log(other)) }
+}
+
+/// The value of a polynomial, lowest coefficient first, at 2 to the power of `exponent`, below 255.
+fn eval(coefficients: &[u8], exponent: usize) -> u8 {
+    coefficients.iter().rev().fold(0, |sum, coefficient| mul(sum, exp(exponent)) ^ coefficient)
+}
+
+/// Adds `scale` times `other`, moved up by `shift`, to `sum`.
+fn add_scaled(sum: &mut [u8], other: &[u8], scale: u8, shift: usize) {
+    for (place, value) in sum.iter_mut().skip(shift).zip(other) {
+        *place ^= mul(*value, scale);
+    }
+}
+
+/// Fills the last `parity` symbols of `word`, at most [`MOST_PARITY`] of at most [`LONGEST`], from those before them.
+pub fn encode(word: &mut [u8], parity: usize) {
+    let parity = parity.min(MOST_PARITY).min(word.len());
+    // Highest coefficient first.
+    let mut generator = [0; MOST_PARITY + 1];
+    generator[0] = 1;
+    for root in 0..parity {
+        for place in (1..=root + 1).rev() {
+            generator[place] ^= mul(generator[place - 1], exp(root));
+        }
+    }
+    let (message, check) = word.split_at_mut(word.len() - parity);
+    check.fill(0);
+    for symbol in message {
+        let factor = *symbol ^ check.first().copied().unwrap_or(0);
+        if !check.is_empty() {
+            check.copy_within(1.., 0);
+            check[parity - 1] = 0;
+        }
+        add_scaled(check, &generator[1..], factor, 0);
+    }
+}
+
+/// Mends `word` in place, given the places of symbols known to be lost. False when it cannot be, and then it is not touched; true does
+/// not promise that it is right, which a checksum must tell.
+pub fn decode(word: &mut [u8], erasures: &[u8], parity: usize) -> bool {
+    let (length, lost) = (word.len(), erasures.len());
+    if length > LONGEST || parity > MOST_PARITY || lost > parity {
+        return false;
+    }
+    let mut syndromes = [0; MOST_PARITY];
+    for (root, syndrome) in syndromes[..parity].iter_mut().enumerate() {
+        *syndrome = word.iter().fold(0, |sum, symbol| mul(sum, exp(root)) ^ symbol);
+    }
+    if syndromes[..parity].iter().all(|syndrome| *syndrome == 0) {
+        return true;
+    }
+    let Some((locator, wrong)) = locate(&syndromes[..parity], length, erasures) else { return false };
+    // Forney: values from the product of syndromes and locator, and the locator's formal derivative.
+    let mut evaluator = [0; MOST_PARITY];
+    for (shift, coefficient) in locator[..=wrong].iter().enumerate() {
+        add_scaled(&mut evaluator[..parity], &syndromes[..parity], *coefficient, shift);
+    }
+    let mut slope = [0; MOST_PARITY];
+    slope.iter_mut().zip(&locator[1..]).step_by(2).for_each(|(even, coefficient)| *even = *coefficient);
+    let roots = |place: &usize| eval(&locator[..=wrong], (255 - place) % 255) == 0;
+    if (0..length).filter(roots).count() != wrong {
+        return false;
+    }
+    for place in (0..length).filter(roots) {
+        let inverse = (255 - place) % 255;
+        let value = div(eval(&evaluator[..parity], inverse), eval(&slope, inverse));
+        word[length - 1 - place] ^= mul(value, exp(place));
+    }
+    true
+}
+
+/// The polynomial whose roots are the inverse places of all wrong symbols, lowest coefficient first, and its degree.
+fn locate(syndromes: &[u8], length: usize, erasures: &[u8]) -> Option<([u8; MOST_PARITY + 1], usize)> {
+    let mut locator = [0; MOST_PARITY + 1];
+    locator[0] = 1;
+    for place in erasures {
+        let power = length.checked_sub(1 + usize::from(*place))?;
+        let before = locator;
+        add_scaled(&mut locator, &before, exp(power), 1);
+    }
+    let lost = erasures.len();
+    let (mut correction, mut degree) = (locator, lost);
+    for step in lost..syndromes.len() {
+        let terms = locator.iter().zip(syndromes[..=step].iter().rev());
+        let discrepancy = terms.fold(0, |sum, (coefficient, syndrome)| sum ^ mul(*coefficient, *syndrome));
+        correction.copy_within(..MOST_PARITY, 1);
+        correction[0] = 0;
+        if discrepancy == 0 {
+            continue;
+        }
+        let before = locator;
+        add_scaled(&mut locator, &correction, discrepancy, 0);
+        if 2 * degree <= step + lost {
+            degree = step + 1 + lost - degree;
+            correction = before;
+            correction.iter_mut().for_each(|coefficient| *coefficient = div(*coefficient, discrepancy));
+        }
+    }
+    (degree <= syndromes.len() && 2 * degree <= syndromes.len() + lost).then_some((locator, degree))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
+    use std::vec::Vec;
+
+    fn coded(message: &[u8], parity: usize) -> Vec<u8> {
+        let mut word = message.to_vec();
+        word.resize(message.len() + parity, 0);
+        encode(&mut word, parity);
+        word
+    }
+
+    #[test]
+    fn the_parity_is_that_of_the_qr_code_standard() {
+        // ISO/IEC 18004, annex I: version 1-M, "01234567", ten check words of the same field and roots.
+        let message = [16, 32, 12, 86, 97, 128, 236, 17, 236, 17, 236, 17, 236, 17, 236, 17];
+        let check = [165, 36, 212, 193, 237, 54, 199, 135, 44, 85];
+        assert_eq!(coded(&message, 10)[16..], check);
+    }
+
+    proptest! {
+        #[test]
+        fn as_many_lost_and_wrong_symbols_as_the_parity_bears_are_found(
+            message in prop::collection::vec(any::<u8>(), 1..150),
+            parity in 0_usize..=MOST_PARITY,
+            spoiled in prop::collection::vec((any::<prop::sample::Index>(), 1..=255_u8, any::<bool>()), 0..110),
+        ) {
+            let good = coded(&message, parity);
+            let mut bad = good.clone();
+            let (mut erasures, mut left) = (Vec::new(), parity);
+            let places: BTreeMap<_, _> =
+                spoiled.iter().map(|(place, change, known)| (place.index(good.len()), (*change, *known))).collect();
+            for (place, (change, known)) in places {
+                let Some(after) = left.checked_sub(if known { 1 } else { 2 }) else { break };
+                left = after;
+                bad[place] ^= change;
+                erasures.extend(known.then_some(place as u8));
+            }
+            prop_assert!(decode(&mut bad, &erasures, parity));
+            prop_assert_eq!(bad, good);
+        }
+
+        #[test]
+        fn any_bytes_and_any_places_do_not_panic(
+            mut word in prop::collection::vec(any::<u8>(), 0..300),
+            erasures in prop::collection::vec(any::<u8>(), 0..120),
+            parity in 0_usize..200,
+        ) {
+            decode(&mut word, &erasures, parity);
+        }
+    }
+}
