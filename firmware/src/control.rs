@@ -56,7 +56,7 @@ impl<H: Hardware> Control<H> {
         hardware.release();
         let setup = Setup::default();
         hardware.set_rate(setup.rate_hz, setup.pwm_hz());
-        let cut_short = log.recover(reset == Reset::Watchdog);
+        let cut_short = log.recover(reset.lost_control());
         let state = if cut_short { RunState::Stopped(Cause::Watchdog) } else { RunState::Idle };
         Self {
             hardware,

@@ -134,6 +134,7 @@ impl Station {
     /// Adds what the main loop knows, in words that the host's version has.
     fn complete(&self, status: &mut Status) {
         (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
+        status.reset = status.reset.told_to(self.agreed.unwrap_or(1));
         if status.state == RunState::Stopped(Cause::Supply) && self.agreed.is_none_or(|version| version < 2) {
             // The nearest that version 1 has: an electrical fault that took the bridge off.
             status.state = RunState::Stopped(Cause::OverCurrent);

@@ -278,6 +278,31 @@ fn a_watchdog_reset_is_reported_and_the_log_is_still_there() {
 }
 
 #[test]
+fn what_cost_the_board_its_control_is_told_in_words_that_the_host_has() {
+    for reset in [Reset::Panic, Reset::CoreFault, Reset::Clock, Reset::Supply] {
+        let mut bench = Bench::started(&[], Box::leak(Box::new(Log::new())), reset);
+        for (newest, told) in [(1, Reset::Watchdog), (2, Reset::Watchdog), (3, reset)] {
+            bench.ask(ToBoard::Hello { oldest: 1, newest });
+            assert_eq!(status(&mut bench).reset, told);
+        }
+    }
+}
+
+#[test]
+fn the_pwm_is_put_to_the_frequency_asked_for_and_the_scaling_follows() {
+    for (pwm_hz, has) in [(0, 20_000), (5_000, 5_000), (16_000, 16_000), (50_000, 50_000)] {
+        let mut bench = ready(Setup { pwm_hz, ..Setup::default() }, &[]);
+        let FromBoard::Capabilities(can) = bench.ask(ToBoard::Capabilities) else { panic!() };
+        assert_eq!((can.pwm_hz, u32::from(can.scaling.pwm_top)), (has, 84_000_000 / has));
+    }
+    let mut bench = ready(Setup::default(), &[]);
+    for pwm_hz in [1, 4_999, 50_001] {
+        let refusal = FromBoard::Refused(Refusal::Setup(SetupFault::Pwm));
+        assert_eq!(bench.ask(ToBoard::Configure(Setup { pwm_hz, ..Setup::default() })), refusal);
+    }
+}
+
+#[test]
 fn the_boot_loader_is_entered_only_after_the_answer_and_with_the_bridge_off() {
     let mut bench = ready(Setup::default(), &[]);
     start(&mut bench, &sine(5.0), 1);

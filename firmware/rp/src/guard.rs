@@ -11,6 +11,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_rt::exception;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use motorlens_firmware::beat::GRACE_US;
+use motorlens_shared::link::Reset;
 
 use crate::chip::{self, ClockRegisters};
 use crate::hal::gpio::bank0::{Gpio9, Gpio10};
@@ -75,7 +76,7 @@ unsafe fn NonMaskableInt() {
     }
     if late {
         // Whatever the program does, it no longer samples: the watchdog starts it anew.
-        stop_for_good();
+        stop_for_good(Reset::Watchdog);
     }
     if edge {
         cortex_m::asm::delay(PULSE);

@@ -3,34 +3,38 @@
 use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
+use motorlens_shared::link::Reset;
 
 use crate::hal::pac;
+use crate::platform::note;
 
 /// Both PWMs, direction forward, enable, direction backward.
 const BRIDGE: [usize; 5] = [6, 7, 8, 9, 11];
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    stop_for_good()
+    stop_for_good(Reset::Panic)
 }
 
 /// An access without an address, an instruction without a meaning, a broken stack: nothing is trusted but the registers.
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     bridge_off();
+    note(Reset::CoreFault);
     wait_for_the_watchdog()
 }
 
 /// An interrupt that nobody asked for.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
-    stop_for_good()
+    stop_for_good(Reset::CoreFault)
 }
 
 /// Takes the bridge down and waits for the watchdog to start the board anew.
-pub fn stop_for_good() -> ! {
+pub fn stop_for_good(reason: Reset) -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
+    note(reason);
     wait_for_the_watchdog()
 }
 

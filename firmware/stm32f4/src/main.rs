@@ -37,7 +37,7 @@ use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
-use motorlens_shared::link::PWM_HZ;
+use motorlens_shared::link::{PWM_HZ, Reset};
 use stm32f4xx_hal::gpio::{Output, PB0, PB1};
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::serial::{Serial, config::Config as SerialConfig, config::DmaConfig};
@@ -127,7 +127,7 @@ fn wake_every_millisecond(timer: &mut cortex_m::peripheral::SYST) {
 #[exception]
 fn SysTick() {
     if platform::supply_sinks() {
-        panic::stop_for_good();
+        panic::stop_for_good(Reset::Supply);
     }
 }
 

@@ -3,7 +3,10 @@
 use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
+use motorlens_shared::link::Reset;
 use stm32f4xx_hal::pac;
+
+use crate::platform::note;
 
 /// Takes the bridge down by registers alone (nothing that may itself be broken is called), says why over RTT, and
 /// waits for the watchdog to start the board anew.
@@ -11,6 +14,7 @@ use stm32f4xx_hal::pac;
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
+    note(Reset::Panic);
     // The place alone: the message would bring the whole of core's formatting into the image.
     if let Some(place) = info.location() {
         defmt::error!("panic at {}:{}", place.file(), place.line());
@@ -22,6 +26,7 @@ fn panic(info: &PanicInfo) -> ! {
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     bridge_off();
+    note(Reset::CoreFault);
     wait_for_the_watchdog()
 }
 
@@ -30,19 +35,22 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     bridge_off();
+    note(Reset::Clock);
     wait_for_the_watchdog()
 }
 
 /// An interrupt that nobody asked for.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
-    stop_for_good()
+    stop_for_good(Reset::CoreFault)
 }
 
 /// Takes the bridge down and waits for the watchdog to start the board anew.
-pub fn stop_for_good() -> ! {
+pub fn stop_for_good(reason: Reset) -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
+    note(reason);
+    defmt::error!("the program stops: {}", reason as u8);
     wait_for_the_watchdog()
 }
 

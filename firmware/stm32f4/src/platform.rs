@@ -25,6 +25,30 @@ const ASKED: u32 = 0x626f_6f74;
 #[unsafe(link_section = ".uninit.BOOT")]
 static mut BOOT: MaybeUninit<u32> = MaybeUninit::uninit();
 
+/// Not cleared at the start: what cost the program its control, noted before it waits for the watchdog; "lost" and a number.
+#[unsafe(link_section = ".uninit.LOST")]
+static mut LOST: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
+const NOTED: u32 = 0x6c6f_7374;
+/// Each reason by its number.
+const REASONS: [Reset; 4] = [Reset::Panic, Reset::CoreFault, Reset::Clock, Reset::Supply];
+
+/// Notes why the board is about to be started anew.
+pub fn note(reason: Reset) {
+    let number = REASONS.iter().position(|other| *other == reason).unwrap_or(0);
+    // SAFETY: two words that nothing else uses.
+    unsafe { (&raw mut LOST).cast::<[u32; 2]>().write_volatile([NOTED, number as u32]) };
+}
+
+/// What was noted; forgets it.
+fn noted() -> Option<Reset> {
+    let place = (&raw mut LOST).cast::<[u32; 2]>();
+    // SAFETY: two words that nothing else uses; any bytes are a value.
+    let [mark, number] = unsafe { place.read_volatile() };
+    // SAFETY: as above.
+    unsafe { place.write_volatile([0, 0]) };
+    REASONS.get(number as usize).filter(|_| mark == NOTED).copied()
+}
+
 /// The board, for the main loop.
 pub struct Board {
     watchdog: IndependentWatchdog,
@@ -114,8 +138,9 @@ pub fn supply_sinks() -> bool {
 pub fn reset_cause(rcc: &pac::RCC) -> Reset {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    let noted = noted();
     if flags.wdgrstf().bit_is_set() {
-        Reset::Watchdog
+        noted.unwrap_or(Reset::Watchdog)
     } else if flags.sftrstf().bit_is_set() {
         Reset::Software
     } else {

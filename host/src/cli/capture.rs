@@ -170,8 +170,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         }
         let cause = outcome.map_err(|error| told(error, captured.as_ref(), &args.out, play))?.cause;
         if cause != Cause::Finished {
-            let why =
-                format!("{}: {cause} ({})", play.programme.name, kept(captured.as_ref(), &args.out, play));
+            let reset = captured.as_ref().map(|captured| captured.status.reset);
+            let because = reset.filter(|reset| cause == Cause::Watchdog && reset.lost_control());
+            let because = because.map_or(String::new(), |reset| format!(", because {reset}"));
+            let kept = kept(captured.as_ref(), &args.out, play);
+            let why = format!("{}: {cause}{because} ({kept})", play.programme.name);
             let remedy = match cause {
                 Cause::Asked => "capture again when the motor may run",
                 Cause::Stall => {

@@ -210,7 +210,7 @@ impl fmt::Display for Cause {
             Self::OverCurrent => "over-current",
             Self::LinkLoss => "link lost while running",
             Self::Emergency => "emergency input open",
-            Self::Watchdog => "watchdog: the firmware hung and was restarted",
+            Self::Watchdog => "the firmware lost control, let the motor go and was restarted",
             Self::Supply => {
                 "the measured supply is not within half and one and a half of the stated one: check --supply, the \
                  battery, and that a divider is wired to the board's supply input"
@@ -239,6 +239,40 @@ pub enum Reset {
     Watchdog,
     /// Its own software.
     Software,
+    /// The watchdog, after the program had found itself at fault and had taken the bridge off. Since version 3, as all that follow.
+    Panic,
+    /// The watchdog, after a fault of the core: an access without an address, an instruction without a meaning.
+    CoreFault,
+    /// The watchdog, after the crystal had stopped.
+    Clock,
+    /// The watchdog, after the chip's own supply had sunk.
+    Supply,
+}
+
+impl Reset {
+    /// Whether the program lost control: a run that was under way ended there, and its log is still in memory.
+    pub const fn lost_control(self) -> bool {
+        !matches!(self, Self::PowerOn | Self::Software)
+    }
+
+    /// The same in words that a version of the link has.
+    pub const fn told_to(self, version: u16) -> Self {
+        if version < 3 && self.lost_control() { Self::Watchdog } else { self }
+    }
+}
+
+impl fmt::Display for Reset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PowerOn => "power or the reset pin",
+            Self::Watchdog => "the firmware hung",
+            Self::Software => "on request",
+            Self::Panic => "the firmware found itself at fault",
+            Self::CoreFault => "a fault of the chip's core",
+            Self::Clock => "the chip's crystal stopped",
+            Self::Supply => "the chip's own supply sank",
+        })
+    }
 }
 
 /// The board's state and what its log holds. Sent ten times a second and on request.

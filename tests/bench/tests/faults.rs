@@ -60,12 +60,31 @@ fn stopped_by(cause: Cause, setup: Setup, act: impl FnMut(&mut Scene) + Send + '
 }
 
 #[test]
-fn one_byte_in_a_hundred_spoiled_and_the_log_is_still_whole() {
-    let done = run(Setup::default(), &multisine(20.0), Cable::new(0.01, 5), Box::new(|_, _, _| ()));
-    let run = done.remote.run();
-    assert!(done.scene.cable.spoiled > 2000, "{} bytes spoiled", done.scene.cable.spoiled);
-    assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, 20_000, 0));
-    assert_true_to_the_plant(&done);
+fn one_byte_in_a_hundred_or_in_ten_spoiled_and_the_log_is_still_whole() {
+    for (share, seconds) in [(0.01, 20.0), (0.1, 10.0)] {
+        let done = run(Setup::default(), &multisine(seconds), Cable::new(share, 5), Box::new(|_, _, _| ()));
+        let run = done.remote.run();
+        assert!(done.scene.cable.spoiled > 2000, "{} bytes spoiled", done.scene.cable.spoiled);
+        let samples = (1000.0 * seconds) as usize;
+        assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, samples, 0));
+        assert_true_to_the_plant(&done);
+    }
+}
+
+#[test]
+fn the_pwm_has_the_frequency_asked_for_and_the_voltage_is_what_the_log_says_at_each() {
+    for pwm_hz in [5_000, 16_000, 50_000] {
+        let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 1.0);
+        let setup = Setup { pwm_hz, ..Setup::default() };
+        let done = run(setup, &step, Cable::new(0.0, 1), Box::new(|_, _, _| ()));
+        let run = done.remote.run();
+        assert_true_to_the_plant(&done);
+        assert_eq!((run.capabilities.pwm_hz, u32::from(run.scaling.pwm_top)), (pwm_hz, 84_000_000 / pwm_hz));
+        let mut twin = VirtualMotor::new(&Motor::paper(), &[], 3);
+        twin.advance(1.0, motorlens_virtual_motor::Bridge::Volts(6.0));
+        let (count, ideal) = (f64::from(run.samples[999].1.count), twin.counts() as f64);
+        assert!((0.99..1.01).contains(&(count / ideal)), "{pwm_hz} Hz: {count} against {ideal}");
+    }
 }
 
 #[test]
