@@ -114,7 +114,9 @@ impl Log {
     pub fn block(&self, first: u32, most: u32) -> Option<LogBlock> {
         self.get(first)?;
         let last = self.next.min(first.saturating_add(most)).min(first.saturating_add(LOG_SAMPLES as u32));
-        Some(LogBlock { run: self.run, first, samples: (first..last).filter_map(|k| self.get(k)).collect() })
+        // Plain copies: the sampling interrupt is held off meanwhile.
+        let held = |number: u32| self.samples[number as usize % LOG_LENGTH];
+        Some(LogBlock { run: self.run, first, samples: (first..last).map(held).collect() })
     }
 }
 
