@@ -157,6 +157,7 @@ mod tests {
         samples[3].1 = Sample::MISSED;
         assert_eq!(slopes(&samples, 5, 20, 1.0).len(), 5);
         assert!(slopes(&samples[..1], 5, 20, 1.0).is_empty());
-        assert_eq!(means(&samples, 5, 0, |_| 1.0), [1.0]);
+        // The first sample, and all that came after the last one that was told.
+        assert_eq!(means(&samples, 5, 0, |_| 1.0), [1.0, 1.0]);
     }
 }

@@ -39,7 +39,7 @@ pub fn encode<'a, M: Serialize>(message: &M, out: &'a mut [u8; MAX_ENCODED]) -> 
     Ok(&out[..=length])
 }
 
-/// Writes `message` as a frame with forward error correction ([`protected`]), for a bad line. Only to an end of version 3 or later.
+/// Writes `message` as a frame with forward error correction, for a bad line. Only to an end of version 3 or later.
 ///
 /// # Errors
 /// [`Damage::TooLong`] when the message does not fit.
