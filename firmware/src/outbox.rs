@@ -2,12 +2,10 @@
 
 use embedded_io::{Write, WriteReady};
 use heapless::Deque;
-use motorlens_shared::link::{FromBoard, MAX_ENCODED, MAX_PROTECTED, Packet, encode, encode_protected};
+use motorlens_shared::link::{FromBoard, MAX_FRAME, Packet, encode_as};
 
 /// Bytes that may wait for the line.
 const LENGTH: usize = 1024;
-/// The longest frame of either kind.
-const LONGEST: usize = if MAX_PROTECTED > MAX_ENCODED { MAX_PROTECTED } else { MAX_ENCODED };
 
 /// Encoded frames, waiting for the line to take them.
 #[derive(Debug, Default)]
@@ -29,22 +27,13 @@ impl Outbox {
 
     /// Whether any frame fits.
     pub fn has_room(&self) -> bool {
-        LENGTH - self.bytes.len() >= LONGEST
+        LENGTH - self.bytes.len() >= MAX_FRAME
     }
 
     /// Queues a message; false when it does not fit, and then none of it is queued.
     pub fn post(&mut self, id: u16, message: FromBoard) -> bool {
-        let packet = Packet { id, message };
-        if self.protected
-            && let Ok(frame) = encode_protected(&packet, &mut [0; MAX_PROTECTED])
-        {
-            return self.queue(frame);
-        }
-        // Also what is too long to be protected.
-        encode(&packet, &mut [0; MAX_ENCODED]).is_ok_and(|frame| self.queue(frame))
-    }
-
-    fn queue(&mut self, frame: &[u8]) -> bool {
+        let mut out = [0; MAX_FRAME];
+        let Ok(frame) = encode_as(&Packet { id, message }, self.protected, &mut out) else { return false };
         LENGTH - self.bytes.len() >= frame.len()
             && frame.iter().all(|byte| self.bytes.push_back(*byte).is_ok())
     }

@@ -22,17 +22,19 @@ fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: 
     let frame = encode(&packet, &mut out).unwrap();
     let got: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
     assert_eq!(got, hex, "{packet:?}");
-    let bytes: Vec<u8> =
-        (0..hex.len() / 2 - 1).map(|k| u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).unwrap()).collect();
-    assert_eq!(decode::<Packet<M>>(&bytes), Ok(packet));
+    assert_eq!(decode::<Packet<M>>(&unended(hex)), Ok(packet));
+}
+
+/// The bytes of a frame without its terminator.
+fn unended(hex: &str) -> Vec<u8> {
+    (0..hex.len() / 2 - 1).map(|k| u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).unwrap()).collect()
 }
 
 /// [`golden`] for a message that has got fields since, which are zero in this one: the old bytes mean it, and its bytes begin
 /// with the old ones and go on with zeros, so that an old end reads what it knows.
 fn grown<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: &str) {
     let packet = Packet { id: 300, message };
-    let old: Vec<u8> =
-        (0..hex.len() / 2 - 1).map(|k| u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).unwrap()).collect();
+    let old = unended(hex);
     assert_eq!(decode::<Packet<M>>(&old), Ok(packet));
     let packet = decode::<Packet<M>>(&old).unwrap();
     let mut out = [0; MAX_ENCODED];

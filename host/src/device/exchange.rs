@@ -2,8 +2,7 @@
 
 use super::Fault;
 use motorlens_shared::link::{
-    Decoder, FromBoard, MAX_ENCODED, MAX_PROTECTED, NEWEST, OLDEST, Packet, Refusal, ToBoard, agree, encode,
-    encode_protected,
+    Decoder, FromBoard, MAX_FRAME, NEWEST, OLDEST, Packet, Refusal, ToBoard, agree, encode_as,
 };
 use std::time::Duration;
 
@@ -77,11 +76,6 @@ impl Exchange {
         self.id = self.id.wrapping_add(1).max(1);
         self.post(self.id, message, self.protects);
         self.id
-    }
-
-    /// Whether the line has been found so bad that frames are protected.
-    pub fn protects(&self) -> bool {
-        self.protects
     }
 
     /// Frames that arrived damaged.
@@ -169,13 +163,8 @@ impl Exchange {
     }
 
     fn post(&mut self, id: u16, message: ToBoard, protected: bool) {
-        let packet = Packet { id, message };
         // Every message that this program makes fits in a frame: their sizes are bounded by their types.
-        if protected {
-            if let Ok(frame) = encode_protected(&packet, &mut [0; MAX_PROTECTED]) {
-                self.out.extend_from_slice(frame);
-            }
-        } else if let Ok(frame) = encode(&packet, &mut [0; MAX_ENCODED]) {
+        if let Ok(frame) = encode_as(&Packet { id, message }, protected, &mut [0; MAX_FRAME]) {
             self.out.extend_from_slice(frame);
         }
     }

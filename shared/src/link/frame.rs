@@ -53,6 +53,27 @@ pub fn encode_protected<'a, M: Serialize>(
     protected::write(&plain[..length], out).ok_or(Damage::TooLong)
 }
 
+/// The longest frame of either kind.
+pub const MAX_FRAME: usize = if MAX_PROTECTED > MAX_ENCODED { MAX_PROTECTED } else { MAX_ENCODED };
+
+/// Writes `message` as a protected frame where that is asked for and it fits in one, else as a plain one.
+///
+/// # Errors
+/// [`Damage::TooLong`] when it fits in neither.
+pub fn encode_as<'a, M: Serialize>(
+    message: &M,
+    protected: bool,
+    out: &'a mut [u8; MAX_FRAME],
+) -> Result<&'a [u8], Damage> {
+    if protected {
+        let room = out.first_chunk_mut().ok_or(Damage::TooLong)?;
+        if let Ok(length) = encode_protected(message, room).map(<[u8]>::len) {
+            return Ok(&out[..length]);
+        }
+    }
+    encode(message, out.first_chunk_mut().ok_or(Damage::TooLong)?)
+}
+
 /// Puts the CRC behind the first `used` bytes; the length of both.
 fn close(plain: &mut [u8; MAX_MESSAGE], used: usize) -> usize {
     let sum = CRC.checksum(&plain[..used]).to_le_bytes();
@@ -167,6 +188,19 @@ mod tests {
         let mut block = LogBlock { run: 9, first: 59_992, samples: heapless::Vec::new() };
         while block.samples.push(sample).is_ok() {}
         Packet { id: 0, message: FromBoard::Log(block) }
+    }
+
+    #[test]
+    fn a_message_too_long_to_be_protected_goes_plain_and_a_shorter_one_does_not() {
+        for (length, protected) in [(20, true), (100, true), (MAX_PLAIN, false), (MAX_MESSAGE - 8, false)] {
+            // A length before the bytes, and a CRC behind.
+            let message = std::vec![7_u8; length];
+            let mut out = [0; MAX_FRAME];
+            let mut decoder = Decoder::new();
+            let frame = encode_as(&&*message, true, &mut out).unwrap();
+            let read = frame.iter().find_map(|byte| decoder.push::<std::vec::Vec<u8>>(*byte));
+            assert_eq!((read, decoder.protected()), (Some(Ok(message)), protected), "{length} bytes");
+        }
     }
 
     #[test]

@@ -23,7 +23,9 @@ mod reed_solomon;
 mod sample;
 mod status;
 
-pub use frame::{Damage, Decoder, MAX_ENCODED, MAX_MESSAGE, decode, encode, encode_protected};
+pub use frame::{
+    Damage, Decoder, MAX_ENCODED, MAX_FRAME, MAX_MESSAGE, decode, encode, encode_as, encode_protected,
+};
 pub use messages::{Capabilities, FromBoard, Hello, Packet, Refusal, ToBoard};
 pub use protected::MAX_PROTECTED;
 pub use sample::{LOG_SAMPLES, LogBlock, Sample, Scaling};
