@@ -58,24 +58,21 @@ impl Platform for Board {
     }
 }
 
-/// What cost the program its control, by its number from 1 on, as the watchdog's first scratch register keeps it.
-const REASONS: [Reset; 2] = [Reset::Panic, Reset::CoreFault];
-
-/// Notes why the board is about to be started anew; a start by power clears it (RP2040 datasheet 4.7.6).
+/// Notes why the board is about to be started anew, in the watchdog's first scratch register; a start by power clears it (RP2040
+/// datasheet 4.7.6).
 pub fn note(reason: Reset) {
-    let number = REASONS.iter().position(|other| *other == reason).map_or(0, |at| at as u32 + 1);
     // SAFETY: a register that nothing else uses; the boot program reads others.
-    unsafe { (*pac::WATCHDOG::ptr()).scratch0().write(|w| w.bits(number)) };
+    unsafe { (*pac::WATCHDOG::ptr()).scratch0().write(|w| w.bits(reason as u32)) };
 }
 
 /// Why the chip started.
 pub fn reset_cause(watchdog: &pac::WATCHDOG) -> Reset {
     let reason = watchdog.reason().read();
-    let noted = watchdog.scratch0().read().bits() as usize;
+    let noted = watchdog.scratch0().read().bits();
     // SAFETY: as in `note`.
     watchdog.scratch0().write(|w| unsafe { w.bits(0) });
     if reason.timer().bit_is_set() {
-        noted.checked_sub(1).and_then(|number| REASONS.get(number)).copied().unwrap_or(Reset::Watchdog)
+        Reset::noted(noted).unwrap_or(Reset::Watchdog)
     } else if reason.force().bit_is_set() {
         Reset::Software
     } else {

@@ -29,14 +29,11 @@ static mut BOOT: MaybeUninit<u32> = MaybeUninit::uninit();
 #[unsafe(link_section = ".uninit.LOST")]
 static mut LOST: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
 const NOTED: u32 = 0x6c6f_7374;
-/// Each reason by its number.
-const REASONS: [Reset; 4] = [Reset::Panic, Reset::CoreFault, Reset::Clock, Reset::Supply];
 
 /// Notes why the board is about to be started anew.
 pub fn note(reason: Reset) {
-    let number = REASONS.iter().position(|other| *other == reason).unwrap_or(0);
     // SAFETY: two words that nothing else uses.
-    unsafe { (&raw mut LOST).cast::<[u32; 2]>().write_volatile([NOTED, number as u32]) };
+    unsafe { (&raw mut LOST).cast::<[u32; 2]>().write_volatile([NOTED, reason as u32]) };
 }
 
 /// What was noted; forgets it.
@@ -46,7 +43,7 @@ fn noted() -> Option<Reset> {
     let [mark, number] = unsafe { place.read_volatile() };
     // SAFETY: as above.
     unsafe { place.write_volatile([0, 0]) };
-    REASONS.get(number as usize).filter(|_| mark == NOTED).copied()
+    Reset::noted(number).filter(|_| mark == NOTED)
 }
 
 /// The board, for the main loop.

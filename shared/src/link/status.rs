@@ -255,6 +255,17 @@ impl Reset {
         !matches!(self, Self::PowerOn | Self::Software)
     }
 
+    /// What a program notes by number, `self as u32`, before it waits for the watchdog; `None` for any other number.
+    pub const fn noted(number: u32) -> Option<Self> {
+        match number {
+            3 => Some(Self::Panic),
+            4 => Some(Self::CoreFault),
+            5 => Some(Self::Clock),
+            6 => Some(Self::Supply),
+            _ => None,
+        }
+    }
+
     /// The same in words that a version of the link has.
     pub const fn told_to(self, version: u16) -> Self {
         if version < 3 && self.lost_control() { Self::Watchdog } else { self }
@@ -301,6 +312,16 @@ pub struct Status {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_cost_the_program_its_control_comes_back_from_its_number_and_nothing_else_does() {
+        for reset in [Reset::Panic, Reset::CoreFault, Reset::Clock, Reset::Supply] {
+            assert_eq!(Reset::noted(reset as u32), Some(reset));
+        }
+        for other in [Reset::PowerOn as u32, Reset::Watchdog as u32, Reset::Software as u32, 7, u32::MAX] {
+            assert_eq!(Reset::noted(other), None);
+        }
+    }
 
     #[test]
     fn each_field_out_of_range_is_named() {
