@@ -107,7 +107,7 @@ impl Log {
 
     /// Sample number `index`; `None` when it is not held.
     pub fn get(&self, index: u32) -> Option<Sample> {
-        (self.oldest()..self.next).contains(&index).then(|| self.samples[index as usize % LOG_LENGTH])
+        (self.oldest()..self.next).contains(&index).then(|| self.held(index))
     }
 
     /// Up to `most` samples from `first` on; `None` when the first is not held.
@@ -115,8 +115,12 @@ impl Log {
         self.get(first)?;
         let last = self.next.min(first.saturating_add(most)).min(first.saturating_add(LOG_SAMPLES as u32));
         // Plain copies: the sampling interrupt is held off meanwhile.
-        let held = |number: u32| self.samples[number as usize % LOG_LENGTH];
-        Some(LogBlock { run: self.run, first, samples: (first..last).map(held).collect() })
+        Some(LogBlock { run: self.run, first, samples: (first..last).map(|k| self.held(k)).collect() })
+    }
+
+    /// Sample number `index`, which is held.
+    fn held(&self, index: u32) -> Sample {
+        self.samples[index as usize % LOG_LENGTH]
     }
 }
 

@@ -15,7 +15,7 @@ use crate::compare::problem_of;
 use crate::error::Result;
 use crate::estimate::{self, Fit};
 use crate::fit::uncertainty::Estimate;
-use crate::log::Record;
+use crate::log::{Record, part};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
@@ -137,11 +137,19 @@ struct Alone(Vec<(Record, Fit)>);
 impl Alone {
     fn new(records: &[Record], fit: &dyn Fn(&[Record]) -> Result<Fit>) -> Self {
         let pieces = match records {
-            [only] => halves(only).to_vec(),
+            [only] => {
+                let middle = only.len() / 2;
+                vec![part(only, 0..middle, 1), part(only, middle..only.len(), 2)]
+            }
             several => several.to_vec(),
         };
         // A piece that teaches nothing by itself tells nothing of how pieces differ.
-        Self(pieces.into_iter().filter_map(|piece| Some((piece.clone(), fit(&[piece]).ok()?))).collect())
+        Self(
+            pieces
+                .into_iter()
+                .filter_map(|piece| fit(std::slice::from_ref(&piece)).ok().map(|fit| (piece, fit)))
+                .collect(),
+        )
     }
 
     /// Standard error of the set's value of a parameter, from how its pieces part.
@@ -168,24 +176,6 @@ impl Alone {
         });
         (of_the_set / own.max(f64::MIN_POSITIVE)).sqrt() - 1.0
     }
-}
-
-/// A record in two.
-fn halves(record: &Record) -> [Record; 2] {
-    let middle = record.len() / 2;
-    [0..middle, middle..record.len()].map(|range| {
-        let part = |column: &[f64]| column[range.clone()].to_vec();
-        let optional = |column: &Option<Vec<f64>>| column.as_deref().map(part);
-        Record {
-            time_s: part(&record.time_s),
-            voltage_v: part(&record.voltage_v),
-            angle_rad: optional(&record.angle_rad),
-            speed_rad_s: optional(&record.speed_rad_s),
-            current_a: optional(&record.current_a),
-            supply_v: optional(&record.supply_v),
-            ..record.clone()
-        }
-    })
 }
 
 /// What both determine, the most different first; what stays open; the bar.

@@ -7,12 +7,9 @@
 #[path = "../../firmware/tests/bench/mod.rs"]
 mod bench;
 
-use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::time::Duration;
 
-use bench::Bench;
-use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use bench::{Bench, Cable};
 use motorlens::device::{Capture, Captured};
 use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{Cause, Setup};
@@ -23,42 +20,6 @@ const TURN_US: u32 = 500;
 const CARRIED: usize = 46;
 /// What the board gives to the line at once.
 const SEND: usize = 256;
-
-/// The board's end of the line.
-#[derive(Default)]
-struct Line {
-    to_board: VecDeque<u8>,
-    to_host: VecDeque<u8>,
-}
-
-impl ErrorType for Line {
-    type Error = Infallible;
-}
-impl ReadReady for Line {
-    fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.to_board.is_empty())
-    }
-}
-impl Read for Line {
-    fn read(&mut self, out: &mut [u8]) -> Result<usize, Infallible> {
-        Ok(std::io::Read::read(&mut self.to_board, out).expect("memory is always readable"))
-    }
-}
-impl WriteReady for Line {
-    fn write_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(self.to_host.is_empty())
-    }
-}
-impl Write for Line {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        let length = bytes.len().min(SEND);
-        self.to_host.extend(&bytes[..length]);
-        Ok(length)
-    }
-    fn flush(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
 
 /// Spoils a share of the bytes, half of them damaged in one bit and half of them lost (xorshift64*, Vigna 2016).
 struct Noise {
@@ -95,7 +56,10 @@ fn run(share: f64, rate_hz: u16, seconds: f32, seed: u64) -> (Captured, Vec<i32>
     let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 0.25, high_hz: 8.0, tones: 8, seed: 1 };
     let mut capture = Capture::new(setup, &Programme::single("multisine", shape, seconds), 1_790_000_000);
     let mut bench = Bench::new(&[]);
-    let (mut line, mut noise) = (Line::default(), Noise { state: seed, share, spoiled: 0, carried: 0 });
+    let (mut line, mut noise) = (
+        Cable { room: 1, at_once: SEND, ..Cable::default() },
+        Noise { state: seed, share, spoiled: 0, carried: 0 },
+    );
     let mut counts = Vec::new();
     let mut until_sample_us = 0;
     for turn in 0.. {

@@ -76,10 +76,19 @@ impl Hardware for Rig {
 }
 
 /// Both directions of a serial line, as bytes in memory.
-#[derive(Default)]
 pub struct Cable {
     pub to_board: VecDeque<u8>,
     pub to_host: VecDeque<u8>,
+    /// The board may write while fewer bytes wait for the host, ...
+    pub room: usize,
+    /// ... and so many at once.
+    pub at_once: usize,
+}
+
+impl Default for Cable {
+    fn default() -> Self {
+        Self { to_board: VecDeque::new(), to_host: VecDeque::new(), room: 100_000, at_once: usize::MAX }
+    }
 }
 
 impl ErrorType for Cable {
@@ -97,13 +106,14 @@ impl Read for Cable {
 }
 impl WriteReady for Cable {
     fn write_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(self.to_host.len() < 100_000)
+        Ok(self.to_host.len() < self.room)
     }
 }
 impl Write for Cable {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        self.to_host.extend(bytes);
-        Ok(bytes.len())
+        let length = bytes.len().min(self.at_once);
+        self.to_host.extend(&bytes[..length]);
+        Ok(length)
     }
     fn flush(&mut self) -> Result<(), Infallible> {
         Ok(())
