@@ -102,10 +102,19 @@ fn wrong_units_are_recognised() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_named() {
-    let mut bytes = table(HEADER, square, follows).into_bytes();
-    bytes[200] = 0xff;
-    refused(&bytes, &["UTF-8"]);
+fn a_byte_that_is_no_text_costs_its_row_and_a_binary_file_is_named() {
+    let text = table(HEADER, square, follows);
+    let row = text.find("\n0.1,").unwrap() + 1;
+    for stray in [0xff, 0x00] {
+        let mut bytes = text.clone().into_bytes();
+        bytes[row + 2] = stray;
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("log.csv"), &bytes).unwrap();
+        let ran = run(directory.path(), "fit log.csv").ends(0);
+        assert!(ran.err.contains("line 12, column time_s") && ran.err.contains("left out"), "{}", ran.err);
+    }
+    let binary: Vec<u8> = text.bytes().map(|b| if b.is_ascii_digit() { 1 } else { b }).collect();
+    refused(&binary, &["line 2", "binary"]);
 }
 
 #[test]

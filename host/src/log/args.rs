@@ -16,9 +16,11 @@ use crate::motor_file::{self, MotorFile};
 pub struct ReadArgs {
     /// Columns of a foreign table, for example time=t:ms,voltage=u,speed=y:deg/s
     ///
-    /// Columns by header or by 0-based number. Units: s ms us, V mV, rad deg rev counts, rad/s deg/s rev/s rpm counts/s,
+    /// Columns by header or by 0-based number. Units: s ms us ns, V mV, rad deg rev counts, rad/s deg/s rev/s rpm counts/s,
     /// A mA; a scale may follow: voltage=u:V*0.031, speed=y:rpm/-1. For a drive that logs its duty:
     /// duty=command:255,supply=battery:mV (or --supply-volts). For a position servo: target=goal:deg,angle=position:deg.
+    /// Times may be clock times or dates with times; interval=dt:ms is the time since the row before, time=sec+nanosec:ns
+    /// adds up two columns, and where nothing tells the time there is --rate.
     #[arg(long, value_name = "MAP")]
     pub map: Option<Mapping>,
     /// Layout of the log files
@@ -30,6 +32,9 @@ pub struct ReadArgs {
     /// What is known of the motor: gear_ratio, counts_per_rev, its name plate, values to keep fixed
     #[arg(short, long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
+    /// Samples per second, where no column tells the time (paper: of the virtual motor's logs too, 100 if absent)
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub rate: Option<f64>,
     /// Supply of the driver in volts, where the log gives duty only
     #[arg(long, value_name = "VOLTS", value_parser = positive)]
     pub supply_volts: Option<f64>,
@@ -76,6 +81,7 @@ impl ReadArgs {
             format: self.format,
             map: self.map.clone(),
             hold: self.hold,
+            rate_hz: self.rate,
             supply_volts: self.supply_volts,
             servo_gain: self.servo_gain,
             servo_damping: self.servo_damping,

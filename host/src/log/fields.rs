@@ -1,64 +1,189 @@
-//! Splitting one line into fields.
+//! Splitting one line into fields, by whatever separates them.
 //!
 //! A sample is a line, so lines are split one at a time: the number of a line in a message is then exact, whatever
 //! blank lines and remarks stand between the samples.
 
+use std::ops::Range;
+
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-/// Splits lines at a delimiter, respecting quotes; keeps its buffers from line to line.
+use super::clock;
+
+/// What separates the fields of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Separator {
+    /// This character.
+    Byte(u8),
+    /// Commas, and a comma within each number too: every second one separates.
+    DecimalCommas,
+    /// Blanks and tabs, any number of them.
+    Blanks,
+    /// Each value follows its name and a colon: `t:12 pwm:80`. The names, in the order of the columns.
+    Names(Vec<String>),
+}
+
+/// Splits lines, respecting quotes; keeps its buffers from line to line.
 #[derive(Debug)]
 pub struct Splitter {
+    separator: Separator,
+    stamped: bool,
     reader: Reader,
-    text: Vec<u8>,
-    ends: Vec<usize>,
-    count: usize,
+    text: String,
+    fields: Vec<Range<usize>>,
+    stamp: Option<String>,
 }
 
 impl Splitter {
-    /// Splits at `delimiter`.
-    pub fn new(delimiter: u8) -> Self {
+    /// Splits as `separator` says; `stamped` says that a serial monitor put the time and an arrow before each line.
+    pub fn of(separator: Separator, stamped: bool) -> Self {
+        let delimiter = if let Separator::Byte(byte) = separator { byte } else { b',' };
         Splitter {
+            separator,
+            stamped,
             reader: ReaderBuilder::new().delimiter(delimiter).build(),
-            text: Vec::new(),
-            ends: Vec::new(),
-            count: 0,
+            text: String::new(),
+            fields: Vec::new(),
+            stamp: None,
         }
     }
 
     /// Splits one line, with or without its end. Says whether all quotes are closed.
-    pub fn split(&mut self, line: &[u8]) -> bool {
-        let line = line.trim_ascii();
-        self.text.resize(line.len() + 1, 0);
-        self.ends.resize(line.len() + 1, 0);
+    pub fn split(&mut self, line: &str) -> bool {
+        self.fields.clear();
+        self.stamp = None;
+        let mut line = line.trim();
+        if self.stamped
+            && let Some((stamp, rest)) = stamped(line)
+        {
+            self.stamp = Some(stamp.to_owned());
+            line = rest;
+        }
+        self.text.clear();
+        match &self.separator {
+            Separator::Byte(_) if line.contains('"') => return self.split_quoted(line),
+            Separator::Byte(byte) => {
+                let mut start = 0;
+                for end in memchr::memchr_iter(*byte, line.as_bytes()).chain([line.len()]) {
+                    self.fields.push(start..end);
+                    start = end + 1;
+                }
+            }
+            Separator::DecimalCommas => {
+                let commas: Vec<usize> =
+                    memchr::memchr_iter(b',', line.as_bytes()).chain([line.len()]).collect();
+                let mut start = 0;
+                for pair in commas.chunks(2) {
+                    let end = pair[pair.len() - 1];
+                    self.fields.push(start..end);
+                    start = end + 1;
+                }
+            }
+            Separator::Blanks => split_blanks(line, &mut self.fields),
+            Separator::Names(names) => {
+                let pairs = pairs(line);
+                self.fields.extend(names.iter().map(|name| {
+                    pairs
+                        .iter()
+                        .find(|(key, _)| line[key.clone()] == **name)
+                        .map_or(0..0, |(_, value)| value.clone())
+                }));
+                if pairs.is_empty() {
+                    self.fields.truncate(1);
+                }
+            }
+        }
+        self.text.push_str(line);
+        true
+    }
+
+    fn split_quoted(&mut self, line: &str) -> bool {
+        let (mut text, mut ends) = (vec![0; line.len() + 1], vec![0; line.len() + 1]);
         self.reader.reset();
-        let (result, read, written, count) = self.reader.read_record(line, &mut self.text, &mut self.ends);
-        self.count = count;
+        let (result, read, written, mut count) =
+            self.reader.read_record(line.as_bytes(), &mut text, &mut ends);
+        let mut closed = result == ReadRecordResult::Record && read == line.len();
         if result == ReadRecordResult::InputEmpty {
             // The end of the input closes the last field; within a quote, it comes too early.
-            let (end, _, _, last) =
-                self.reader.read_record(b"\n", &mut self.text[written..], &mut self.ends[count..]);
-            self.count += last;
-            return end == ReadRecordResult::Record;
+            let (end, _, _, last) = self.reader.read_record(b"\n", &mut text[written..], &mut ends[count..]);
+            count += last;
+            closed = end == ReadRecordResult::Record;
         }
-        result == ReadRecordResult::Record && read == line.len()
+        let mut start = 0;
+        for &end in &ends[..count] {
+            let field = String::from_utf8_lossy(&text[start..end]);
+            let begin = self.text.len();
+            self.text.push_str(&field);
+            self.fields.push(begin..self.text.len());
+            start = end;
+        }
+        closed
     }
 
     /// Number of fields of the line.
     pub fn len(&self) -> usize {
-        self.count
+        self.fields.len()
     }
 
     /// A field of the line without the spaces around it; `None` beyond the last.
     pub fn get(&self, index: usize) -> Option<&str> {
-        let end = *self.ends[..self.count].get(index)?;
-        let start = if index == 0 { 0 } else { self.ends[index - 1] };
-        std::str::from_utf8(&self.text[start..end]).ok().map(str::trim)
+        self.fields.get(index).map(|field| self.text[field.clone()].trim())
+    }
+
+    /// When a serial monitor received the line, if it says.
+    pub fn stamp(&self) -> Option<&str> {
+        self.stamp.as_deref()
     }
 
     /// All fields of the line.
     pub fn iter(&self) -> impl Iterator<Item = &str> {
-        (0..self.count).filter_map(|index| self.get(index))
+        (0..self.fields.len()).filter_map(|index| self.get(index))
     }
+}
+
+/// The stamp that a serial monitor puts before a line, and the line: `12:34:56.789 -> 1,2,3`.
+pub fn stamped(line: &str) -> Option<(&str, &str)> {
+    let (stamp, rest) = line.split_once("->")?;
+    let stamp = stamp.trim();
+    clock::moment(stamp).map(|_| (stamp, rest.trim()))
+}
+
+/// Words between blanks; a word in quotes may hold some, and a date and the time behind it are one.
+fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
+    let mut rest = 0;
+    while let Some(begin) = line[rest..].find(|c: char| !c.is_whitespace()).map(|at| rest + at) {
+        let quoted = line[begin..].starts_with('"');
+        let first = if quoted { begin + 1 } else { begin };
+        let ends = |c: char| if quoted { c == '"' } else { c.is_whitespace() };
+        let end = line[first..].find(ends).map_or(line.len(), |at| first + at);
+        rest = (end + usize::from(quoted)).min(line.len());
+        let is_date = |field: &Range<usize>| clock::is_date(&line[field.clone()]);
+        let is_time = line[first..end].contains(':');
+        match fields.last_mut() {
+            Some(before) if is_time && is_date(before) => before.end = end,
+            _ => fields.push(first..end),
+        }
+    }
+}
+
+/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`; empty where it is no such line.
+pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
+    const BETWEEN: [char; 5] = [',', ';', '|', '\t', ' '];
+    let mut pairs = Vec::new();
+    let mut rest = 0;
+    while let Some(colon) = line[rest..].find([':', '=']).map(|at| rest + at) {
+        // What was behind the value before, as its unit, ends at the last hard separator.
+        let hard = line[rest..colon].rfind([',', ';', '|', '\t']).map_or(rest, |at| rest + at + 1);
+        let name = line[hard..colon].trim_matches(BETWEEN);
+        if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+            return Vec::new();
+        }
+        let name_at = hard + line[hard..colon].find(name).unwrap_or(0);
+        let value = colon + 1 + line[colon + 1..].find(|c| c != ' ').unwrap_or(0);
+        let end = line[value..].find(BETWEEN).map_or(line.len(), |at| value + at);
+        pairs.push((name_at..name_at + name.len(), value..end));
+        rest = end;
+    }
+    pairs
 }
 
 #[cfg(test)]
@@ -66,10 +191,14 @@ mod tests {
     use super::*;
 
     fn fields(line: &str, delimiter: u8) -> Vec<String> {
-        let mut splitter = Splitter::new(delimiter);
+        split(line, Separator::Byte(delimiter))
+    }
+
+    fn split(line: &str, separator: Separator) -> Vec<String> {
+        let mut splitter = Splitter::of(separator, true);
         // An earlier, longer line must leave no trace.
-        splitter.split(b"an,earlier;line,\"with\",many,fields");
-        assert!(splitter.split(line.as_bytes()));
+        splitter.split("an,earlier;line,\"with\",many,fields");
+        assert!(splitter.split(line));
         splitter.iter().map(str::to_owned).collect()
     }
 
@@ -79,11 +208,36 @@ mod tests {
         assert_eq!(fields("1;;\"a;b\"", b';'), ["1", "", "a;b"]);
         assert_eq!(fields("1,2,\n", b','), ["1", "2", ""]);
         assert_eq!(fields("\"say \"\"hi\"\"\"\tx", b'\t'), ["say \"hi\"", "x"]);
+        assert_eq!(fields("\"0,01\",\"5,2\"", b','), ["0,01", "5,2"]);
         assert_eq!(fields("1", b','), ["1"]);
     }
 
     #[test]
     fn an_open_quote_is_noticed() {
-        assert!(!Splitter::new(b',').split(b"1,\"2,3\n"));
+        assert!(!Splitter::of(Separator::Byte(b','), false).split("1,\"2,3\n"));
+    }
+
+    #[test]
+    fn blanks_decimal_commas_and_names_separate_too() {
+        assert_eq!(split("  1.0 \t 2   \"a b\" ", Separator::Blanks), ["1.0", "2", "a b"]);
+        assert_eq!(split("2024-05-01 12:30:00.5  2", Separator::Blanks), ["2024-05-01 12:30:00.5", "2"]);
+        assert_eq!(split("0,01,5,2", Separator::DecimalCommas), ["0,01", "5,2"]);
+        let names = || Separator::Names(vec!["t".into(), "pwm".into(), "motor enc".into()]);
+        for line in
+            ["t:12 pwm:80 motor enc:-3", "motor enc: -3, t = 12 ms, pwm: 80", "t:12\tpwm:80\tmotor enc:-3"]
+        {
+            assert_eq!(split(line, names()), ["12", "80", "-3"], "{line}");
+        }
+        assert_eq!(split("t:12", names()), ["12", "", ""]);
+        assert_eq!(split("hello", names()), [""]);
+    }
+
+    #[test]
+    fn the_stamp_of_a_serial_monitor_is_no_field() {
+        let mut splitter = Splitter::of(Separator::Byte(b','), true);
+        assert!(splitter.split("12:34:56.789 -> 1,2"));
+        assert_eq!((splitter.stamp(), splitter.len()), (Some("12:34:56.789"), 2));
+        assert!(splitter.split("3,4"));
+        assert_eq!((splitter.stamp(), splitter.get(0)), (None, Some("3")));
     }
 }

@@ -1,7 +1,7 @@
 //! `--map time=t:ms,voltage=u,speed=y:deg/s`: which column of a foreign file is what, and in which unit.
 //!
-//! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, voltage, duty, target (of a position servo),
-//! angle, speed, current or supply. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
+//! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, interval (the time since the row before), voltage, duty,
+//! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
 //! `*factor` or `/divisor`; for duty it is the number that means full duty. Where duty is given instead of voltage, the
 //! voltage is duty times the supply column, or times `--supply-volts`.
 
@@ -41,7 +41,11 @@ impl Mapping {
 
     /// Whether every column is given by number, so that the file may lack a header.
     pub fn is_by_number(&self) -> bool {
-        !self.sources.is_empty() && self.sources.iter().all(|source| source.column.parse::<usize>().is_ok())
+        !self.sources.is_empty()
+            && self
+                .sources
+                .iter()
+                .all(|source| source.column.split('+').all(|column| column.trim().parse::<usize>().is_ok()))
     }
 }
 
@@ -70,6 +74,9 @@ impl FromStr for Mapping {
             return Err(
                 "voltage and duty are both mapped: keep the one that was measured nearer to the motor".into(),
             );
+        }
+        if mapping.source(Quantity::Time).is_some() && mapping.source(Quantity::Interval).is_some() {
+            return Err("time and interval are both mapped: keep the time, which adds up no errors".into());
         }
         if mapping.sources.is_empty() {
             return Err("the mapping is empty: write for example time=t:ms,voltage=u,speed=y:deg/s".into());
@@ -114,6 +121,7 @@ mod tests {
             ("weight=3", "nothing that a log can hold"),
             ("time=a,time=b", "mapped twice"),
             ("voltage=u,duty=d:255", "both mapped"),
+            ("time=t,interval=dt:ms", "both mapped"),
             ("speed=y:knots", "no unit of speed"),
             ("speed=:rpm", "names no column"),
             ("", "empty"),

@@ -4,13 +4,18 @@
 //! `table` (or the reader of a foreign format) turns rows into numbers, `samples` keeps the rows that a fit can
 //! use. What a record says about the motor is judged later, by the verbs that need to.
 
+mod apart;
 mod args;
 pub mod bam;
 pub mod beat;
+mod choice;
+mod clock;
+mod encoding;
 mod fields;
 pub mod guess;
 pub mod hold;
 mod json;
+mod layout;
 pub mod losses;
 pub mod mapping;
 mod metadata;

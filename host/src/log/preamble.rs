@@ -1,115 +1,130 @@
-//! The lines before the data: `# key: value` metadata, then the header.
+//! The lines before the data: `# key: value` metadata, what a board or a logger says first, the header.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::Path;
 
 use super::Metadata;
-use super::fields::Splitter;
+use super::fields::{Separator, Splitter};
+use super::layout::Layout;
 use super::text::cannot_read;
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
 const MOST_COLUMNS: usize = 1000;
+/// Lines, and bytes of them, from which the layout is told.
+const LOOKED_AT_LINES: usize = 200;
+const LOOKED_AT_BYTES: usize = 1 << 16;
 
-/// What stands before the data.
+/// What stands before the data, and how the data are written.
 #[derive(Debug)]
 pub struct Preamble {
     /// The `# key: value` pairs.
     pub meta: Metadata,
     /// The column names, or `None` where the first row is data already.
     pub headers: Option<Vec<String>>,
-    /// The first row, if it was data.
-    pub first_row: Option<String>,
+    /// The units of a row below the header, by column; empty where there is none.
+    pub units: Vec<String>,
     /// What separates the fields.
-    pub delimiter: u8,
-    /// Line of the header, or of the last line read where there is none.
+    pub separator: Separator,
+    /// A serial monitor put a time and an arrow before the lines.
+    pub stamped: bool,
+    /// Line of the header, or of the first row where there is none.
     pub line: u64,
     /// Lines of text left out before the header.
     pub skipped: usize,
+    /// The lines after the header that were read to tell the layout, with their numbers.
+    pub rows: Vec<(u64, String)>,
+    /// Number of lines read.
+    pub read: u64,
 }
 
-/// Reads up to and including the header. `by_number` permits a file without one.
+impl Preamble {
+    /// A splitter for the rows.
+    pub fn splitter(&self) -> Splitter {
+        Splitter::of(self.separator.clone(), self.stamped)
+    }
+}
+
+/// Reads up to the header, and some rows to tell how the table is written. `by_number` permits a file without a header.
 ///
 /// # Errors
-/// Bad input if there is no header, a name occurs twice, or metadata that matters is malformed.
+/// Bad input if there is no header, or metadata that matters is malformed.
 pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Preamble> {
+    let mut lines: Vec<(u64, String)> = Vec::new();
     let mut meta = Metadata::default();
-    let mut number = 0;
-    let mut skipped = 0;
-    loop {
+    let mut remark = None;
+    let (mut number, mut told, mut bytes) = (0, 0, 0);
+    while told < LOOKED_AT_LINES && bytes < LOOKED_AT_BYTES {
         let mut line = String::new();
-        let count =
-            input.by_ref().take(1 << 20).read_line(&mut line).map_err(|error| cannot_read(path, &error))?;
-        if count == 0 {
-            return Err(BadInput::new(
-                path,
-                "there is no header line",
-                "begin the file with the names of its columns, for example time_s,voltage_v,angle_rad",
-            )
-            .at_line(number.max(1))
-            .into());
+        if input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? == 0 {
+            break;
         }
         number += 1;
         let text = line.trim();
         if let Some(comment) = text.strip_prefix('#') {
-            remember(path, &mut meta, comment, number)?;
-        } else if text.len() == 5 && text.starts_with("sep=") {
-            // A spreadsheet's own remark; the separator shows in the header too.
-        } else if !text.trim_matches([',', ';', '\t']).is_empty() {
-            let ahead = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
-            if skipped < MOST_CHATTER && header_at(text, ahead) > 0 {
-                skipped += 1;
-                continue;
+            if told == 0 {
+                remember(path, &mut meta, comment, number)?;
+                remark = Some((number, comment.trim().to_owned()));
             }
-            let mut preamble = header(path, meta, text, number, by_number)?;
-            preamble.skipped = skipped;
-            return Ok(preamble);
+        } else if !is_nothing(text) {
+            (told, bytes) = (told + 1, bytes + line.len());
+            lines.push((number, line));
         }
     }
+    if lines.is_empty() {
+        return Err(BadInput::new(
+            path,
+            "there is no header line",
+            "begin the file with the names of its columns, for example time_s,voltage_v,angle_rad",
+        )
+        .at_line(number.max(1))
+        .into());
+    }
+    let texts: Vec<&str> = lines.iter().map(|(_, line)| line.trim()).collect();
+    let mut layout = Layout::of(&texts);
+    let mut line = lines[layout.header.unwrap_or(layout.rows.min(lines.len() - 1))].0;
+    if layout.header.is_none() && layout.names.is_empty() {
+        // NumPy writes the header as a remark.
+        let behind = remark.map(|(at, comment)| {
+            let all: Vec<&str> = [comment.as_str()].into_iter().chain(texts.iter().copied()).collect();
+            (at, Layout::of(&all))
+        });
+        if let Some((at, with_header)) = behind.filter(|(_, layout)| layout.header == Some(0)) {
+            line = at;
+            layout = Layout { rows: with_header.rows - 1, ..with_header };
+        } else if !by_number {
+            return Err(BadInput::new(
+                path,
+                "the first row holds numbers, so the columns have no names",
+                "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad",
+            )
+            .at_line(line)
+            .into());
+        }
+    }
+    check(path, &layout, &texts, line)?;
+    let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
+    let skipped = if line < lines[0].0 { 0 } else { skipped };
+    let rows = lines.split_off(layout.rows.min(lines.len()));
+    Ok(Preamble {
+        meta,
+        headers: (!layout.names.is_empty()).then_some(layout.names),
+        units: layout.units,
+        separator: layout.separator,
+        stamped: layout.stamped,
+        line,
+        skipped,
+        rows,
+        read: number,
+    })
 }
 
-/// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
-const MOST_CHATTER: usize = 60;
-
-/// How many lines from `text` on stand before the header: the first line whose next two are rows of as many numbers,
-/// where `text` itself is no such line; 0 where none is. `ahead` is what follows `text`.
-fn header_at(text: &str, ahead: &[u8]) -> usize {
-    let ahead = String::from_utf8_lossy(&ahead[..ahead.len().min(1 << 14)]);
-    // The last line may be cut off by the end of the buffer.
-    let whole: Vec<&str> = ahead.lines().map(str::trim).take(2 * MOST_CHATTER).collect();
-    let lines: Vec<&str> =
-        [text].into_iter().chain(whole).filter(|line| !line.is_empty() && !line.starts_with('#')).collect();
-    let is_header = |k: usize| {
-        let delimiter = delimiter_of(lines[k]);
-        let fields = |line: &str| -> Vec<String> {
-            let mut splitter = Splitter::new(delimiter);
-            splitter.split(line.as_bytes());
-            splitter.iter().map(str::to_owned).collect()
-        };
-        let number = |text: &String| text.replace(',', ".").parse::<f64>().is_ok();
-        let names = fields(lines[k]);
-        let row = |line: &str| {
-            let values = fields(line);
-            values.len() == names.len() && 2 * values.iter().filter(|v| number(v)).count() >= values.len()
-        };
-        names.len() >= 2 && !names.iter().any(number) && row(lines[k + 1]) && row(lines[k + 2])
-    };
-    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
-    let numbers = |line: &str| line.split([',', ';', '\t']).all(|v| v.trim().parse::<f64>().is_ok());
-    // A candidate below a row of numbers of as many columns is a bad row of the table above.
-    let columns = |line: &str| -> (usize, bool) {
-        let mut splitter = Splitter::new(delimiter_of(line));
-        splitter.split(line.as_bytes());
-        (splitter.iter().count(), splitter.iter().any(|v| v.replace(',', ".").parse::<f64>().is_ok()))
-    };
-    let below_rows = |k: usize| {
-        let own = columns(lines[k]).0;
-        lines[1..k.max(1)].iter().any(|line| columns(line) == (own, true))
-    };
-    match (0..last).find(|&k| is_header(k)) {
-        Some(k) if !numbers(text) && !below_rows(k) => k,
-        _ => 0,
-    }
+/// Blank lines, rows of nothing but separators, and a spreadsheet's remark on its own separator.
+fn is_nothing(text: &str) -> bool {
+    let remark = text.trim_matches('"');
+    let separator =
+        remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));
+    separator || text.trim_matches([',', ';', '\t']).is_empty()
 }
 
 fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {
@@ -120,76 +135,45 @@ fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Resul
     Ok(())
 }
 
-fn header(path: &Path, meta: Metadata, text: &str, line: u64, by_number: bool) -> Result<Preamble> {
-    let delimiter = delimiter_of(text);
-    let mut splitter = Splitter::new(delimiter);
-    if !splitter.split(text.as_bytes()) {
-        return Err(BadInput::new(
-            path,
-            "a quotation mark in the header is not closed",
-            "close or remove it",
-        )
-        .at_line(line)
-        .into());
+/// Refuses what is no table of samples, or one whose numbers cannot be told apart.
+fn check(path: &Path, layout: &Layout, lines: &[&str], line: u64) -> Result<()> {
+    let refuse = |why: String, remedy: &str| Err(BadInput::new(path, why, remedy).at_line(line).into());
+    let names = &layout.names;
+    if layout.header.is_some_and(|k| lines.get(k).is_some_and(|line| line.matches('"').count() % 2 == 1)) {
+        return refuse("a quotation mark in the header is not closed".into(), "close or remove it");
     }
-    let names: Vec<String> = splitter.iter().map(str::to_owned).collect();
     if names.len() > MOST_COLUMNS {
-        return Err(BadInput::new(
-            path,
+        return refuse(
             format!("{} columns are more than a log has", names.len()),
             "write one sample per line and one quantity per column",
-        )
-        .at_line(line)
-        .into());
+        );
     }
-    if names.iter().all(|name| name.replace(',', ".").parse::<f64>().is_ok()) {
-        if by_number {
-            return Ok(Preamble {
-                meta,
-                headers: None,
-                first_row: Some(text.to_owned()),
-                delimiter,
-                line,
-                skipped: 0,
-            });
-        }
-        return Err(BadInput::new(
-            path,
-            "the first row holds numbers, so the columns have no names",
-            "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad",
-        )
-        .at_line(line)
-        .into());
+    // Commas between the columns and within the numbers, and some numbers without a comma.
+    if layout.separator != Separator::Byte(b',') || layout.header.is_none() {
+        return Ok(());
     }
-    for (index, name) in names.iter().enumerate() {
-        if !by_number && !name.is_empty() && names[..index].contains(name) {
-            return Err(BadInput::new(
-                path,
-                format!("two columns are called \"{name}\""),
-                "rename one of them, or pick by number: --map time=0:s,...",
-            )
-            .at_line(line)
-            .in_column(name)
-            .into());
-        }
-    }
-    Ok(Preamble { meta, headers: Some(names), first_row: None, delimiter, line, skipped: 0 })
-}
-
-/// The separator that occurs most often outside quotes.
-fn delimiter_of(header: &str) -> u8 {
-    let count = |wanted: char| {
-        let mut quoted = false;
-        header
-            .chars()
-            .filter(|&c| {
-                quoted ^= c == '"';
-                !quoted && c == wanted
-            })
-            .count()
+    let rows: Vec<Vec<&str>> = lines.iter().skip(layout.rows).map(|line| line.split(',').collect()).collect();
+    let whole = |field: &&str| {
+        let digits = field.trim().trim_start_matches(['-', '+']);
+        !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
     };
-    // A semicolon or tab wins over commas: those may then be decimal commas.
-    [';', '\t'].into_iter().find(|&candidate| count(candidate) > 0).map_or(b',', |candidate| candidate as u8)
+    let wide =
+        |row: &&Vec<&str>| row.len() > names.len() && row.len() <= 2 * names.len() && row.iter().all(whole);
+    let wide: Vec<_> = rows.iter().filter(wide).collect();
+    if rows.len() >= 2 && 2 * wide.len() > rows.len() {
+        return refuse(
+            format!(
+                "the rows have up to {} fields under {} names: commas separate the columns and are decimal commas too, and in \"{}\" nothing \
+                 tells which is which, because some numbers have no decimals",
+                wide.iter().map(|row| row.len()).max().unwrap_or(0),
+                names.len(),
+                wide[0].join(",")
+            ),
+            "write the log with semicolons between the columns (0,01;5,2), with decimal points (0.01,5.2), or with decimals in every \
+             number (0,01,5,20), which can be told apart",
+        );
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -205,7 +189,8 @@ mod tests {
         for header in
             ["time_s,voltage_v", "time_s; voltage_v", "time_s\tvoltage_v", "\"time_s\",\"voltage_v\""]
         {
-            let text = format!("# a remark\n# gear_ratio: 104\n\n{header}\r\n1,2\r\n");
+            let between = ["; ", "\t"].iter().find(|between| header.contains(*between)).unwrap_or(&",");
+            let text = format!("# a remark\n# gear_ratio: 104\n\n{header}\r\n1{between}2\r\n");
             let preamble = preamble(&text).unwrap();
             assert_eq!(preamble.headers.unwrap(), ["time_s", "voltage_v"], "{header}");
             assert_eq!(preamble.meta.gear_ratio(), Some(104.0));
@@ -220,14 +205,36 @@ mod tests {
     }
 
     #[test]
-    fn a_header_that_is_missing_or_double_is_refused() {
-        for (text, place, cause) in [
-            ("# only: remarks\n", "line 1", "no header line"),
-            ("0.0,1.0\n0.1,1.0\n", "line 1", "no names"),
-            ("t,u,t\n", "line 1, column t", "two columns"),
-        ] {
+    fn a_header_that_is_missing_is_refused() {
+        for (text, place, cause) in
+            [("# only: remarks\n", "line 1", "no header line"), ("0.0,1.0\n0.1,1.0\n", "line 1", "no names")]
+        {
             let message = preamble(text).unwrap_err().to_string();
             assert!(message.contains(place) && message.contains(cause), "{message}");
+        }
+    }
+
+    #[test]
+    fn the_remarks_of_spreadsheets_and_numpy_are_understood() {
+        for (text, line) in [
+            ("sep=;\r\nt;u\r\n1;2\r\n3;4\r\n", 2),
+            ("\"sep=;\"\nt;u\n1;2\n3;4\n", 2),
+            ("sep=\t\nt\tu\n1\t2\n3\t4\n", 2),
+            ("# t u\n1e0 2e0\n3e0 4e0\n", 1),
+        ] {
+            let preamble = preamble(text).unwrap();
+            assert_eq!(preamble.headers.unwrap(), ["t", "u"], "{text}");
+            assert_eq!((preamble.line, preamble.skipped, preamble.rows.len()), (line, 0, 2), "{text}");
+        }
+    }
+
+    #[test]
+    fn decimal_commas_between_commas_are_told_apart_or_refused_precisely() {
+        let told = preamble("t,u,w\n0,00,5,40,0,10\n0,01,5,40,0,20\n").unwrap();
+        assert_eq!(told.separator, Separator::DecimalCommas);
+        let message = preamble("t,u,w\n0,01,5,2,1\n0,02,5,2\n0,03,5,2,2\n").unwrap_err().to_string();
+        for words in ["line 1", "up to 5 fields under 3 names", "decimal commas", "semicolons"] {
+            assert!(message.contains(words), "{message}");
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, bam, repair, servo, sysid, sysid_list, table, text};
+use super::{Hold, Metadata, Record, apart, bam, repair, servo, sysid, sysid_list, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -30,6 +30,8 @@ pub struct ReadOptions {
     pub map: Option<Mapping>,
     /// What the voltage does between samples, above what the file says.
     pub hold: Option<Hold>,
+    /// Samples per second, where no column tells the time.
+    pub rate_hz: Option<f64>,
     /// Supply of the driver, V, where the log gives duty only.
     pub supply_volts: Option<f64>,
     /// Duty per radian of error of a position servo; of a BAM log, per unit of kp too ([`super::bam::SERVO_GAIN`] if absent).
@@ -65,6 +67,12 @@ impl ReadOptions {
 /// # Errors
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+    if let Some((input, output)) = apart::both(path) {
+        let tests = apart::read(path, &input, &output, options)?;
+        let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
+        servo::close_loops(&mut records);
+        return Ok(records);
+    }
     let mut input = text::open(path)?;
     let start = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
     match options.format {

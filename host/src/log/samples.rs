@@ -18,6 +18,9 @@ const REPEAT_SHARE: f64 = 0.10;
 const LISTED: usize = 3;
 /// A clock that goes back to within this share of the way from its beginning starts anew.
 const NEAR_BEGINNING: f64 = 0.05;
+/// Times that are all below this, s, and alike within this factor, are perhaps intervals.
+const LONGEST_INTERVAL_S: f64 = 1.0;
+const ALIKE: f64 = 20.0;
 /// What the warning of a pause begins with.
 pub(super) const MISSING: &str = "samples are missing";
 /// A pause is worth a warning from this many median intervals on.
@@ -117,7 +120,10 @@ impl Samples {
                 let fault = BadInput::new(
                     &self.path,
                     format!("time goes backwards, from {before} s to {} s", row[0]),
-                    "sort the rows by time, or cut the file where the clock was reset and give both parts",
+                    self.or_intervals(
+                        row[0],
+                        "sort the rows by time, or cut the file where the clock was reset and give both parts",
+                    ),
                 );
                 return Err(place.mark(fault).in_column(&self.headers[0]).into());
             }
@@ -134,6 +140,19 @@ impl Samples {
             column.push(value);
         }
         Ok(())
+    }
+
+    /// What to do about a clock that does not rise, whose next time is `next`: times that stay about the same are perhaps none.
+    fn or_intervals(&self, next: f64, remedy: &str) -> String {
+        let times = self.columns[0].iter().copied().chain([next]);
+        let (low, high) = times.fold((f64::MAX, 0.0), |(low, high): (f64, f64), t| (low.min(t), high.max(t)));
+        if low > 0.0 && high < LONGEST_INTERVAL_S && high < ALIKE * low {
+            let column = &self.headers[0];
+            return format!(
+                "if this is the time since the row before, say --map interval={column}:s (or its unit); otherwise {remedy}"
+            );
+        }
+        remedy.to_owned()
     }
 
     /// Whether a clock that goes from `before` back to `now` starts anew, as for another test: it is nearer to the beginning than to
@@ -219,7 +238,10 @@ impl Samples {
             let fault = BadInput::new(
                 &self.path,
                 format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows),
-                "log the time with more digits, or log each sample once",
+                self.or_intervals(
+                    self.columns[0].last().copied().unwrap_or(0.0),
+                    "log the time with more digits, or log each sample once",
+                ),
             );
             return Err(first.mark(fault).in_column(&self.headers[0]).into());
         }

@@ -30,7 +30,7 @@ pub(super) fn state_column(headers: &[String]) -> Option<usize> {
 }
 
 /// Where a file may be cut, as samples of its one record.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
     /// The clock starts anew at these samples.
     pub restarts: Vec<usize>,

@@ -45,9 +45,9 @@ struct List {
 /// # Errors
 /// Bad input where the header is another, no state or no motor was logged, or a test fails the rules for samples.
 pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
-    let head = preamble::read(path, &mut input, false)?;
+    let mut head = preamble::read(path, &mut input, false)?;
     let names: Vec<String> =
-        head.headers.unwrap_or_default().iter().map(|name| name.to_lowercase()).collect();
+        head.headers.take().unwrap_or_default().iter().map(|name| name.to_lowercase()).collect();
     if names.len() < 3
         || names[0] != "timestamp"
         || !["name", "key"].contains(&names[1].as_str())
@@ -61,7 +61,7 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
         .at_line(head.line)
         .into());
     }
-    let list = collect(path, input, head.delimiter, head.line)?;
+    let list = collect(path, input, head.splitter(), head.rows, head.read)?;
     if list.tests.is_empty() {
         return Err(BadInput::new(
             path,
@@ -95,17 +95,30 @@ pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Resu
     Ok(records)
 }
 
-fn collect(path: &Path, mut input: impl BufRead, delimiter: u8, header: u64) -> Result<List> {
-    let mut splitter = Splitter::new(delimiter);
+/// The values in the `rows` that were looked at already and in `input`, of which `read` lines are read.
+fn collect(
+    path: &Path,
+    mut input: impl BufRead,
+    mut splitter: Splitter,
+    rows: Vec<(u64, String)>,
+    read: u64,
+) -> Result<List> {
     let mut list = List::default();
-    let mut number = header;
-    let mut line = Vec::new();
+    let (mut rows, mut beyond) = (rows.into_iter(), read);
+    let mut next = || -> Result<Option<(u64, String)>> {
+        if let Some(row) = rows.next() {
+            return Ok(Some(row));
+        }
+        beyond += 1;
+        let mut line = String::new();
+        let count = input.read_line(&mut line).map_err(|error| cannot_read(path, &error))?;
+        Ok((count > 0).then_some((beyond, line)))
+    };
     let mut running: Option<(String, f64)> = None;
     let mut latest = f64::NEG_INFINITY;
     // Whatever an entry is called, its values tell that it is the state.
     let mut states = BTreeSet::new();
-    while input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0 {
-        number += 1;
+    while let Some((number, line)) = next()? {
         let closed = splitter.split(&line);
         if let (true, Some(time), Some(name), Some(value)) =
             (closed, splitter.get(0), splitter.get(1), splitter.get(2))
@@ -131,7 +144,6 @@ fn collect(path: &Path, mut input: impl BufRead, delimiter: u8, header: u64) -> 
                 list.entries.entry(name.to_owned()).or_default().push(Value { time_s, value, line: number });
             }
         }
-        line.clear();
     }
     list.end(running, latest);
     Ok(list)

@@ -3,143 +3,339 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use super::choice::{Choice, Columns, TimeSource, Wanted};
+use super::clock::Clock;
 use super::fields::Splitter;
 use super::guess;
 use super::mapping::Mapping;
+use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::servo::Servo;
 use super::structure::{self, Structure};
 use super::text::cannot_read;
-use super::units::{Quantity, Unit};
-use super::{Metadata, ReadOptions, Record, Warning, preamble};
-use crate::error::{BadInput, Result};
+use super::units::Quantity;
+use super::{Metadata, ReadOptions, Record, Warning};
+use crate::error::Result;
 
-/// A column of the file that is wanted.
+/// The columns of a table that are wanted.
 #[derive(Debug)]
-struct Wanted {
-    quantity: Quantity,
-    index: usize,
-    header: String,
-    factor: f64,
+pub(super) struct Read {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// The others, in the units of a record; a duty is a fraction.
+    pub values: Vec<(Quantity, Vec<f64>)>,
+    pub meta: Metadata,
+    pub structure: Structure,
+    pub warnings: Vec<Warning>,
 }
 
 /// Reads the record (or the tests) from `input`, which stands at the beginning of the file at `path`.
 ///
 /// # Errors
 /// Bad input, with line and column; wrong usage where an option is missing to make sense of the mapping.
-pub fn read(path: &Path, mut input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
+pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
+    let read = columns(path, input, options, &mut Clock::default(), false)?;
+    let structure = read.structure.clone();
+    Ok(structure.tests(record(path, super::stem(path), read, options)?))
+}
+
+/// Reads the columns; `partial` permits that some are in another file, whose clock is `clock`.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn columns(
+    path: &Path,
+    mut input: impl BufRead,
+    options: &ReadOptions,
+    clock: &mut Clock,
+    partial: bool,
+) -> Result<Read> {
     let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
-    let head = preamble::read(path, &mut input, by_number)?;
-    let mut meta = head.meta;
+    let mut head = preamble::read(path, &mut input, by_number)?;
+    let mut meta = std::mem::take(&mut head.meta);
     options.complete(path, &mut meta)?;
-
-    let width = head.headers.as_ref().map(Vec::len);
-    let names = head.headers.unwrap_or_default();
-    let choice = Choice { path, line: head.line, names: &names, meta: &meta };
-    let wanted = match choice.columns(options.map.as_ref())? {
-        Ok(wanted) => wanted,
-        Err(Missing { header, why }) => {
-            let rows = first_rows(path, input, head.delimiter)?;
-            return Err(choice.missing(header, why, guess::propose(&names, &rows)));
-        }
+    let names = head.headers.clone().unwrap_or_default();
+    let choice = Choice {
+        path,
+        line: head.line,
+        names: &names,
+        units: &head.units,
+        stamped: head.stamped,
+        meta: &meta,
+        partial,
     };
-    let mut samples = Samples::new(path, wanted.iter().map(|column| column.header.clone()).collect());
-
-    let state = structure::state_column(&names).filter(|k| wanted.iter().all(|column| column.index != *k));
-    let mut structure = Structure::default();
-    let mut splitter = Splitter::new(head.delimiter);
-    let mut numbers = vec![0.0; wanted.len()];
-    let mut number = head.line;
-    let mut line = Vec::new();
-    if let Some(first) = head.first_row {
-        line = first.into_bytes();
-        number -= 1;
+    let wanted = match choice.columns(options)? {
+        Ok(wanted) => wanted,
+        Err(missing) => return Err(choice.refusal(&missing, proposal(path, input, &head)?)),
+    };
+    let state = structure::state_column(&names)
+        .filter(|k| wanted.values.iter().all(|column| column.index != *k))
+        .filter(|k| !matches!(&wanted.time, TimeSource::Column(time) if time.index == *k));
+    let mut rows = Rows::new(path, &wanted, &head, clock);
+    for (number, line) in std::mem::take(&mut head.rows) {
+        rows.take(number, &line, state)?;
     }
-    while !line.is_empty()
-        || input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0
-    {
+    let (mut number, mut line) = (head.read, String::new());
+    while input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
         number += 1;
-        let place = Place::Line(number);
-        let text = line.trim_ascii();
-        if !text.is_empty() && !text.starts_with(b"#") {
-            if !splitter.split(text) {
-                let why = "a quotation mark is not closed";
-                samples.stray(place, &wanted[0].header, why.into());
-            } else {
-                match numbers_of(&splitter, &wanted, width, head.delimiter, &mut numbers) {
-                    Ok(()) => {
-                        samples.accept(place, &numbers)?;
-                        if let Some(state) = state.and_then(|index| splitter.get(index)) {
-                            structure.saw(samples.len().saturating_sub(1), state);
-                        }
-                    }
-                    Err((column, why)) if width.is_some_and(|width| splitter.len() < width) => {
-                        samples.stray(place, column, why);
-                    }
-                    Err((column, why)) => samples.reject(place, column, why),
-                }
-            }
-        }
+        rows.take(number, &line, state)?;
         line.clear();
     }
+    let Rows { samples, mut structure, held, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
-    let (columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
+    let (mut columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
+    let file = path.display();
+    let mut say =
+        |place: String, what: String, fix: &str| warnings.push(Warning { place, what, fix: fix.into() });
     if head.skipped > 0 {
-        warnings.push(Warning {
-            place: format!("{}, line {}", path.display(), head.line),
-            what: format!("{} lines of text before the header were left out", head.skipped),
-            fix: "nothing, if the header is right".into(),
-        });
+        say(
+            format!("{file}, line {}", head.line),
+            format!("{} lines of text before the header were left out", head.skipped),
+            "nothing, if the header is right",
+        );
     }
+    for (column, count) in wanted.values.iter().zip(held).filter(|(_, count)| *count > 0) {
+        let (what, fix) = if is_held(column.quantity) {
+            (
+                format!("{count} blank fields hold the value before them"),
+                "nothing, if this is logged when it changes or less often",
+            )
+        } else {
+            (
+                format!(
+                    "{count} rows with a blank here were left out; what drives the motor holds through them"
+                ),
+                "nothing, if this is logged less often",
+            )
+        };
+        say(format!("{file}, column {}", column.header), what, fix);
+    }
+    if matches!(wanted.time, TimeSource::Stamps) {
+        say(
+            file.to_string(),
+            "the times are those at which the serial monitor received the lines, some ms late and uneven"
+                .into(),
+            "print millis() or micros() in every line",
+        );
+    }
+    if wanted.rate_unused {
+        say(
+            format!("{file}, column {}", wanted.time.header()),
+            "--rate is not used, because this tells the time".into(),
+            "leave --rate out, or remove the column if it is wrong",
+        );
+    }
+    let time_s = columns.remove(0);
+    let values = wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
+    Ok(Read { time_s, values, meta, structure, warnings })
+}
+
+/// Rows on their way from lines to samples.
+struct Rows<'a> {
+    wanted: &'a Columns,
+    splitter: Splitter,
+    /// Number of columns, where a header tells.
+    width: Option<usize>,
+    clock: &'a mut Clock,
+    samples: Samples,
+    structure: Structure,
+    /// The row in SI, time first.
+    numbers: Vec<f64>,
+    /// The last value of each column, and how many blanks it stood for.
+    last: Vec<Option<f64>>,
+    held: Vec<usize>,
+    /// Rows so far, and the time that intervals add up to.
+    count: u64,
+    elapsed_s: f64,
+    interval_s: f64,
+}
+
+/// Why a row is no sample: a column, and what is wrong there.
+enum Unread<'w> {
+    /// Nothing is wrong: the column is logged less often.
+    Blank,
+    Bad(&'w str, String),
+}
+
+impl<'a> Rows<'a> {
+    fn new(path: &'a Path, wanted: &'a Columns, head: &Preamble, clock: &'a mut Clock) -> Self {
+        let headers = [wanted.time.header().to_owned()];
+        let headers = headers.into_iter().chain(wanted.values.iter().map(|column| column.header.clone()));
+        let count = wanted.values.len();
+        Rows {
+            wanted,
+            splitter: head.splitter(),
+            width: head.headers.as_ref().map(Vec::len),
+            clock,
+            samples: Samples::new(path, headers.collect()),
+            structure: Structure::default(),
+            numbers: vec![0.0; count + 1],
+            last: vec![None; count],
+            held: vec![0; count],
+            count: 0,
+            elapsed_s: 0.0,
+            interval_s: 0.0,
+        }
+    }
+
+    /// Takes a line.
+    fn take(&mut self, number: u64, line: &str, state: Option<usize>) -> Result<()> {
+        let place = Place::Line(number);
+        let text = line.trim();
+        if text.is_empty() || text.starts_with('#') {
+            return Ok(());
+        }
+        let header = self.wanted.time.header();
+        if !self.splitter.split(text) {
+            self.samples.stray(place, header, "a quotation mark is not closed".into());
+            return Ok(());
+        }
+        let short = self.width.is_some_and(|width| self.splitter.len() < width);
+        match self.numbers() {
+            Ok(()) => {
+                self.samples.accept(place, &self.numbers)?;
+                if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
+                    self.structure.saw(self.samples.len().saturating_sub(1), state);
+                }
+            }
+            Err(Unread::Blank) => {}
+            Err(Unread::Bad(column, why)) if short => self.samples.stray(place, column, why),
+            Err(Unread::Bad(column, why)) => self.samples.reject(place, column, why),
+        }
+        Ok(())
+    }
+
+    /// Fills `self.numbers` from the line that was split.
+    fn numbers(&mut self) -> Result<(), Unread<'a>> {
+        let wanted = self.wanted;
+        if let Some(width) = self.width
+            && self.splitter.len() > width
+            && self.splitter.iter().skip(width).any(|extra| !extra.is_empty())
+        {
+            let why = format!("the row has {} fields under {width} headers", self.splitter.len());
+            return Err(Unread::Bad(wanted.time.header(), why));
+        }
+        if self.width.is_none_or(|width| self.splitter.len() >= width) {
+            self.count += 1;
+        }
+        self.numbers[0] = self.time().map_err(|(column, why)| Unread::Bad(column, why))?;
+        let mut blank = false;
+        for (k, column) in wanted.values.iter().enumerate() {
+            // A line that is shorter than a row has no blanks but ends too early.
+            let text = match self.splitter.get(column.index) {
+                Some("") if is_blank_permitted(&self.splitter, self.width) => {
+                    self.held[k] += 1;
+                    match self.last[k].filter(|_| is_held(column.quantity)) {
+                        Some(value) => self.numbers[k + 1] = value,
+                        None => blank = true,
+                    }
+                    continue;
+                }
+                text => text.unwrap_or_default(),
+            };
+            let value = field(text).map_err(|why| Unread::Bad(column.header.as_str(), why))? * column.factor;
+            self.last[k] = Some(value);
+            self.numbers[k + 1] = value;
+        }
+        if blank { Err(Unread::Blank) } else { Ok(()) }
+    }
+
+    /// The time of the line that was split, s, or the column to blame and why.
+    fn time(&mut self) -> Result<f64, (&'a str, String)> {
+        match &self.wanted.time {
+            TimeSource::Rate(rate) => Ok((self.count.saturating_sub(1)) as f64 / rate),
+            TimeSource::Stamps => {
+                let stamp = self.splitter.stamp().unwrap_or_default();
+                self.clock.read(stamp, 1.0, None).ok_or_else(|| {
+                    (self.wanted.time.header(), "no stamp tells when this line was received".into())
+                })
+            }
+            TimeSource::Column(column) => self.moment(column, column.factor),
+            TimeSource::Columns(seconds, rest) => {
+                let whole = self.moment(seconds, 1.0)?;
+                let text = self.splitter.get(rest.index).unwrap_or_default();
+                Ok(whole + field(text).map_err(|why| (rest.header.as_str(), why))? * rest.factor)
+            }
+            TimeSource::Intervals(column) => {
+                let text = self.splitter.get(column.index).unwrap_or_default();
+                let interval = field(text).and_then(|dt| {
+                    if dt < 0.0 {
+                        Err(format!("\"{text}\" is no time since the row before"))
+                    } else {
+                        Ok(dt * column.factor)
+                    }
+                });
+                // Of a row that cannot be read the time passes all the same.
+                self.interval_s = *interval.as_ref().unwrap_or(&self.interval_s);
+                self.elapsed_s += self.interval_s;
+                interval.map(|_| self.elapsed_s).map_err(|why| (column.header.as_str(), why))
+            }
+        }
+    }
+
+    fn moment(&mut self, column: &'a Wanted, unit_s: f64) -> Result<f64, (&'a str, String)> {
+        let text = self.splitter.get(column.index).unwrap_or_default();
+        let number = number(text);
+        if number.is_some_and(|value| value.is_finite())
+            && let Some(time) = self.clock.read(text, unit_s, number)
+        {
+            return Ok(time);
+        }
+        let time = if number.is_none() { self.clock.read(text, unit_s, None) } else { None };
+        time.ok_or_else(|| (column.header.as_str(), field(text).err().unwrap_or_default()))
+    }
+}
+
+/// Whether a quantity stays as it was while nothing new is logged of it; where the shaft is does not.
+fn is_held(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Angle | Quantity::Speed | Quantity::Current)
+}
+
+/// A row of full width has blanks; of values with names those that are absent are blank.
+fn is_blank_permitted(splitter: &Splitter, width: Option<usize>) -> bool {
+    width.is_some_and(|width| splitter.len() >= width)
+}
+
+/// The finite number in a field, or why there is none.
+fn field(text: &str) -> Result<f64, String> {
+    match number(text) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(format!("\"{text}\" is not a number a fit can use")),
+        None if text.is_empty() => Err("the field is empty".into()),
+        None => {
+            let shown: String = text.chars().take(40).collect();
+            Err(format!("\"{shown}\" is not a number"))
+        }
+    }
+}
+
+/// The number in a field; a comma within a field is a decimal one, since it separates nothing.
+fn number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().or_else(|| {
+        let decimal_comma = text.contains(',');
+        decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
+    })
+}
+
+/// The record of the columns.
+///
+/// # Errors
+/// Wrong usage where a duty has no supply.
+pub(super) fn record(path: &Path, name: String, read: Read, options: &ReadOptions) -> Result<Record> {
     let mut record = Record {
-        name: super::stem(path),
+        name,
         path: path.to_owned(),
-        hold: options.hold.or(meta.hold()).unwrap_or_default(),
+        hold: options.hold.or(read.meta.hold()).unwrap_or_default(),
         map: options.map.clone(),
-        meta,
-        warnings,
+        meta: read.meta,
+        warnings: read.warnings,
+        time_s: read.time_s,
         ..Record::default()
     };
-    fill(&mut record, &wanted, columns, options)?;
-    Ok(structure.tests(record))
-}
-
-fn numbers_of<'w>(
-    row: &Splitter,
-    wanted: &'w [Wanted],
-    width: Option<usize>,
-    delimiter: u8,
-    numbers: &mut [f64],
-) -> Result<(), (&'w str, String)> {
-    if let Some(width) = width
-        && row.len() > width
-        && row.iter().skip(width).any(|extra| !extra.is_empty())
-    {
-        let why = format!("the row has {} fields under {width} headers", row.len());
-        return Err((&wanted[0].header, why));
-    }
-    for (column, number) in wanted.iter().zip(numbers) {
-        let text = row.get(column.index).unwrap_or_default();
-        *number = match self::number(text, delimiter) {
-            Some(value) if value.is_finite() => value * column.factor,
-            Some(_) => {
-                return Err((&column.header, format!("\"{text}\" is not a number a fit can use")));
-            }
-            None if text.is_empty() => return Err((&column.header, "the field is empty".into())),
-            None => {
-                let shown: String = text.chars().take(40).collect();
-                return Err((&column.header, format!("\"{shown}\" is not a number")));
-            }
-        };
-    }
-    Ok(())
-}
-
-fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options: &ReadOptions) -> Result<()> {
     let (mut duty, mut target) = (None, None);
-    for (column, values) in wanted.iter().zip(columns) {
-        match column.quantity {
-            Quantity::Time => record.time_s = values,
+    for (quantity, values) in read.values {
+        match quantity {
+            Quantity::Time | Quantity::Interval => {}
             Quantity::Voltage => record.voltage_v = values,
             Quantity::Duty => duty = Some(values),
             Quantity::Target => target = Some(values),
@@ -174,150 +370,79 @@ fn fill(record: &mut Record, wanted: &[Wanted], columns: Vec<Vec<f64>>, options:
         let (gain, damping) = (options.servo_gain, options.servo_damping);
         record.servo = Some(Servo { target_rad, gain, damping });
     }
-    Ok(())
+    Ok(record)
 }
 
 /// Rows from which a mapping is guessed.
 const GUESSED_FROM: usize = 2000;
 
-/// The numbers of the first rows; NaN where a field is none.
-fn first_rows(path: &Path, mut input: impl BufRead, delimiter: u8) -> Result<Vec<Vec<f64>>> {
-    let mut splitter = Splitter::new(delimiter);
-    let (mut rows, mut line) = (Vec::new(), Vec::new());
-    while rows.len() < GUESSED_FROM
-        && input.read_until(b'\n', &mut line).map_err(|error| cannot_read(path, &error))? > 0
-    {
-        if splitter.split(&line) {
-            rows.push(splitter.iter().map(|text| number(text, delimiter).unwrap_or(f64::NAN)).collect());
+/// The first rows of a table, for a guess at its columns.
+#[derive(Debug)]
+pub(super) struct Sample {
+    pub names: Vec<String>,
+    /// The names with the units of the row below them.
+    pub with_units: Vec<String>,
+    /// The numbers, times in seconds; NaN where a field is none.
+    pub rows: Vec<Vec<f64>>,
+    /// The fields as they stand there.
+    pub texts: Vec<Vec<String>>,
+    pub stamped: bool,
+}
+
+/// Reads on behind the head of a table; of the texts only the first `shown` rows are kept.
+///
+/// # Errors
+/// What reading says.
+pub(super) fn sample(path: &Path, mut input: impl BufRead, head: &Preamble, shown: usize) -> Result<Sample> {
+    let mut splitter = head.splitter();
+    let names = head.headers.clone().unwrap_or_default();
+    let mut sample = Sample {
+        with_units: names.clone(),
+        names,
+        rows: Vec::new(),
+        texts: Vec::new(),
+        stamped: head.stamped,
+    };
+    let mut clocks: Vec<Clock> = Vec::new();
+    let mut clocked: Vec<bool> = Vec::new();
+    let mut take = |line: &str, sample: &mut Sample| {
+        let text = line.trim();
+        if text.is_empty() || text.starts_with('#') || !splitter.split(text) {
+            return;
         }
+        clocks.resize(clocks.len().max(splitter.len()), Clock::default());
+        clocked.resize(clocked.len().max(splitter.len()), false);
+        let value = |(k, text): (usize, &str)| {
+            number(text)
+                .or_else(|| clocks[k].read(text, 1.0, None).inspect(|_| clocked[k] = true))
+                .unwrap_or(f64::NAN)
+        };
+        sample.rows.push(splitter.iter().enumerate().map(value).collect());
+        if sample.texts.len() < shown {
+            sample.texts.push(splitter.iter().map(str::to_owned).collect());
+        }
+    };
+    for (_, line) in &head.rows {
+        take(line, &mut sample);
+    }
+    let mut line = String::new();
+    while sample.rows.len() < GUESSED_FROM
+        && input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0
+    {
+        take(&line, &mut sample);
         line.clear();
     }
-    Ok(rows)
-}
-
-/// The number in a field; a comma is a decimal one where something else separates the fields.
-fn number(text: &str, delimiter: u8) -> Option<f64> {
-    text.parse::<f64>().ok().or_else(|| {
-        let decimal_comma = delimiter != b',' && text.contains(',');
-        decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
-    })
-}
-
-/// A canonical column that neither the header nor the mapping has.
-struct Missing {
-    header: &'static str,
-    why: &'static str,
-}
-
-/// The header of a file, out of which columns are chosen.
-struct Choice<'a> {
-    path: &'a Path,
-    line: u64,
-    names: &'a [String],
-    meta: &'a Metadata,
-}
-
-impl Choice<'_> {
-    fn columns(&self, map: Option<&Mapping>) -> Result<Result<Vec<Wanted>, Missing>> {
-        let mut wanted = Vec::new();
-        for quantity in Quantity::ALL {
-            if let Some(source) = map.and_then(|map| map.source(quantity)) {
-                wanted.push(self.named(quantity, &source.column, source.unit)?);
-            } else if !displaced(quantity, map)
-                && let Some(header) = quantity.canonical()
-                && let Some(index) = self.names.iter().position(|name| name == header)
-            {
-                wanted.push(Wanted { quantity, index, header: header.to_owned(), factor: 1.0 });
-            }
+    for (k, name) in sample.with_units.iter_mut().enumerate() {
+        let unit = head.units.get(k).map(String::as_str).filter(|unit| !unit.is_empty());
+        // A clock time tells its unit itself.
+        let unit = if clocked.get(k) == Some(&true) { Some("s") } else { unit };
+        if let Some(unit) = unit {
+            *name = format!("{name} [{unit}]");
         }
-        let has = |quantity| wanted.iter().any(|column: &Wanted| column.quantity == quantity);
-        if !has(Quantity::Time) {
-            return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
-        }
-        // The target of a servo drives it only where nothing nearer to the motor was logged.
-        if !has(Quantity::Voltage) && !has(Quantity::Duty) && has(Quantity::Target) {
-            if !has(Quantity::Angle) {
-                let why = "a target moves the motor by its angle, and no column gives the angle";
-                return Ok(Err(Missing { header: "angle_rad", why }));
-            }
-            return Ok(Ok(wanted));
-        }
-        if !has(Quantity::Voltage) && !has(Quantity::Duty) {
-            return Ok(Err(Missing { header: "voltage_v", why: "no column gives the voltage" }));
-        }
-        if !has(Quantity::Angle) && !has(Quantity::Speed) {
-            let why = "no column gives the angle or the speed (speed_rad_s)";
-            return Ok(Err(Missing { header: "angle_rad", why }));
-        }
-        Ok(Ok(wanted))
     }
-
-    fn named(&self, quantity: Quantity, column: &str, unit: Unit) -> Result<Wanted> {
-        let by_name = self.names.iter().position(|name| name == column);
-        let index = by_name
-            .or_else(|| {
-                column.parse().ok().filter(|&index| self.names.is_empty() || index < self.names.len())
-            })
-            .ok_or_else(|| {
-                BadInput::new(
-                    self.path,
-                    format!("there is no column \"{column}\" for {quantity}"),
-                    format!("take one of: {}", self.listed()),
-                )
-                .at_line(self.line)
-                .in_column(column)
-            })?;
-        let header = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
-        let mut factor = unit.factor;
-        if unit.counts {
-            factor /= self.meta.counts_per_rev().ok_or_else(|| {
-                BadInput::new(
-                    self.path,
-                    "encoder counts need the counts of one turn of the output shaft",
-                    format!(
-                        "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
-                    ),
-                )
-                .in_column(&header)
-            })?;
-        }
-        Ok(Wanted { quantity, index, header, factor })
-    }
-
-    fn missing(&self, header: &str, why: &str, proposal: Option<guess::Proposal>) -> crate::error::Error {
-        let remedy = match &proposal {
-            Some(proposal) => {
-                let assumptions = proposal.assumptions();
-                let assumptions =
-                    if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
-                format!("say which column is what and in which unit; it looks like {}{assumptions}", proposal.options())
-            }
-            None => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
-                     or --map duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
-                .into(),
-        };
-        BadInput::new(self.path, format!("{why}; the columns are {}", self.listed()), remedy)
-            .at_line(self.line)
-            .in_column(header)
-            .proposing(proposal)
-            .into()
-    }
-
-    fn listed(&self) -> String {
-        const SHOWN: usize = 20;
-        let mut text = self.names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-        if self.names.len() > SHOWN {
-            text += &format!(" and {} more", self.names.len() - SHOWN);
-        }
-        text
-    }
+    Ok(sample)
 }
 
-/// Whether the mapping makes a canonical column of this kind unwanted.
-fn displaced(quantity: Quantity, map: Option<&Mapping>) -> bool {
-    map.is_some_and(|map| match quantity {
-        Quantity::Angle | Quantity::Speed => map.names_motion(),
-        Quantity::Voltage => [Quantity::Duty, Quantity::Target].iter().any(|q| map.source(*q).is_some()),
-        _ => false,
-    })
+fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Result<Option<guess::Proposal>> {
+    Ok(guess::propose_for(&sample(path, input, head, 0)?))
 }

@@ -1,12 +1,13 @@
-//! Opening a file as text, and refusing at once what is not a text.
+//! Opening a file as text in whatever encoding it is, and refusing at once what is not a text.
 //!
-//! [`TextReader`] passes bytes through while it counts lines and checks the encoding, so that a file of any size is
-//! refused at the first wrong byte, with its line, and without being held in memory.
+//! [`TextReader`] hands on UTF-8 piece by piece while it counts lines, so that a file of any size is read or refused without being
+//! held in memory.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Read};
+use std::io::{self, BufRead, ErrorKind, Read, Seek};
 use std::path::Path;
 
+use super::encoding::Decoder;
 use crate::error::{BadInput, Result};
 
 /// A log line has a few dozen characters; a line this long is not a log.
@@ -15,20 +16,12 @@ const LONGEST_LINE: usize = 1 << 20;
 /// What stopped a [`TextReader`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NotText {
-    /// Bytes that are no UTF-8.
-    #[error("byte {byte} of the file is not UTF-8 text")]
-    Encoding {
-        /// Line, from 1.
-        line: u64,
-        /// Offset in the file, from 0.
-        byte: u64,
-    },
-    /// A zero byte: the file is binary.
-    #[error("byte {byte} of the file is zero, so this is a binary file")]
+    /// Too many bytes that are no text in any encoding.
+    #[error("from byte {byte} on there are too many bytes that are no text, so this is a binary file")]
     Binary {
         /// Line, from 1.
         line: u64,
-        /// Offset in the file, from 0.
+        /// Offset of the first such byte in the file, from 0.
         byte: u64,
     },
     /// A line too long for any log.
@@ -42,69 +35,72 @@ pub enum NotText {
 impl NotText {
     fn line(&self) -> u64 {
         match self {
-            NotText::Encoding { line, .. } | NotText::Binary { line, .. } | NotText::LongLine { line } => {
-                *line
-            }
+            NotText::Binary { line, .. } | NotText::LongLine { line } => *line,
         }
     }
 
     fn remedy(&self) -> &'static str {
         match self {
-            NotText::Encoding { .. } => {
-                "save the file as UTF-8 (iconv -f latin1 -t utf-8 OLD > NEW, or the encoding box of the editor)"
-            }
             NotText::Binary { .. } => "export the log as CSV from the program that made it",
             NotText::LongLine { .. } => "check that this is the log, with one sample per line",
         }
     }
 }
 
-/// A byte source that is known to be UTF-8 as far as it was read.
+/// Bytes of a file that are decoded at once.
+const CHUNK: usize = 1 << 16;
+/// More bytes than this share of a file's beginning are no text: the file is binary.
+const BINARY_SHARE: f64 = 0.1;
+
+/// A text of any usual encoding as UTF-8 with `\n` at the ends of its lines, decoded as it is read.
 #[derive(Debug)]
 pub struct TextReader<R> {
     inner: R,
+    decoder: Decoder,
+    raw: Vec<u8>,
+    text: String,
+    /// How much of `text` was taken.
+    taken: usize,
+    ended: bool,
+    /// The line and its length where `text` ends.
     line: u64,
     line_bytes: usize,
-    byte: u64,
-    /// The beginning of a character whose end has not been read yet.
-    open: Vec<u8>,
 }
 
 impl<R: Read> TextReader<R> {
-    /// Starts at the first line of `inner`.
-    pub fn new(inner: R) -> Self {
-        TextReader { inner, line: 1, line_bytes: 0, byte: 0, open: Vec::new() }
-    }
-
-    fn check(&mut self, fresh: &[u8]) -> Result<(), NotText> {
-        let mut seen = std::mem::take(&mut self.open);
-        let carried = seen.len();
-        seen.extend_from_slice(fresh);
-        let good = match std::str::from_utf8(&seen) {
-            Ok(_) => seen.len(),
-            Err(error) if error.error_len().is_none() && !fresh.is_empty() => error.valid_up_to(),
-            Err(error) => {
-                let before = &seen[..error.valid_up_to()];
-                self.advance(before)?;
-                return Err(NotText::Encoding { line: self.line, byte: self.byte });
-            }
-        };
-        debug_assert!(carried <= 3);
-        self.advance(&seen[..good])?;
-        self.open = seen.split_off(good);
-        Ok(())
-    }
-
-    fn advance(&mut self, text: &[u8]) -> Result<(), NotText> {
-        if let Some(zero) = memchr::memchr(0, text) {
-            let newlines = memchr::memchr_iter(b'\n', &text[..zero]).count();
-            return Err(NotText::Binary { line: self.line + newlines as u64, byte: self.byte + zero as u64 });
+    /// Starts at the first line of `inner`, in the encoding that its first bytes speak for.
+    ///
+    /// # Errors
+    /// What `inner` says; [`NotText::Binary`] where too many of the first bytes are no text in any encoding.
+    pub fn new(mut inner: R) -> io::Result<Self> {
+        let mut raw = Vec::new();
+        inner.by_ref().take(CHUNK as u64).read_to_end(&mut raw)?;
+        let ended = raw.len() < CHUNK;
+        let decoder = Decoder::for_start(&raw);
+        let bad = decoder.bad_bytes(&raw);
+        if let Some(first) = bad.first
+            && bad.count as f64 > BINARY_SHARE * raw.len() as f64
+        {
+            let line = 1 + memchr::memchr_iter(b'\n', &raw[..first]).count() as u64;
+            return Err(io::Error::other(NotText::Binary { line, byte: first as u64 }));
         }
+        let mut reader =
+            TextReader { inner, decoder, raw, text: String::new(), taken: 0, ended, line: 1, line_bytes: 0 };
+        reader.decode()?;
+        Ok(reader)
+    }
+
+    /// Decodes `raw` after what was decoded, and checks the lengths of the lines.
+    fn decode(&mut self) -> io::Result<()> {
+        self.text.clear();
+        self.taken = 0;
+        self.decoder.decode(&self.raw, self.ended, &mut self.text);
+        let text = self.text.as_bytes();
         let mut start = 0;
         for end in memchr::memchr_iter(b'\n', text).chain([text.len()]) {
             self.line_bytes += end - start;
             if self.line_bytes > LONGEST_LINE {
-                return Err(NotText::LongLine { line: self.line });
+                return Err(io::Error::other(NotText::LongLine { line: self.line }));
             }
             if end < text.len() {
                 self.line += 1;
@@ -112,28 +108,40 @@ impl<R: Read> TextReader<R> {
             }
             start = end + 1;
         }
-        self.byte += text.len() as u64;
         Ok(())
+    }
+}
+
+impl<R: Read> BufRead for TextReader<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        while self.taken == self.text.len() && !self.ended {
+            self.raw.clear();
+            self.inner.by_ref().take(CHUNK as u64).read_to_end(&mut self.raw)?;
+            self.ended = self.raw.len() < CHUNK;
+            self.decode()?;
+        }
+        Ok(&self.text.as_bytes()[self.taken..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.taken = (self.taken + count).min(self.text.len());
     }
 }
 
 impl<R: Read> Read for TextReader<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if buffer.is_empty() {
-            return Ok(0);
-        }
-        let count = self.inner.read(buffer)?;
-        self.check(&buffer[..count]).map_err(io::Error::other)?;
+        let count = self.fill_buf()?.read(buffer)?;
+        self.consume(count);
         Ok(count)
     }
 }
 
-/// Opens `path` for reading as text; a byte-order mark is skipped.
+/// Opens `path` for reading as text.
 ///
 /// # Errors
 /// Bad input if it is absent, unreadable, a directory, empty, or of a kind known by its first bytes not to be text.
-pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
-    let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
+pub fn open(path: &Path) -> Result<TextReader<File>> {
+    let mut file = File::open(path).map_err(|error| cannot_read(path, &error))?;
     if file.metadata().is_ok_and(|about| about.is_dir()) {
         return Err(BadInput::new(
             path,
@@ -142,8 +150,12 @@ pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
         )
         .into());
     }
-    let mut bytes = BufReader::with_capacity(1 << 16, file);
-    let start = bytes.fill_buf().map_err(|error| cannot_read(path, &error))?;
+    let mut start = Vec::new();
+    file.by_ref()
+        .take(16)
+        .read_to_end(&mut start)
+        .and_then(|_| file.rewind())
+        .map_err(|error| cannot_read(path, &error))?;
     if start.is_empty() {
         return Err(BadInput::new(
             path,
@@ -152,13 +164,10 @@ pub fn open(path: &Path) -> Result<BufReader<TextReader<BufReader<File>>>> {
         )
         .into());
     }
-    if let Some((kind, remedy)) = foreign_kind(start) {
+    if let Some((kind, remedy)) = foreign_kind(&start) {
         return Err(BadInput::new(path, format!("this is {kind}, not a text"), remedy).at_line(1).into());
     }
-    if start.starts_with(b"\xEF\xBB\xBF") {
-        bytes.consume(3);
-    }
-    Ok(BufReader::with_capacity(1 << 16, TextReader::new(bytes)))
+    TextReader::new(file).map_err(|error| cannot_read(path, &error))
 }
 
 /// Turns an error met while reading into bad input, with the line if the text itself was to blame.
@@ -179,7 +188,7 @@ pub fn cannot_read(path: &Path, error: &io::Error) -> crate::error::Error {
 }
 
 fn foreign_kind(start: &[u8]) -> Option<(&'static str, &'static str)> {
-    const KINDS: [(&[u8], &str, &str); 6] = [
+    const KINDS: [(&[u8], &str, &str); 4] = [
         (
             b"WPILOG",
             "a WPILOG data log",
@@ -187,8 +196,6 @@ fn foreign_kind(start: &[u8]) -> Option<(&'static str, &'static str)> {
         ),
         (b"\x1F\x8B", "compressed with gzip", "unpack it with gunzip"),
         (b"PK\x03\x04", "a zip archive or spreadsheet", "save the sheet as CSV (UTF-8)"),
-        (b"\xFF\xFE", "UTF-16 text", "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)"),
-        (b"\xFE\xFF", "UTF-16 text", "save it as UTF-8 (iconv -f utf-16 -t utf-8 OLD > NEW)"),
         (b"\x89HDF", "an HDF5 or MATLAB file", "write the columns as CSV (writetable in MATLAB)"),
     ];
     KINDS.iter().find(|(magic, ..)| start.starts_with(magic)).map(|&(_, kind, remedy)| (kind, remedy))
@@ -211,38 +218,33 @@ mod tests {
     }
 
     fn fault_of(bytes: &[u8]) -> NotText {
-        let mut sink = Vec::new();
-        let error = TextReader::new(Drip(bytes)).read_to_end(&mut sink).unwrap_err();
+        let error = match TextReader::new(Drip(bytes)) {
+            Ok(mut reader) => reader.read_to_end(&mut Vec::new()).unwrap_err(),
+            Err(error) => error,
+        };
         error.get_ref().unwrap().downcast_ref::<NotText>().unwrap().clone()
     }
 
     #[test]
     fn characters_split_over_reads_pass_unchanged() {
-        let text = "time_s,température_°C\n1,2\n";
-        let mut sink = String::new();
-        TextReader::new(Drip(text.as_bytes())).read_to_string(&mut sink).unwrap();
-        assert_eq!(sink, text);
+        // Longer than a chunk, with characters of two and three bytes across its end.
+        for begin in ["", "x", "xy"] {
+            let text = begin.to_owned() + &"température_°C €\n".repeat(8000);
+            let mut sink = String::new();
+            TextReader::new(Drip(text.as_bytes())).unwrap().read_to_string(&mut sink).unwrap();
+            assert_eq!(sink, text);
+        }
     }
 
     #[test]
-    fn a_latin1_byte_is_named_by_line_and_offset() {
-        assert_eq!(fault_of(b"a\nb\nc\xB0d\n"), NotText::Encoding { line: 3, byte: 5 });
-    }
-
-    #[test]
-    fn a_character_cut_off_by_the_end_of_file_is_a_fault() {
-        assert_eq!(fault_of(b"a\n\xC3"), NotText::Encoding { line: 2, byte: 2 });
-    }
-
-    #[test]
-    fn a_zero_byte_means_binary() {
-        assert_eq!(fault_of(b"ab\n\0"), NotText::Binary { line: 2, byte: 3 });
+    fn many_bytes_that_are_no_text_mean_a_binary_file() {
+        assert_eq!(fault_of(b"ab\n\0\0\x01\x02"), NotText::Binary { line: 2, byte: 3 });
     }
 
     #[test]
     fn an_endless_line_is_refused_before_it_fills_memory() {
         let endless = io::repeat(b'7').take(1 << 24);
-        let error = io::copy(&mut TextReader::new(endless), &mut io::sink()).unwrap_err();
+        let error = io::copy(&mut TextReader::new(endless).unwrap(), &mut io::sink()).unwrap_err();
         assert!(error.to_string().contains("longer than"));
     }
 }

@@ -8,6 +8,8 @@ use std::fmt;
 pub enum Quantity {
     /// Time of the sample, s.
     Time,
+    /// Time since the sample before, s, where no column gives the time itself.
+    Interval,
     /// Voltage at the driver's output, V.
     Voltage,
     /// Fraction of the supply that the driver puts out, -1 to 1.
@@ -26,8 +28,9 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order in which a log lists them.
-    pub const ALL: [Quantity; 8] = [
+    pub const ALL: [Quantity; 9] = [
         Quantity::Time,
+        Quantity::Interval,
         Quantity::Voltage,
         Quantity::Duty,
         Quantity::Target,
@@ -41,6 +44,7 @@ impl Quantity {
     pub fn key(self) -> &'static str {
         match self {
             Quantity::Time => "time",
+            Quantity::Interval => "interval",
             Quantity::Voltage => "voltage",
             Quantity::Duty => "duty",
             Quantity::Target => "target",
@@ -51,12 +55,12 @@ impl Quantity {
         }
     }
 
-    /// The name of its column in a canonical log; duty has none.
+    /// The name of its column in a canonical log; interval and duty have none.
     pub fn canonical(self) -> Option<&'static str> {
         match self {
             Quantity::Time => Some("time_s"),
             Quantity::Voltage => Some("voltage_v"),
-            Quantity::Duty => None,
+            Quantity::Interval | Quantity::Duty => None,
             Quantity::Target => Some("target_rad"),
             Quantity::Angle => Some("angle_rad"),
             Quantity::Speed => Some("speed_rad_s"),
@@ -76,7 +80,7 @@ impl Quantity {
         const RPM: f64 = TAU / 60.0;
         const DEGREE: f64 = TAU / 360.0;
         match self {
-            Quantity::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+            Quantity::Time | Quantity::Interval => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
             Quantity::Angle | Quantity::Target => {

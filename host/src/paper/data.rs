@@ -54,8 +54,8 @@ fn virtual_records(args: &PaperArgs) -> Result<Data> {
         remedy: "choose an effect that `motorlens effects` lists".into(),
     })?;
     let mut scenario = Scenario::new(Motor::paper(), vec![effect], args.seed);
-    scenario.rate_hz = args.rate;
-    scenario.run.rate_hz = f64::from(args.rate);
+    scenario.rate_hz = rate_hz(args)?;
+    scenario.run.rate_hz = f64::from(scenario.rate_hz);
     let plays = AMPLITUDES_V.map(|amplitude| {
         let shape = Programme::paper(amplitude);
         let name = format!("{amplitude}-sin-0.5-pi-t");
@@ -63,6 +63,21 @@ fn virtual_records(args: &PaperArgs) -> Result<Data> {
         Play { role: Role::Training, programme }
     });
     Ok(Data { records: scenario.records(&plays)?, motor: data_sheet(), hidden: Some(HIDDEN) })
+}
+
+/// Samples per second of the virtual motor's logs where nothing else is asked.
+const RATE_HZ: f64 = 100.0;
+
+/// Samples per second of the virtual motor's logs.
+fn rate_hz(args: &PaperArgs) -> Result<u32> {
+    let rate = args.reading.rate.unwrap_or(RATE_HZ);
+    if rate.fract() == 0.0 && (20.0..=10_000.0).contains(&rate) {
+        return Ok(rate as u32);
+    }
+    Err(Error::usage(
+        format!("the virtual motor cannot be sampled at {rate} Hz"),
+        "give a whole number from 20 to 10000 with --rate",
+    ))
 }
 
 /// What a data sheet would say of the virtual motor: rounded, of the series and not of this piece.

@@ -50,9 +50,6 @@ pub struct PaperArgs {
     /// Which records are fitted
     #[arg(long = "fit", value_enum, default_value = "smallest")]
     pub fit_on: FitOn,
-    /// Samples per second of the virtual motor's logs
-    #[arg(long, value_name = "HZ", default_value_t = 100, value_parser = clap::value_parser!(u32).range(20..=10_000))]
-    pub rate: u32,
     /// Chromosomes
     #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u32).range(4..=1024))]
     pub population: u32,

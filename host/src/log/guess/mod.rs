@@ -7,6 +7,7 @@ pub mod words;
 
 use std::fmt::Write as _;
 
+use super::table::Sample;
 use super::units::{Quantity, Unit};
 
 /// One column of the proposal.
@@ -16,6 +17,8 @@ pub struct Part {
     pub quantity: Quantity,
     /// Its place, from 0.
     pub index: usize,
+    /// Of a time in two columns, the place of the one that adds the fraction of a second, whose unit `unit` is.
+    pub rest: Option<usize>,
     /// Its unit as `--map` writes it.
     pub unit: String,
 }
@@ -75,10 +78,19 @@ pub fn quoted(text: &str) -> String {
     if !text.is_empty() && text.chars().all(plain) { text.to_owned() } else { format!("\"{text}\"") }
 }
 
+/// Guesses from the beginning of a table.
+pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
+    proposal(&sample.names, &parts(&sample.with_units, &sample.rows), &sample.rows, sample.stamped)
+}
+
 /// Guesses from the names and the first rows of a table; fields that are no numbers are NaN. None where too little is recognised:
 /// what drives the motor and what it does must both be.
 pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
-    let parts = parts(names, rows);
+    proposal(names, &parts(names, rows), rows, false)
+}
+
+/// The options that `parts` are written as; `stamped` says that the lines carry times of their own.
+fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> Option<Proposal> {
     let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
     let servo = has(Quantity::Target) && has(Quantity::Angle);
     let driven = has(Quantity::Voltage) || has(Quantity::Duty) || servo;
@@ -89,13 +101,16 @@ pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
     let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
         .iter()
-        .map(|part| format!("{}={}:{}", part.quantity, column(names, part.index), part.unit))
+        .map(|part| {
+            let rest = part.rest.map(|rest| format!("+{}", column(names, rest))).unwrap_or_default();
+            format!("{}={}{rest}:{}", part.quantity, column(names, part.index), part.unit)
+        })
         .collect();
     Some(Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
         counts_per_rev: counts.then(|| "1320".into()),
-        rate: (!has(Quantity::Time)).then(|| "100".into()),
+        rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
     })
 }
@@ -104,7 +119,7 @@ pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
 fn column(names: &[String], index: usize) -> String {
     let name = names.get(index).map(String::as_str).unwrap_or_default();
     let awkward = name.is_empty()
-        || name.contains([',', '"', '\'', '$', '`', '\\', '!', '\u{fffd}'])
+        || name.contains([',', '+', '"', '\'', '$', '`', '\\', '!', '\u{fffd}'])
         || name.parse::<f64>().is_ok()
         || name != name.trim()
         || names.iter().filter(|other| *other == name).count() > 1;
@@ -166,7 +181,12 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
         let Some((index, _)) = best else { continue };
         let unit = unit_of(quantity, said[index].unit, values(index).collect::<Vec<_>>().as_slice());
-        parts.push(Part { quantity, index, unit });
+        parts.push(Part { quantity, index, rest: None, unit });
+    }
+    add_fractions(&mut parts, names, rows);
+    // A clock adds up no errors.
+    if parts.iter().any(|part| part.quantity == Quantity::Time) {
+        parts.retain(|part| part.quantity != Quantity::Interval);
     }
     // What was measured nearer to the motor.
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
@@ -184,6 +204,9 @@ fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> St
         (Quantity::Duty, _) => return full_duty(&range, said),
         (_, Some(unit)) => unit,
         (Quantity::Time, None) => time_unit(values, &range),
+        (Quantity::Interval, None) if range.peak() < 1.0 => "s",
+        (Quantity::Interval, None) if range.peak() < 500.0 => "ms",
+        (Quantity::Interval, None) => "us",
         (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
         (Quantity::Voltage | Quantity::Supply, None) => "V",
         (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
@@ -206,6 +229,40 @@ fn full_duty(range: &Range, said: Option<&'static str>) -> String {
         "100".into()
     } else {
         full.into_iter().find(|full| peak <= *full).unwrap_or(peak).to_string()
+    }
+}
+
+/// Seconds that stand still for many rows have their fraction in a column of its own: `sec,nanosec`.
+fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
+    const FRACTIONS: [(&str, &str); 8] = [
+        ("nanosec", "ns"),
+        ("nsec", "ns"),
+        ("nanos", "ns"),
+        ("_ns", "ns"),
+        ("usec", "us"),
+        ("microsec", "us"),
+        ("_us", "us"),
+        ("msec", "ms"),
+    ];
+    let Some(time) = parts.iter_mut().find(|part| part.quantity == Quantity::Time) else { return };
+    let values = |k: usize| rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
+    let seconds: Vec<f64> = values(time.index).collect();
+    let whole = seconds.iter().all(|v| v.fract() == 0.0);
+    let stands = seconds.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if !whole || 2 * stands < rows.len() {
+        return;
+    }
+    let found = names.iter().enumerate().find_map(|(k, name)| {
+        let name = name.to_lowercase();
+        let ends = |(end, _): &&(&str, &str)| {
+            name.ends_with(end) || name.trim_end_matches("onds").trim_end_matches('s').ends_with(end)
+        };
+        let (_, unit) = FRACTIONS.iter().find(ends)?;
+        (k != time.index).then_some((k, *unit))
+    });
+    if let Some((k, unit)) = found {
+        time.rest = Some(k);
+        unit.clone_into(&mut time.unit);
     }
 }
 
@@ -256,9 +313,16 @@ const WIDTH: usize = 32;
 
 /// A line that shows what a column would be read as: its range in its own unit and in SI, and its course.
 fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> String {
-    let values: Vec<f64> =
+    let mut values: Vec<f64> =
         rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()).collect();
-    let name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
+    let mut name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
+    if let Some(rest) = part.rest {
+        // Shown in the unit of the fraction, as one number.
+        let unit = Unit::parse(Quantity::Time, &part.unit).map_or(1.0, |unit| unit.factor);
+        let sum = |row: &Vec<f64>| Some(row.get(part.index)? / unit + row.get(rest)?);
+        values = rows.iter().filter_map(sum).filter(|v| v.is_finite()).collect();
+        let _ = write!(name, " + {}", names.get(rest).map(String::as_str).unwrap_or_default());
+    }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
     let counted = part.unit.starts_with("counts");
@@ -374,6 +438,23 @@ mod tests {
         let rows = rows(|k| vec![k.sin(), k.cos()]);
         let proposal = propose(&names("voltage_v;speed_rad_s"), &rows).unwrap();
         assert_eq!(proposal.rate.as_deref(), Some("100"));
+        let rows: Vec<Vec<f64>> =
+            rows.into_iter().map(|row| [&[9.0 + row[0].round()], row.as_slice()].concat()).collect();
+        let proposal = propose(&names("dt_ms;voltage_v;speed_rad_s"), &rows).unwrap();
+        assert_eq!(proposal.rate, None);
+        assert!(proposal.map.starts_with("interval=dt_ms:ms,"), "{}", proposal.map);
+    }
+
+    #[test]
+    fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
+        let rows = rows(|k| vec![1.7e9 + (0.01 * k).floor(), (k % 100.0) * 1e7, k.sin(), k.cos()]);
+        let proposal = propose(&names("header.stamp.sec;header.stamp.nanosec;u;pos"), &rows).unwrap();
+        assert!(
+            proposal.map.starts_with("time=header.stamp.sec+header.stamp.nanosec:ns,"),
+            "{}",
+            proposal.map
+        );
+        assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
     }
 
     #[test]

@@ -15,14 +15,15 @@ pub struct Said {
     pub target: bool,
 }
 
-use Quantity::{Angle, Current, Duty, Speed, Supply, Time, Voltage};
+use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 22] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 23] = [
     (Time, 3, None, &["time", "zeit", "timestamp", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"]),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
     (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec"]),
+    (Interval, 4, None, &["dt", "interval", "deltat", "looptime", "cycletime", "elapsed", "abtastzeit"]),
     (Duty, 3, None, &["pwm", "duty", "dutycycle", "tastgrad", "throttle", "pwmvalue"]),
     (
         Duty,
@@ -96,7 +97,7 @@ const ACTION: &str = "action";
 const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 38] = [
+const UNITS: [(&str, Quantity, &str); 39] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -104,6 +105,7 @@ const UNITS: [(&str, Quantity, &str); 38] = [
     ("ns", Time, "ns"),
     ("us", Time, "us"),
     ("µs", Time, "us"),
+    ("μs", Time, "us"),
     ("ms", Time, "ms"),
     ("s", Time, "s"),
     ("mv", Voltage, "mV"),
@@ -162,6 +164,7 @@ pub fn said(name: &str) -> Said {
     // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
     let quantity = match (best, unit) {
         (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
+        (Some((Interval, plain, _)), Some((Time, _))) => Some((Interval, plain)),
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
         (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
@@ -170,8 +173,11 @@ pub fn said(name: &str) -> Said {
         (None, Some((of, _))) => Some((of, 2)),
         (None, None) => None,
     };
-    let unit =
-        unit.filter(|(of, _)| quantity.is_some_and(|(q, _)| q == *of || (q == Supply && *of == Voltage)));
+    let unit = unit.filter(|(of, _)| {
+        quantity.is_some_and(|(q, _)| {
+            q == *of || (q == Supply && *of == Voltage) || (q == Interval && *of == Time)
+        })
+    });
     let implied =
         best.and_then(|(of, _, implied)| implied.filter(|_| quantity.is_some_and(|(q, _)| q == of)));
     // "speed" of "encoder counts" counts per second.
@@ -202,9 +208,17 @@ fn bracketed(name: &str) -> (String, Option<String>) {
     (name.trim().to_owned(), None)
 }
 
-fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
+/// The quantity and the unit, as `--map` writes it, that a text such as `ms` or `1/min` names.
+pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
     let lower = text.to_lowercase();
     UNITS.iter().find(|(known, ..)| *known == lower).map(|(_, quantity, unit)| (*quantity, *unit))
+}
+
+/// Whether a text is a unit of anything that a log holds, or a sign that there is none.
+pub fn is_unit(text: &str) -> bool {
+    const OTHERS: [&str; 14] =
+        ["-", "1", "n", "nm", "n m", "w", "hz", "c", "°c", "k", "h:m:s", "hh:mm:ss", "bool", "none"];
+    unit_named(text).is_some() || OTHERS.contains(&text.to_lowercase().as_str())
 }
 
 /// The words of a name in small letters: split at everything that is no letter, and where small letters turn large.
@@ -259,6 +273,11 @@ mod tests {
             ("Position (rad)", Angle, Some("rad")),
             ("position_deg", Angle, Some("deg")),
             ("current_mA", Current, Some("mA")),
+            ("dt_ms", Interval, Some("ms")),
+            ("dt", Interval, None),
+            ("dtheta", Speed, None),
+            ("Spannung in V", Voltage, Some("V")),
+            ("Zeit in ms", Time, Some("ms")),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");

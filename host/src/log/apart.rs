@@ -1,0 +1,180 @@
+//! Input and output logged apart: two tables, each with times of its own, as one record.
+//!
+//! `input.csv+output.csv` names both. Samples are those of the output, where the input has begun and has not ended; what drives the
+//! motor holds from its last row at or before, as the driver held it. No value is taken from the future.
+
+use std::path::{Path, PathBuf};
+
+use super::clock::Clock;
+use super::table::{self, Read};
+use super::units::Quantity;
+use super::{ReadOptions, Record, Warning, text};
+use crate::error::{BadInput, Result};
+
+/// What belongs to the input of a motor.
+const INPUTS: [Quantity; 4] = [Quantity::Voltage, Quantity::Duty, Quantity::Target, Quantity::Supply];
+/// Fewer samples than this in common are no overlap.
+const FEWEST: usize = 2;
+
+/// The two files that `path` names, where it is no file itself.
+pub(super) fn both(path: &Path) -> Option<(PathBuf, PathBuf)> {
+    let name = path.to_str().filter(|_| !path.exists())?;
+    let mut cuts =
+        name.match_indices('+').map(|(at, _)| (PathBuf::from(&name[..at]), PathBuf::from(&name[at + 1..])));
+    cuts.find(|(input, output)| input.is_file() && output.is_file())
+}
+
+/// Reads the record of the two files.
+///
+/// # Errors
+/// Those of a table, of either file; bad input where their clocks have no time in common.
+pub(super) fn read(path: &Path, input: &Path, output: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+    let mut clock = Clock::default();
+    let driven = table::columns(input, text::open(input)?, options, &mut clock, true)?;
+    let mut clock = clock.rewound();
+    let moved = table::columns(output, text::open(output)?, options, &mut clock, true)?;
+    let read = joined(input, output, driven, moved)?;
+    let structure = read.structure.clone();
+    let name = format!("{}+{}", super::stem(input), super::stem(output));
+    Ok(structure.tests(table::record(path, name, read, options)?))
+}
+
+fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<Read> {
+    let is_input = |quantity: Quantity| INPUTS.contains(&quantity);
+    // Both may have a column of the same name: each gives its own part.
+    let (drives, others): (Vec<_>, Vec<_>) = driven.values.into_iter().partition(|(q, _)| is_input(*q));
+    if !drives.iter().any(|(q, _)| *q != Quantity::Supply) || moved.values.iter().all(|(q, _)| is_input(*q)) {
+        let swapped = others.iter().any(|(q, _)| matches!(q, Quantity::Angle | Quantity::Speed));
+        let why = format!(
+            "{} has nothing that drives the motor, or {} no angle or speed",
+            input.display(),
+            output.display()
+        );
+        let remedy = if swapped {
+            format!("give them in this order: {}+{}", output.display(), input.display())
+        } else {
+            "say which columns they are: --map time=t,voltage=COLUMN OF THE FIRST:V,angle=COLUMN OF THE SECOND:rad".into()
+        };
+        return Err(BadInput::new(input, why, remedy).into());
+    }
+    let (first, last) = (ends(&driven.time_s), ends(&moved.time_s));
+    let common: Vec<usize> = (0..moved.time_s.len())
+        .filter(|&k| moved.time_s[k] >= first.0 && moved.time_s[k] <= first.1)
+        .collect();
+    if common.len() < FEWEST {
+        let why = format!(
+            "the files have no time in common: {:.3}..{:.3} s in {} and {:.3}..{:.3} s in {}",
+            first.0,
+            first.1,
+            input.display(),
+            last.0,
+            last.1,
+            output.display()
+        );
+        return Err(BadInput::new(
+            output,
+            why,
+            "log both by one clock, check the units of both times, or shift the times of one file",
+        )
+        .into());
+    }
+    let place = format!("{}+{}", input.display(), output.display());
+    let held: Vec<usize> =
+        common.iter().map(|&k| driven.time_s.partition_point(|t| *t <= moved.time_s[k]) - 1).collect();
+    let pick = |values: &[f64], rows: &[usize]| rows.iter().map(|&k| values[k]).collect::<Vec<f64>>();
+    let time_s = pick(&moved.time_s, &common);
+    let what = format!(
+        "two files as one record: {} of {} samples of {}, from {:.3} to {:.3} s, where {} drives the motor; its {} rows hold until the next",
+        common.len(),
+        moved.time_s.len(),
+        output.display(),
+        time_s[0],
+        time_s[time_s.len() - 1],
+        input.display(),
+        driven.time_s.len(),
+    );
+    let mut warnings = std::mem::take(&mut driven.warnings);
+    warnings.extend(moved.warnings);
+    warnings.push(Warning { place, what, fix: "nothing, if both were logged by one clock".into() });
+    let mut values: Vec<(Quantity, Vec<f64>)> =
+        drives.into_iter().map(|(quantity, column)| (quantity, pick(&column, &held))).collect();
+    values.extend(
+        moved
+            .values
+            .iter()
+            .filter(|(q, _)| !is_input(*q))
+            .map(|(quantity, column)| (*quantity, pick(column, &common))),
+    );
+    let mut meta = driven.meta;
+    for (key, value) in moved.meta.iter() {
+        // What was checked once fits again.
+        let _ = meta.insert(key, value);
+    }
+    Ok(Read { time_s, values, meta, structure: super::structure::Structure::default(), warnings })
+}
+
+fn ends(time_s: &[f64]) -> (f64, f64) {
+    (time_s.first().copied().unwrap_or(f64::NAN), time_s.last().copied().unwrap_or(f64::NAN))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use super::super::read;
+    use super::*;
+
+    fn files(input: &str, output: &str) -> (tempfile::TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        let (a, b) = (directory.path().join("in.csv"), directory.path().join("out.csv"));
+        std::fs::write(&a, input).unwrap();
+        std::fs::write(&b, output).unwrap();
+        let path = PathBuf::from(format!("{}+{}", a.display(), b.display()));
+        (directory, path)
+    }
+
+    fn output(begin: f64) -> String {
+        let mut text = "t,value\n".to_owned();
+        for k in 0..100 {
+            let _ = writeln!(text, "{:.3},{:.4}", begin + 0.01 * f64::from(k), 0.01 * f64::from(k * k));
+        }
+        text
+    }
+
+    fn input() -> String {
+        let mut text = "t,value\n".to_owned();
+        (0..40).for_each(|k| writeln!(text, "{:.3},{}", 0.205 + 0.02 * f64::from(k), k % 5).unwrap());
+        text
+    }
+
+    #[test]
+    fn the_input_holds_from_its_last_row_and_never_comes_from_the_future() {
+        let (_directory, path) = files(&input(), &output(0.0));
+        let map = Some("time=t,voltage=value,angle=value".parse().unwrap());
+        let options = ReadOptions { map, ..ReadOptions::default() };
+        let record = read(&path, &options).unwrap().remove(0);
+        // The rows of the output between the first and the last of the input.
+        assert_eq!((record.len(), record.time_s[0]), (78, 0.21));
+        for (t, volts) in record.time_s.iter().zip(&record.voltage_v) {
+            let row = ((t - 0.205) / 0.02 + 1e-9).floor();
+            assert_eq!(*volts, row % 5.0, "{t}");
+        }
+        assert!(
+            record.warnings.iter().any(|w| w.what.contains("78 of 100 samples")),
+            "{:?}",
+            record.warnings
+        );
+    }
+
+    #[test]
+    fn files_in_the_wrong_order_or_on_other_clocks_are_refused_with_the_fix() {
+        let map = |text: &str| ReadOptions { map: Some(text.parse().unwrap()), ..ReadOptions::default() };
+        let (_directory, path) =
+            files(&output(0.0).replace("value", "angle"), &input().replace("value", "u"));
+        let refused = read(&path, &map("time=t,voltage=u,angle=angle")).unwrap_err().to_string();
+        assert!(refused.contains("in this order") && refused.contains("out.csv+"), "{refused}");
+        let (_directory, path) = files(&input(), &output(1000.0));
+        let refused = read(&path, &map("time=t,voltage=value,angle=value")).unwrap_err().to_string();
+        assert!(refused.contains("no time in common") && refused.contains("one clock"), "{refused}");
+    }
+}

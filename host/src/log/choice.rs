@@ -1,0 +1,270 @@
+//! Which columns of a table are wanted, by the mapping or by their canonical names, and what is said where one is absent.
+
+use std::path::Path;
+
+use super::guess::{self, words};
+use super::mapping::{Mapping, Source};
+use super::units::{Quantity, Unit};
+use super::{Metadata, ReadOptions};
+use crate::error::{BadInput, Result};
+
+/// A column of the file that is wanted.
+#[derive(Debug, Clone)]
+pub(super) struct Wanted {
+    pub quantity: Quantity,
+    pub index: usize,
+    pub header: String,
+    pub factor: f64,
+}
+
+/// What tells the time of a row.
+#[derive(Debug, Clone)]
+pub(super) enum TimeSource {
+    /// A column.
+    Column(Wanted),
+    /// A column of seconds and one of what comes on top.
+    Columns(Wanted, Wanted),
+    /// A column of the time since the row before.
+    Intervals(Wanted),
+    /// When a serial monitor received the line.
+    Stamps,
+    /// Nothing: rows of this rate, Hz.
+    Rate(f64),
+}
+
+impl TimeSource {
+    /// What a message calls it.
+    pub fn header(&self) -> &str {
+        match self {
+            TimeSource::Column(column) | TimeSource::Columns(column, _) | TimeSource::Intervals(column) => {
+                &column.header
+            }
+            TimeSource::Stamps => "stamp before ->",
+            TimeSource::Rate(_) => "row (--rate)",
+        }
+    }
+}
+
+/// What a table is read from.
+#[derive(Debug, Clone)]
+pub(super) struct Columns {
+    pub time: TimeSource,
+    pub values: Vec<Wanted>,
+    /// `--rate` was given, and the log tells its times itself.
+    pub rate_unused: bool,
+}
+
+/// A canonical column that neither the header nor the mapping has.
+#[derive(Debug)]
+pub(super) struct Missing {
+    pub header: &'static str,
+    pub why: &'static str,
+}
+
+/// The header of a file, out of which columns are chosen.
+pub(super) struct Choice<'a> {
+    pub path: &'a Path,
+    pub line: u64,
+    pub names: &'a [String],
+    /// The row of units below the header; may be empty.
+    pub units: &'a [String],
+    pub stamped: bool,
+    pub meta: &'a Metadata,
+    /// Another file has what this one has not.
+    pub partial: bool,
+}
+
+impl Choice<'_> {
+    /// The columns that are wanted, or which one is absent.
+    ///
+    /// # Errors
+    /// Bad input where the mapping names a column that there is not, or a name is there twice.
+    pub fn columns(&self, options: &ReadOptions) -> Result<Result<Columns, Missing>> {
+        let map = options.map.as_ref();
+        let mut values = Vec::new();
+        for quantity in
+            Quantity::ALL.into_iter().filter(|q| ![Quantity::Time, Quantity::Interval].contains(q))
+        {
+            if let Some(source) = self.source(map, quantity) {
+                values.push(self.mapped(source)?);
+            } else if !displaced(quantity, map) {
+                values.extend(self.canonical(quantity)?);
+            }
+        }
+        let Some(time) = self.time(options)? else {
+            return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
+        };
+        let rate_unused = options.rate_hz.is_some() && !matches!(time, TimeSource::Rate(_));
+        let columns = Columns { time, values, rate_unused };
+        Ok(match missing(&columns) {
+            Some(_) if self.partial && !columns.values.is_empty() => Ok(columns),
+            Some(missing) => Err(missing),
+            None => Ok(columns),
+        })
+    }
+
+    fn time(&self, options: &ReadOptions) -> Result<Option<TimeSource>> {
+        let map = options.map.as_ref();
+        if let Some(source) = self.source(map, Quantity::Time) {
+            return self.time_column(source).map(Some);
+        }
+        if let Some(source) = self.source(map, Quantity::Interval) {
+            return Ok(Some(TimeSource::Intervals(self.mapped(source)?)));
+        }
+        if let Some(column) = self.canonical(Quantity::Time)? {
+            return Ok(Some(TimeSource::Column(column)));
+        }
+        let stamps = self.stamped.then_some(TimeSource::Stamps);
+        Ok(stamps.or(options.rate_hz.map(TimeSource::Rate)))
+    }
+
+    /// `time=sec+nanosec:ns` names two columns, where there is none of that whole name.
+    fn time_column(&self, source: &Source) -> Result<TimeSource> {
+        if let Some((seconds, rest)) = source.column.split_once('+')
+            && !self.names.contains(&source.column)
+        {
+            let seconds = self.named(Quantity::Time, seconds.trim(), Unit::SI)?;
+            let rest = self.named(Quantity::Time, rest.trim(), source.unit)?;
+            return Ok(TimeSource::Columns(seconds, rest));
+        }
+        self.mapped(source).map(TimeSource::Column)
+    }
+
+    /// Where the mapping says that a quantity is; nothing where another file has that column.
+    fn source<'m>(&self, map: Option<&'m Mapping>, quantity: Quantity) -> Option<&'m Source> {
+        let source = map.and_then(|map| map.source(quantity))?;
+        let first = source.column.split('+').next().unwrap_or_default().trim();
+        let here = self.index_of(&source.column).or_else(|| self.index_of(first)).is_some();
+        (here || !self.partial).then_some(source)
+    }
+
+    fn mapped(&self, source: &Source) -> Result<Wanted> {
+        self.named(source.quantity, &source.column, source.unit)
+    }
+
+    fn index_of(&self, column: &str) -> Option<usize> {
+        let by_name = self.names.iter().position(|name| name == column);
+        by_name.or_else(|| {
+            column.parse().ok().filter(|&index| self.names.is_empty() || index < self.names.len())
+        })
+    }
+
+    /// The column with the canonical name of a quantity; a row of units below it must not contradict.
+    fn canonical(&self, quantity: Quantity) -> Result<Option<Wanted>> {
+        let Some(header) = quantity.canonical() else { return Ok(None) };
+        let Some(index) = self.names.iter().position(|name| name == header) else { return Ok(None) };
+        self.only_one(header)?;
+        let said = self.units.get(index).and_then(|unit| words::unit_named(unit));
+        if let Some((_, unit)) = said
+            && Unit::parse(quantity, unit).map_or(true, |unit| unit.factor != 1.0)
+        {
+            let why = format!("the row below the header says \"{unit}\", the header says {}", quantity.si());
+            let remedy = format!(
+                "say which is right: --map {quantity}={header}:{unit} or --map {quantity}={header}:{}",
+                quantity.si()
+            );
+            return Err(BadInput::new(self.path, why, remedy).at_line(self.line).in_column(header).into());
+        }
+        Ok(Some(Wanted { quantity, index, header: header.to_owned(), factor: 1.0 }))
+    }
+
+    fn only_one(&self, name: &str) -> Result<()> {
+        if self.names.iter().filter(|other| *other == name).count() < 2 {
+            return Ok(());
+        }
+        Err(BadInput::new(
+            self.path,
+            format!("two columns are called \"{name}\""),
+            "rename one of them, or pick by number: --map time=0:s,...",
+        )
+        .at_line(self.line)
+        .in_column(name)
+        .into())
+    }
+
+    fn named(&self, quantity: Quantity, column: &str, unit: Unit) -> Result<Wanted> {
+        let index = self.index_of(column).ok_or_else(|| {
+            BadInput::new(
+                self.path,
+                format!("there is no column \"{column}\" for {quantity}"),
+                format!("take one of: {}", self.listed()),
+            )
+            .at_line(self.line)
+            .in_column(column)
+        })?;
+        if self.names.get(index).is_some_and(|name| name == column) {
+            self.only_one(column)?;
+        }
+        let header = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
+        let mut factor = unit.factor;
+        if unit.counts {
+            factor /= self.meta.counts_per_rev().ok_or_else(|| {
+                BadInput::new(
+                    self.path,
+                    "encoder counts need the counts of one turn of the output shaft",
+                    format!(
+                        "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
+                    ),
+                )
+                .in_column(&header)
+            })?;
+        }
+        Ok(Wanted { quantity, index, header, factor })
+    }
+
+    /// The refusal where a column is absent, with what the table looks like.
+    pub fn refusal(&self, missing: &Missing, proposal: Option<guess::Proposal>) -> crate::error::Error {
+        let remedy = match &proposal {
+            Some(proposal) => {
+                let assumptions = proposal.assumptions();
+                let assumptions =
+                    if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
+                format!("say which column is what and in which unit; it looks like {}{assumptions}", proposal.options())
+            }
+            None => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
+                     or --map duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
+                .into(),
+        };
+        BadInput::new(self.path, format!("{}; the columns are {}", missing.why, self.listed()), remedy)
+            .at_line(self.line)
+            .in_column(missing.header)
+            .proposing(proposal)
+            .into()
+    }
+
+    fn listed(&self) -> String {
+        const SHOWN: usize = 20;
+        let mut text = self.names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+        if self.names.len() > SHOWN {
+            text += &format!(" and {} more", self.names.len() - SHOWN);
+        }
+        text
+    }
+}
+
+/// What is absent of time, drive and motion.
+fn missing(columns: &Columns) -> Option<Missing> {
+    let has = |quantity| columns.values.iter().any(|column| column.quantity == quantity);
+    // The target of a servo drives it only where nothing nearer to the motor was logged.
+    if !has(Quantity::Voltage) && !has(Quantity::Duty) && has(Quantity::Target) {
+        let why = "a target moves the motor by its angle, and no column gives the angle";
+        return (!has(Quantity::Angle)).then_some(Missing { header: "angle_rad", why });
+    }
+    if !has(Quantity::Voltage) && !has(Quantity::Duty) {
+        return Some(Missing { header: "voltage_v", why: "no column gives the voltage" });
+    }
+    if !has(Quantity::Angle) && !has(Quantity::Speed) {
+        let why = "no column gives the angle or the speed (speed_rad_s)";
+        return Some(Missing { header: "angle_rad", why });
+    }
+    None
+}
+
+/// Whether the mapping makes a canonical column of this kind unwanted.
+fn displaced(quantity: Quantity, map: Option<&Mapping>) -> bool {
+    map.is_some_and(|map| match quantity {
+        Quantity::Angle | Quantity::Speed => map.names_motion(),
+        Quantity::Voltage => [Quantity::Duty, Quantity::Target].iter().any(|q| map.source(*q).is_some()),
+        _ => false,
+    })
+}

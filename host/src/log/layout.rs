@@ -1,0 +1,266 @@
+//! How a table is written, told from its first lines: what separates the fields, where the header stands, whether a row of units follows
+//! it, whether a serial monitor stamped the lines, whether each value has its name beside it.
+
+use super::clock;
+use super::fields::{Separator, Splitter, pairs, stamped};
+use super::guess::words;
+
+/// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
+const MOST_CHATTER: usize = 60;
+/// A layout of single lines is one where this share of the lines has it.
+const MOST: f64 = 0.6;
+
+/// How a table is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    /// What separates the fields of a row.
+    pub separator: Separator,
+    /// A serial monitor put a time and an arrow before the lines.
+    pub stamped: bool,
+    /// The line (of those looked at) that holds the names of the columns.
+    pub header: Option<usize>,
+    /// The names; empty where there is no header.
+    pub names: Vec<String>,
+    /// The units of a row below the header; empty where there is none.
+    pub units: Vec<String>,
+    /// The line (of those looked at) from which on rows are sought.
+    pub rows: usize,
+}
+
+impl Layout {
+    /// The layout of a table that begins with `lines`, none of which is blank or a remark.
+    pub fn of(lines: &[&str]) -> Layout {
+        let share = |count: usize| count as f64 >= MOST * lines.len() as f64;
+        let is_stamped = share(lines.iter().filter(|line| stamped(line).is_some()).count());
+        let bare: Vec<&str> = lines
+            .iter()
+            .map(|line| if is_stamped { stamped(line).map_or(*line, |(_, rest)| rest) } else { line })
+            .collect();
+        let layout = named_values(&bare).or_else(|| below_a_header(&bare)).unwrap_or_else(|| plain(&bare));
+        Layout { stamped: is_stamped, ..layout }
+    }
+}
+
+fn new(separator: Separator) -> Layout {
+    Layout { separator, stamped: false, header: None, names: Vec::new(), units: Vec::new(), rows: 0 }
+}
+
+/// `t:12 pwm:80 enc:100`: at least two names with numbers in most lines.
+fn named_values(lines: &[&str]) -> Option<Layout> {
+    let with_names: Vec<(usize, Vec<String>)> = lines
+        .iter()
+        .enumerate()
+        .filter_map(|(number, line)| {
+            let pairs = pairs(line);
+            let numbers = pairs.iter().filter(|(_, value)| is_number(&line[value.clone()])).count();
+            let names = pairs.iter().map(|(name, _)| line[name.clone()].to_owned()).collect();
+            (pairs.len() >= 2 && numbers == pairs.len()).then_some((number, names))
+        })
+        .collect();
+    if with_names.len() < 2 || (with_names.len() as f64) < MOST * lines.len() as f64 {
+        return None;
+    }
+    // Half a first line has fewer names.
+    let (_, names) = with_names.iter().take(5).max_by_key(|(_, names)| names.len())?;
+    let rows = with_names.first()?.0;
+    Some(Layout { names: names.clone(), rows, ..new(Separator::Names(names.clone())) })
+}
+
+/// The first line whose next two are rows of as many numbers.
+fn below_a_header(lines: &[&str]) -> Option<Layout> {
+    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
+    let found = (0..last).find_map(|k| header_at(lines, k))?;
+    // A candidate below rows of as many numbers is a bad row of the table above; one such line may be half of a row.
+    let k = found.header?;
+    let alike =
+        lines[..k].iter().filter(|line| row(line, &found.separator) == Some(found.names.len())).count();
+    (alike <= 1 && (alike == 0 || k == 1)).then_some(found)
+}
+
+fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
+    for separator in [
+        Separator::Byte(b';'),
+        Separator::Byte(b'\t'),
+        Separator::Byte(b','),
+        Separator::DecimalCommas,
+        Separator::Blanks,
+    ] {
+        for units in [false, true] {
+            let first = k + 1 + usize::from(units);
+            let (Some(one), Some(two)) = (lines.get(first), lines.get(first + 1)) else { continue };
+            let Some(width) =
+                row(one, &separator).filter(|width| *width >= 2 && row(two, &separator) == Some(*width))
+            else {
+                continue;
+            };
+            let Some(names) = names_of(lines[k], &separator, width) else { continue };
+            let units = if units { units_of(lines[k + 1], &separator, width) } else { Some(Vec::new()) };
+            let Some(units) = units else { continue };
+            return Some(Layout { header: Some(k), names, units, rows: first, ..new(separator) });
+        }
+    }
+    None
+}
+
+/// Number of fields of a row: a line at least half of which are numbers or times.
+fn row(line: &str, separator: &Separator) -> Option<usize> {
+    let values = fields(line, separator);
+    let numbers = values.iter().filter(|value| is_number(value)).count();
+    let decimal = |value: &String| {
+        let (whole, part) = value.split_once(',').unwrap_or(("", ""));
+        !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()) && whole.parse::<i64>().is_ok()
+    };
+    if *separator == Separator::DecimalCommas && !values.iter().all(decimal) {
+        return None;
+    }
+    (numbers > 0 && 2 * numbers >= values.len()).then_some(values.len())
+}
+
+/// The `width` names in a header, which may separate them otherwise than the rows do.
+fn names_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
+    let fit = |names: Vec<String>| {
+        (names.len() == width && !names.iter().any(|name| is_number(name))).then_some(names)
+    };
+    let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
+    fit(fields(line, &own)).or_else(|| match separator {
+        Separator::Blanks => {
+            let others = [Separator::Byte(b','), Separator::Byte(b';')];
+            let by_others = others.iter().find_map(|other| fit(fields(line, other)));
+            by_others.or_else(|| fit(far_apart(line))).or_else(|| fit(with_units(fields(line, &own))))
+        }
+        _ => fit(fields(line, &Separator::Blanks)),
+    })
+}
+
+/// Names between which there are two blanks or more.
+fn far_apart(line: &str) -> Vec<String> {
+    line.split("  ").map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect()
+}
+
+/// Words, with a unit in brackets joined to the word before it.
+fn with_units(words: Vec<String>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for word in words {
+        match names.last_mut() {
+            Some(name) if word.starts_with(['(', '[']) => *name = format!("{name} {word}"),
+            _ => names.push(word),
+        }
+    }
+    names
+}
+
+/// The units of a row of nothing else, without their brackets.
+fn units_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
+    let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
+    let units: Vec<String> = fields(line, &own)
+        .iter()
+        .map(|unit| unit.trim_matches(['[', ']', '(', ')']).trim().to_owned())
+        .collect();
+    let short = units.iter().all(|unit| unit.chars().count() <= 12 && !is_number(unit));
+    let known = units.iter().filter(|unit| words::is_unit(unit)).count();
+    (units.len() == width
+        && short
+        && known > 0
+        && 2 * known >= units.iter().filter(|unit| !unit.is_empty()).count())
+    .then_some(units)
+}
+
+/// Numbers without a header, or a header below which nothing was recognised.
+fn plain(lines: &[&str]) -> Layout {
+    let first = lines.first().copied().unwrap_or_default();
+    let all = |separator: &Separator| {
+        let of = |line: &str| {
+            let values = fields(line, separator);
+            (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
+        };
+        let width = of(first);
+        width.is_some() && lines.iter().skip(1).take(2).all(|line| of(line) == width)
+    };
+    let separators =
+        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks];
+    if let Some(separator) = separators.into_iter().find(all) {
+        return new(separator);
+    }
+    let separator = Separator::Byte(delimiter_of(first));
+    let names = fields(first, &separator);
+    if names.iter().all(|name| is_number(name)) {
+        return new(separator);
+    }
+    Layout { header: Some(0), names, rows: 1, ..new(separator) }
+}
+
+fn fields(line: &str, separator: &Separator) -> Vec<String> {
+    let mut splitter = Splitter::of(separator.clone(), false);
+    splitter.split(line);
+    splitter.iter().map(|field| field.trim_matches('\u{fffd}').trim().to_owned()).collect()
+}
+
+fn is_number(text: &str) -> bool {
+    text.replace(',', ".").parse::<f64>().is_ok() || clock::moment(text).is_some()
+}
+
+/// The separator of a line: a semicolon or tab wins over commas, which may then be decimal.
+fn delimiter_of(line: &str) -> u8 {
+    let has = |wanted: char| {
+        let mut quoted = false;
+        line.chars().any(|c| {
+            quoted ^= c == '"';
+            !quoted && c == wanted
+        })
+    };
+    [';', '\t'].into_iter().find(|&candidate| has(candidate)).map_or(b',', |candidate| candidate as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(text: &str) -> Layout {
+        Layout::of(&text.lines().collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn the_separator_follows_from_the_rows_whatever_the_header_is_written_with() {
+        for (text, separator) in [
+            ("a b c\n1 2 3\n4 5 6", Separator::Blanks),
+            ("  a    b   c\n 1.0   2   3\n 4   5   6", Separator::Blanks),
+            ("a (s)  b (V)  c (rad/s)\n1 2 3\n4 5 6", Separator::Blanks),
+            ("a (s) b (V) c (rad/s)\n1 2 3\n4 5 6", Separator::Blanks),
+            ("a b c\n1,2,3\n4,5,6", Separator::Byte(b',')),
+            ("a;b;c\n1,0;2;3\n4,5;5;6", Separator::Byte(b';')),
+            ("a,b,c\n1,0,2,0,3,0\n4,5,5,1,6,2", Separator::DecimalCommas),
+            ("a\tb\tc\n1\t2\t3\n4\t5\t6", Separator::Byte(b'\t')),
+        ] {
+            let found = layout(text);
+            assert_eq!(found.separator, separator, "{text}");
+            assert_eq!((found.header, found.names.len(), found.rows), (Some(0), 3, 1), "{text}");
+        }
+    }
+
+    #[test]
+    fn chatter_units_half_lines_and_stamps_are_told_apart_from_the_table() {
+        let found = layout("rst:0x1 (POWERON)\nentry 0x40\nt,u\n(ms),(V)\n1,2\n3,4");
+        assert_eq!((found.header, found.rows), (Some(2), 4));
+        assert_eq!(found.units, ["ms", "V"]);
+        let found = layout("5,1\nt,u,w\n1,2,3\n3,4,5\n5,6,7");
+        assert_eq!((found.header, found.rows), (Some(1), 2));
+        let found = layout("12:00:00.1 -> t,u\n12:00:00.2 -> 1,2\n12:00:00.3 -> 3,4");
+        assert!(found.stamped && found.names == ["t", "u"]);
+    }
+
+    #[test]
+    fn values_that_carry_their_names_need_no_header() {
+        let found = layout("hello\npwm:80 enc:1\nt:12 pwm:80 enc:2\nt:13 pwm:80 enc:3");
+        assert_eq!(
+            (found.names, found.header, found.rows),
+            (vec!["t".into(), "pwm".into(), "enc".into()], None, 1)
+        );
+    }
+
+    #[test]
+    fn numbers_alone_have_no_header() {
+        assert_eq!(layout("1,2\n3,4\n5,6").header, None);
+        assert_eq!(layout("1 2\n3 4\n5 6").separator, Separator::Blanks);
+        assert_eq!(layout("t,u").header, Some(0));
+    }
+}
