@@ -20,6 +20,7 @@
 //! ```
 mod api;
 pub mod atomic_file;
+pub mod book;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compare;

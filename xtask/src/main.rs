@@ -4,6 +4,7 @@ mod apt;
 mod arm;
 mod avr;
 mod bench;
+mod book;
 mod browser;
 mod cortex_m0;
 mod emulated;
@@ -42,6 +43,8 @@ enum Task {
     Uf2,
     /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
     Bench(bench::Options),
+    /// Write the effects' pages and plots of the book (docs/book) again, from the registry.
+    Book,
     /// Run `motorlens discover` on published logs of real motors and print a table.
     RealLogs(real_logs::Options),
     /// Check that every dependency of every workspace has a permissive licence.
@@ -58,6 +61,7 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::Sizes => sizes::print()?,
         Task::Uf2 => drop(uf2::write_all()?),
         Task::Bench(options) => bench::serve(&options)?,
+        Task::Book => book::write()?,
         Task::RealLogs(options) => real_logs::print(&options)?,
         Task::Licences => licences::check_all()?,
         Task::Peers => peers::run()?,

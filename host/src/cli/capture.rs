@@ -9,9 +9,9 @@ use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{Cause, DriveMode, Setup};
 use serde::Serialize;
 
-use super::Console;
 use super::interrupt::interrupted;
 use super::strip::Strip;
+use super::{Console, prose};
 use crate::device::{Capture, Captured, Port, Shaft, record};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
@@ -191,7 +191,22 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         });
         lines.collect::<Vec<_>>().join("\n")
     });
+    discover_next(document.logs.iter().map(|saved| saved.log.as_path()), console);
     Ok(())
+}
+
+/// Names the command for logs that are new: those held out judge.
+pub(super) fn discover_next<'a>(logs: impl Iterator<Item = &'a Path>, console: &Console) {
+    let held_out =
+        |log: &&Path| log.file_name().is_some_and(|name| name.to_string_lossy().starts_with("holdout-"));
+    let (judge, fit): (Vec<&Path>, Vec<&Path>) = logs.partition(held_out);
+    let fit: Vec<String> = fit.into_iter().map(prose::shell).collect();
+    let judge = judge.into_iter().map(|log| format!(" --validate {}", prose::shell(log)));
+    if !fit.is_empty() {
+        let command =
+            format!("motorlens discover {}{} --out model.json", fit.join(" "), judge.collect::<String>());
+        console.next("find what is missing", &command);
+    }
 }
 
 /// Any number but the board's last one: the time is never the same again.

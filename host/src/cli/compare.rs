@@ -24,7 +24,7 @@ pub struct Args {
     model: PathBuf,
     #[command(flatten)]
     input: LogArgs,
-    /// Write the free runs here: record,time_s,measured,simulated
+    /// Write the simulations here: record,time_s,measured,simulated
     #[arg(short, long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
 }

@@ -8,6 +8,7 @@ use std::io::{IsTerminal, Write};
 
 use serde::Serialize;
 
+use super::prose;
 use crate::error::Error;
 
 /// The two streams, and who listens.
@@ -37,7 +38,17 @@ impl Console {
     /// Prose for the person who watches.
     pub fn say(&self, text: impl AsRef<str>) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{}", text.as_ref().trim_end_matches('\n'));
+            let text = text.as_ref().trim_end_matches('\n');
+            let text =
+                prose::known_width().map_or_else(|| text.to_owned(), |width| prose::wrapped(text, width));
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    /// What can be done next, for a person.
+    pub fn next(&self, what: &str, command: &str) {
+        if !self.json {
+            self.say(prose::then(what, command));
         }
     }
 

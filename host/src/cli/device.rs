@@ -143,6 +143,7 @@ fn hello(at: &At, console: &Console) -> Result<()> {
             effects.join(" "),
         )
     });
+    console.next("check the wiring", &format!("motorlens device check --port {}", at.port));
     Ok(())
 }
 
@@ -171,6 +172,7 @@ fn fit(args: &FitArgs, console: &Console) -> Result<()> {
         ));
     };
     console.answer(&json!({ "schema": 1, "fit": fit, "seed": args.seed }), || prose(fit));
+    console.next("find what this model is missing", "motorlens discover LOG... --out model.json");
     Ok(())
 }
 
@@ -196,6 +198,7 @@ fn stop(at: &At, console: &Console) -> Result<()> {
     let mut port = Port::open(&at.port)?;
     ask(&mut port, Inquiry::new([ToBoard::Stop]), console)?;
     console.answer(&json!({ "schema": 1, "stopped": true }), || "stopped: the bridge is off".to_owned());
+    console.next("see what the board says of itself", &format!("motorlens device hello --port {}", at.port));
     Ok(())
 }
 
@@ -230,5 +233,6 @@ fn flash(args: &FlashArgs, console: &Console) -> Result<()> {
         ));
     }
     console.answer(&json!({ "schema": 1, "flashed": args.image }), || "flashed; reset the board".to_owned());
+    console.next("see whether it answers", "motorlens device hello --port PORT");
     Ok(())
 }

@@ -68,10 +68,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let [forward, backward] =
             checked.breakaway_v.map(|volts| volts.map_or("-".into(), |v| format!("{v:.2} V")));
         lines.push(format!("the motor breaks away at {forward} forward, {backward} backward"));
-        if let Some(volts) = checked.stall_voltage_v {
-            lines.push(format!("for its runs: motorlens capture --stall-voltage {volts:.1}"));
-        }
         lines.join("\n")
     });
+    let stall = checked.stall_voltage_v.map_or(String::new(), |volts| format!(" --stall-voltage {volts:.1}"));
+    let port = &args.at.port;
+    if checked.findings.iter().all(|finding| finding.ok) {
+        let command = format!(
+            "motorlens capture --port {port} --programme default --counts-per-rev COUNTS{stall} --out logs"
+        );
+        console.next("record the default protocol", &command);
+    } else {
+        let command = format!("motorlens device check --port {port}");
+        console.next("mend what is wrong, and look again", &command);
+    }
     Ok(())
 }

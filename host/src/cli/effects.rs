@@ -1,10 +1,14 @@
 //! `effects`: the registry, for reading and for programs.
 
+use std::path::PathBuf;
+
 use motorlens_shared::effects::{Kind, Port};
 use serde::Serialize;
 
 use super::Console;
-use crate::error::Result;
+use crate::atomic_file;
+use crate::book;
+use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
 use crate::formula;
 use crate::glossary;
@@ -13,11 +17,18 @@ use crate::glossary;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   motorlens effects
-  motorlens effects stribeck backlash")]
+  motorlens effects stribeck backlash
+  motorlens effects stribeck --plot stribeck.svg")]
 pub struct Args {
     /// Tell all about these only
     #[arg(value_name = "EFFECT")]
     names: Vec<String>,
+    /// Draw what the one effect named does to a standard programme
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Write the generated part of the book's pages, and the plots, into this directory
+    #[arg(long, value_name = "DIR", hide = true)]
+    book: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -63,6 +74,21 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         terms: glossary::terms(&kinds),
         effects: kinds.iter().map(|k| row(*k)).collect(),
     };
+    if let Some(path) = &args.plot {
+        let [kind] = kinds.as_slice() else {
+            return Err(Error::usage(
+                "--plot draws one effect",
+                "name it: motorlens effects coulomb --plot coulomb.svg",
+            ));
+        };
+        atomic_file::write(path, book::plot(*kind)?)?;
+        console.say(format!("wrote {}", path.display()));
+    }
+    if let Some(directory) = &args.book {
+        let files = book::write(directory)?;
+        console.say(format!("wrote {} files into {}", files.len(), directory.display()));
+        return Ok(());
+    }
     console.list(&registry, || {
         if args.names.is_empty() { base() + &table(&registry.effects) } else { pages(&registry.effects) }
     });

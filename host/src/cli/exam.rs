@@ -102,6 +102,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         atomic_file::write(&directory.join("answers.json"), json)?;
     }
     console.answer(&document, || table(&answers));
+    next(args, console);
     Ok(())
 }
 
@@ -131,6 +132,10 @@ fn on_benches(args: &Args, console: &Console) -> Result<()> {
         benches::write_cases(&paper, directory, &mut || bar.inc(1))?;
         bar.finish_and_clear();
         console.answer(&paper, || format!("cases written to {}", directory.display()));
+        console.next(
+            "let the diagnosis answer one of them",
+            "motorlens discover CASE/*.csv --motor CASE/motor.toml",
+        );
         return Ok(());
     }
     let answers = benches::examine(&paper, args.threads, &mut |a| {
@@ -154,7 +159,17 @@ fn on_benches(args: &Args, console: &Console) -> Result<()> {
         atomic_file::write(&directory.join("benches.json"), json)?;
     }
     console.answer(&document, || benches::table(&answers));
+    next(args, console);
     Ok(())
+}
+
+/// Where the answers were kept, or how to keep them.
+fn next(args: &Args, console: &Console) {
+    let kind = if args.benches { " --benches" } else { "" };
+    match &args.out {
+        Some(directory) => console.say(format!("table and answers: {}", directory.display())),
+        None => console.next("keep table and answers", &format!("motorlens exam{kind} --out exam")),
+    }
 }
 
 /// An answer on a line: what was hidden, what was found, and how the first diagnosis saw it.

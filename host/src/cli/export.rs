@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::Console;
+use super::{Console, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
@@ -124,6 +124,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         };
         format!("{}\n{said}{kept}", files.join(", "))
     });
+    console.next("get gains for a controller", &format!("motorlens tune {}", prose::shell(&args.model)));
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::Console;
-use super::capture::{Args, shaft};
+use super::capture::{Args, discover_next, shaft};
 use super::interrupt::interrupted;
 use crate::device::{End, Listen, Port, Shaft, to_record};
 use crate::error::{Error, Result};
@@ -77,6 +77,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         });
         lines.collect::<Vec<_>>().join("\n")
     });
+    discover_next(document.logs.iter().map(|saved| saved.log.as_path()), console);
     Ok(())
 }
 

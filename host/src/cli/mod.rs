@@ -41,7 +41,7 @@ mod watch;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 pub use console::Console;
 
@@ -147,6 +147,11 @@ impl Verb {
     }
 }
 
+/// The whole command line, as documents and tests look at it.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 /// Runs the program on the arguments of the process.
 ///
 /// Exit status: 0 done, 2 wrong usage, 3 bad input, 4 the device, 1 the machine itself.
@@ -211,10 +216,8 @@ fn refuse(error: &clap::Error) -> ExitCode {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     #[test]
     fn the_options_of_all_verbs_are_consistent() {
-        super::Cli::command().debug_assert();
+        super::command().debug_assert();
     }
 }

@@ -8,5 +8,9 @@ use crate::paper::{self, PaperArgs};
 pub fn run(args: &PaperArgs, console: &Console) -> Result<()> {
     let run = paper::run(args, &mut |line| console.say(line))?;
     console.list(&run, || run.to_string());
+    console.next(
+        "try the whole loop on such records",
+        "motorlens simulate --excitation paper --hidden 1 --out paper-logs",
+    );
     Ok(())
 }

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::Console;
 use super::discover::{or_bad_data, search};
 use super::input::LogArgs;
+use super::{Console, prose};
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::diagnose::plan::Limits;
@@ -53,6 +53,19 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         atomic_file::write(path, text + "\n")?;
     }
     console.answer(&answer, || story(&answer, &findings));
+    if answer.next_experiment.is_some() {
+        let file = args.out.as_deref().map_or_else(|| "programme.json".to_owned(), prose::shell);
+        let command = match &args.out {
+            Some(_) => {
+                format!("motorlens capture --port PORT --programme {file} --counts-per-rev COUNTS --out next")
+            }
+            None => format!("motorlens plan LOG... --out {file}"),
+        };
+        let what = if args.out.is_some() { "run it on the motor" } else { "write it down for the board" };
+        console.next(what, &command);
+    } else if !console.json() {
+        console.say(prose::next(&findings.next_step, None, &args.input.logs));
+    }
     Ok(())
 }
 
@@ -60,10 +73,7 @@ fn story(answer: &Answer, findings: &Findings) -> String {
     match &answer.next_experiment {
         Some(next) => {
             let programme = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
-            format!(
-                "{}\n{programme}\nRun it with motorlens capture --programme, and diagnose again with both logs.",
-                next.why
-            )
+            format!("{}\n{programme}\nDiagnose again with the old logs and the new one.", next.why)
         }
         None => {
             let left = match findings.verdict {

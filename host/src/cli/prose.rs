@@ -6,6 +6,7 @@ use crate::compare::measures::Measures;
 use crate::findings::{NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
+use crate::log::guess;
 
 /// A line of errors.
 pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
@@ -57,7 +58,62 @@ fn parameters_within(list: &[Estimate], width: usize) -> String {
 
 /// Columns of the terminal that shows the prose; 80 where it is none.
 pub fn width() -> usize {
-    console::Term::stderr().size_checked().map_or(80, |(_, columns)| usize::from(columns))
+    known_width().unwrap_or(80)
+}
+
+/// Columns that the prose has: as COLUMNS says, else of the terminal; none where it goes into a file.
+pub fn known_width() -> Option<usize> {
+    let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    let told = told.filter(|columns| *columns >= NARROWEST);
+    told.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))
+}
+
+/// A terminal is taken to have this many columns at least.
+const NARROWEST: usize = 30;
+
+/// Breaks lines that are longer than `width` between words, and sets what follows in. Commands stay whole, so that they can be
+/// copied.
+pub fn wrapped(text: &str, width: usize) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for line in text.lines() {
+        let words = line.trim_start();
+        let indent = line.len() - words.len();
+        if line.chars().count() <= width || COMMANDS.iter().any(|command| words.starts_with(command)) {
+            lines.push(line.to_owned());
+            continue;
+        }
+        let hanging = (indent + 4).min(width / 3);
+        let (mut row, mut long, mut begun) = (" ".repeat(indent), indent, false);
+        // Blanks between the columns of a table go with the word after them.
+        for word in words.split_inclusive(' ') {
+            let letters = word.trim_end().chars().count();
+            if begun && long + letters > width {
+                lines.push(row.trim_end().to_owned());
+                (row, long, begun) = (" ".repeat(hanging), hanging, false);
+            }
+            if !begun && letters == 0 {
+                continue;
+            }
+            row += word;
+            long += word.chars().count();
+            begun = true;
+        }
+        lines.push(row.trim_end().to_owned());
+    }
+    lines.join("\n")
+}
+
+/// What lines begin with that are for pasting.
+const COMMANDS: [&str; 2] = ["motorlens ", "cargo "];
+
+/// What can be done next, in words and as a command.
+pub fn then(what: &str, command: &str) -> String {
+    format!("next: {what} with\n  {command}\n")
+}
+
+/// `path` as a shell takes it.
+pub fn shell(path: &Path) -> String {
+    guess::quoted(&path.display().to_string())
 }
 
 /// The verdict, what to do next, and the command that does it.
@@ -67,12 +123,12 @@ pub fn standing(standing: &Standing, model: Option<&Path>, logs: &[PathBuf]) -> 
 
 /// What to do next, as a command that can be pasted where the files are few.
 pub fn next(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
-    let all: Vec<String> = logs.iter().map(|log| log.display().to_string()).collect();
+    let all: Vec<String> = logs.iter().map(|log| shell(log)).collect();
     let all = all.join(" ");
     let logs = if all.is_empty() || all.len() > LONGEST { "LOG...".to_owned() } else { all };
-    let model = model.map_or_else(|| "model.json".to_owned(), |path| path.display().to_string());
+    let model = model.map_or_else(|| "model.json".to_owned(), shell);
     let command = step.command.replace("LOG...", &logs).replace("MODEL", &model);
-    format!("next: {} with\n  {command}\n", step.label.to_lowercase())
+    then(&step.label.to_lowercase(), &command)
 }
 
 /// More characters of file names than these are not repeated.
@@ -121,6 +177,17 @@ mod tests {
         };
         let told = parameters_within(&[one], 60);
         assert!(told.lines().all(|line| line.len() <= 60) && told.contains("not determined"), "{told}");
+    }
+
+    #[test]
+    fn long_lines_break_between_words_and_commands_do_not() {
+        let text = "  1. coulomb   the residual torque steps at zero speed, as dry friction\n  motorlens discover a-long-name.csv another-long-name.csv";
+        let told = wrapped(text, 40);
+        let lines: Vec<&str> = told.lines().collect();
+        assert_eq!(lines[0], "  1. coulomb   the residual torque steps");
+        assert_eq!(lines[1], "      at zero speed, as dry friction");
+        assert!(lines[2].ends_with("another-long-name.csv"), "{told}");
+        assert_eq!(wrapped("short\n\nlines", 40), "short\n\nlines");
     }
 
     #[test]

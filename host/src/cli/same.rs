@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::Console;
+use super::{Console, prose};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
@@ -62,6 +62,22 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
     console.answer(&document, || text(&document.comparison));
+    let list = |paths: &[PathBuf]| paths.iter().map(|path| prose::shell(path)).collect::<Vec<_>>().join(" ");
+    let (first, second) = (list(&args.first), list(&args.second));
+    match document.comparison.verdict {
+        Verdict::Same => {
+            let all = format!("motorlens discover {first} {second} --out model.json");
+            console.next("fit one model to both sets", &all);
+        }
+        Verdict::Different => {
+            let other = format!("motorlens discover {second} --out second.json");
+            console.next("find what the second motor is", &other);
+        }
+        Verdict::Open => {
+            let plan = format!("motorlens plan {first} --out programme.json");
+            console.next("choose an experiment to repeat on both", &plan);
+        }
+    }
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! `simulate` and `reveal`.
 
 use super::Console;
+use super::prose::{shell, then};
 use crate::error::Result;
 use crate::simulate::{self, RevealArgs, SimulateArgs};
 
@@ -9,15 +10,16 @@ pub fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
     let simulated = simulate::run(args)?;
     console.answer(&simulated, || {
         let validate: Vec<String> =
-            simulated.held_out.iter().map(|p| format!("--validate {}", p.display())).collect();
+            simulated.held_out.iter().map(|p| format!("--validate {}", shell(p))).collect();
         let logs: Vec<String> =
-            simulated.training.iter().chain(&simulated.repeats).map(|p| p.display().to_string()).collect();
-        format!(
-            "{simulated}\nnext: motorlens discover {} {} --motor {}",
+            simulated.training.iter().chain(&simulated.repeats).map(|p| shell(p)).collect();
+        let command = format!(
+            "motorlens discover {} {} --motor {}",
             logs.join(" "),
             validate.join(" "),
-            simulated.motor.display()
-        )
+            shell(&simulated.motor)
+        );
+        format!("{simulated}\n{}", then("find what it hides", &command))
     });
     Ok(())
 }
@@ -26,5 +28,10 @@ pub fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
 pub fn reveal(args: &RevealArgs, console: &Console) -> Result<()> {
     let answer = simulate::reveal(args)?;
     console.list(&answer, || answer.to_string());
+    let directory = shell(&args.directory);
+    console.next(
+        "see how well its logs show that",
+        &format!("motorlens report {directory}/*.csv --motor {directory}/motor.toml --out report.html"),
+    );
     Ok(())
 }

@@ -29,7 +29,7 @@ use crate::model_file::Model;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
-    /// MJCF with MuJoCo 4's dcmotor, and a Python file with the laws that MJCF lacks
+    /// MJCF with MuJoCo 4's dcmotor, and a Python file with the equations that MJCF lacks
     Mujoco,
     /// A Modelica model
     Modelica,

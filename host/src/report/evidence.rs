@@ -1,4 +1,4 @@
-//! The plot that shows an effect: its own law over what the records ask for beyond the model without it.
+//! The plot that shows an effect: its own equation over what the records ask for beyond the model without it.
 
 use motorlens_shared::effects::{Kind, Port, Rig};
 
@@ -75,8 +75,10 @@ fn row(kind: Kind) -> Row {
             "nothing at low speed, and counted speed that is missing above the threshold",
         ),
         // A user's formula, or an effect that has no row yet.
-        _ if kind.spec().port == Port::Sensor => Row(&[EncoderAngle, CountedSpeed], "the shape of its law"),
-        _ => Row(&[Speed, OutputAngle, Voltage, Current, Reversal], "the shape of its law"),
+        _ if kind.spec().port == Port::Sensor => {
+            Row(&[EncoderAngle, CountedSpeed], "the shape of its equation")
+        }
+        _ => Row(&[Speed, OutputAngle, Voltage, Current, Reversal], "the shape of its equation"),
     }
 }
 
@@ -118,6 +120,12 @@ fn titles(view: View) -> (&'static str, &'static str, &'static str) {
             "Quick error of the angle (rad)",
         ),
     }
+}
+
+/// The heading of the plot that shows `kind` best, and what its law looks like there.
+pub fn look(kind: Kind) -> (&'static str, &'static str) {
+    let Row(views, look) = row(kind);
+    (titles(views[0]).0, look)
 }
 
 /// The figures that show `kind` of the model `values`, whose runs and those without it are given.
@@ -164,7 +172,7 @@ pub fn of(evidence: &Evidence, kind: Kind, values: &Values) -> Vec<Figure> {
 fn pair(figure: Figure, name: &str, at: &[f64], seen: &[f64], said: &[f64], y: &str) -> Figure {
     let numbers = |values: &[f64]| Numbers::new(values.iter().copied(), 4);
     let measured = Curve { draw: Draw::Dots, ..Curve::line("measured", "records", 0, numbers(seen)) };
-    let law = Curve::line("model", format!("law of {name}"), 0, numbers(said));
+    let law = Curve::line("model", format!("equation of {name}"), 0, numbers(said));
     let panel = Panel { y: Axis::titled(y), height: HEIGHT, curves: vec![measured, law], floor: None };
     Figure { columns: vec![numbers(at)], panels: vec![panel], ..figure }
 }
@@ -187,7 +195,7 @@ fn figure(kind: Kind, view: View, look: Option<&str>, sorted: &Sorted) -> Figure
     let empty = Figure {
         share_percent: None,
         id: format!("evidence-{name}"),
-        title: format!("Law of {name} {title}"),
+        title: format!("Equation of {name} {title}"),
         reading: format!(
             "{look}Dots are what the records ask for beyond the model with {name} taken out; {}.",
             law_in_words(sorted, unit)
@@ -208,9 +216,9 @@ fn sines(kind: Kind, traces: &[EffectTrace]) -> Option<Figure> {
     let empty = Figure {
         share_percent: None,
         id: format!("harmonics-{name}"),
-        title: format!("Law of {name}, harmonics under the sine"),
+        title: format!("Equation of {name}, harmonics under the sine"),
         reading: format!(
-            "A linear motor answers a sine with a sine, so all beyond the first harmonic is something else. By its law \
+            "A linear motor answers a sine with a sine, so all beyond the first harmonic is something else. By its equation \
              {name} shows most at {} times the sine's frequency, with {}; the records have {} there.",
             orders[strongest],
             in_words(seen.said[strongest], "V"),
@@ -240,7 +248,7 @@ fn law_in_words(sorted: &Sorted, unit: &str) -> String {
     let said = &sorted.pair.said;
     let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     if size(said) < NOTHING * size(&sorted.pair.seen) {
-        return "the fit gives its law no size worth seeing".into();
+        return "the fit gives it no size worth seeing".into();
     }
     let high = said.iter().copied().fold(f64::MIN, f64::max);
     let low = said.iter().copied().fold(f64::MAX, f64::min);
@@ -249,7 +257,7 @@ fn law_in_words(sorted: &Sorted, unit: &str) -> String {
     } else {
         format!("runs from {} to {}", in_words(low, unit), in_words(high, unit))
     };
-    format!("the line, its law as fitted, {place}: {}", agreement(sorted.agreement))
+    format!("the line, its equation as fitted, {place}: {}", agreement(sorted.agreement))
 }
 
 /// How well the dots lie on the line, in words.

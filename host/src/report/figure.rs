@@ -144,6 +144,11 @@ impl Numbers {
     pub fn new(values: impl IntoIterator<Item = f64>, digits: i32) -> Self {
         Self { values: values.into_iter().collect(), digits }
     }
+
+    /// The values as they were given.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
 }
 
 impl Serialize for Numbers {

@@ -86,7 +86,7 @@ fn the_accepted_effect_and_the_best_of_the_others_are_shown_over_the_records() {
     assert!(drawn >= DRAWN.min(cards.len()), "{drawn} of {}", cards.len());
     let accepted = cards.iter().find(|card| card.added).unwrap();
     let figure = all.missing.iter().find(|f| f.id == accepted.figures[0]).unwrap();
-    assert_eq!(figure.panels[0].curves[1].name, "law of coulomb");
+    assert_eq!(figure.panels[0].curves[1].name, "equation of coulomb");
     assert!(
         figure.title.contains("by speed") && figure.reading.contains("the dots follow it"),
         "{}",

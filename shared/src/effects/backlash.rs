@@ -9,14 +9,14 @@ pub(super) const SPEC: Spec = Spec {
     name: "backlash",
     port: Port::Transmission,
     title: "a gap in the gear: the load follows only after the gap is crossed",
-    equation: "the teeth push with stiffness (|x - x_load| - gap/2) + damping (w - w_load) where they touch, and never pull",
+    equation: "the gear contact pushes with stiffness (|x - x_load| - gap/2) + damping (w - w_load) while it touches, and never pulls",
     source: "two masses, modified dead zone: Nordin, Gutman 2002",
     signature: "after each reversal the rotor turns freely for the width of the gap, then is braked at once",
     parameters: &[
         strength("gap", "rad", "free angle at the output shaft", Scale::Degree, [0.02, 1.0, 12.0]),
         shape("load_share", "1", "load's share of the inertia", Scale::One, [0.05, 0.45, 0.9]),
         shape("load_damping", "1", "load's share of the viscous friction", Scale::One, [0.0, 0.3, 1.0]),
-        shape("contact", "Hz", "natural frequency of rotor against load where the teeth touch", Scale::One, [60.0, 150.0, 400.0]),
+        shape("contact", "Hz", "natural frequency of rotor against load while the gear contact touches", Scale::One, [60.0, 150.0, 400.0]),
         shape("contact_damping", "1", "damping ratio of that contact", Scale::One, [0.02, 0.3, 1.5]),
     ],
     probes: &[
