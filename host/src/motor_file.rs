@@ -3,6 +3,7 @@
 //! ```toml
 //! gear_ratio = 104            # turns of the motor per turn of the output
 //! counts_per_rev = 4992       # of the output shaft, after x4 decoding and gearing
+//! metres_per_rev = 0.008      # of a linear axis, per turn of the output
 //! encoder_shaft = "motor"     # or "output"
 //! [nameplate]
 //! voltage_v = 12
@@ -56,6 +57,8 @@ pub struct MotorFile {
     pub gear_ratio: Option<f64>,
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing.
     pub counts_per_rev: Option<f64>,
+    /// Way of a linear axis per turn of the output shaft, m: the lead of its screw, the circumference of its wheel.
+    pub metres_per_rev: Option<f64>,
     /// Where the encoder sits; the motor shaft if absent.
     pub encoder_shaft: Option<EncoderShaft>,
     /// Figures of the data sheet.
@@ -71,6 +74,7 @@ type Number = Option<Spanned<f64>>;
 struct RawFile {
     gear_ratio: Number,
     counts_per_rev: Number,
+    metres_per_rev: Number,
     encoder_shaft: Option<EncoderShaft>,
     #[serde(default)]
     nameplate: RawNameplate,
@@ -94,9 +98,10 @@ struct RawNameplate {
     electrical_time_constant_s: Number,
 }
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "gear_ratio",
     "counts_per_rev",
+    "metres_per_rev",
     "encoder_shaft",
     "nameplate",
     "fixed",
@@ -157,6 +162,7 @@ pub fn parse(path: &Path, text: &str) -> Result<MotorFile> {
     Ok(MotorFile {
         gear_ratio: positive(raw.gear_ratio, "gear_ratio")?,
         counts_per_rev: positive(raw.counts_per_rev, "counts_per_rev")?,
+        metres_per_rev: positive(raw.metres_per_rev, "metres_per_rev")?,
         encoder_shaft: raw.encoder_shaft,
         nameplate: Nameplate {
             voltage_v: positive(plate.voltage_v, "voltage_v")?,

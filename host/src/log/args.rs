@@ -16,7 +16,7 @@ use crate::motor_file::{self, MotorFile};
 pub struct ReadArgs {
     /// Columns of a foreign table, for example time=t:ms,voltage=u,speed=y:deg/s
     ///
-    /// Columns by header or by 0-based number. Units: s ms us ns, V mV, rad deg rev counts, rad/s deg/s rev/s rpm counts/s,
+    /// Columns by header or by 0-based number. Units: s ms us ns, V mV, rad deg rev counts m mm, rad/s deg/s rev/s rpm counts/s m/s mm/s,
     /// A mA; a scale may follow: voltage=u:V*0.031, speed=y:rpm/-1. For a drive that logs its duty:
     /// duty=command:255,supply=battery:mV (or --supply-volts). For a position servo: target=goal:deg,angle=position:deg.
     /// Times may be clock times or dates with times; interval=dt:ms is the time since the row before, time=sec+nanosec:ns
@@ -41,6 +41,9 @@ pub struct ReadArgs {
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing (above the motor file's)
     #[arg(long, value_name = "COUNTS", value_parser = positive)]
     pub counts_per_rev: Option<f64>,
+    /// Metres that a linear axis goes per turn of the output shaft: a screw's lead, a wheel's circumference (for m, cm, mm; m/s ...)
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub metres_per_rev: Option<f64>,
     /// Position servos: duty per radian of error (bam-json: and per unit of kp); found from the motion if absent
     #[arg(long, value_name = "GAIN", value_parser = positive)]
     pub servo_gain: Option<f64>,
@@ -69,6 +72,7 @@ impl ReadArgs {
     pub fn motor_file(&self) -> Result<MotorFile> {
         let mut motor = self.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
         motor.counts_per_rev = self.counts_per_rev.or(motor.counts_per_rev);
+        motor.metres_per_rev = self.metres_per_rev.or(motor.metres_per_rev);
         Ok(motor)
     }
 

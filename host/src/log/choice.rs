@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::guess::{self, words};
 use super::mapping::{Mapping, Source};
-use super::units::{Quantity, Unit};
+use super::units::{PerTurn, Quantity, Unit};
 use super::{Metadata, ReadOptions};
 use crate::error::{BadInput, Result};
 
@@ -197,19 +197,31 @@ impl Choice<'_> {
         }
         let header = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
         let mut factor = unit.factor;
-        if unit.counts {
-            factor /= self.meta.counts_per_rev().ok_or_else(|| {
-                BadInput::new(
-                    self.path,
-                    "encoder counts need the counts of one turn of the output shaft",
-                    format!(
-                        "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
-                    ),
-                )
-                .in_column(&header)
-            })?;
+        if let Some(per_turn) = unit.per_turn {
+            factor /= self.one_turn(per_turn, quantity, column).map_err(|fault| fault.in_column(&header))?;
         }
         Ok(Wanted { quantity, index, header, factor })
+    }
+
+    /// What one turn of the output shaft is of a number that is none of turns.
+    fn one_turn(&self, per_turn: PerTurn, quantity: Quantity, column: &str) -> Result<f64, BadInput> {
+        let (known, why, remedy) = match per_turn {
+            PerTurn::Counts => (
+                self.meta.counts_per_rev(),
+                "encoder counts need the counts of one turn of the output shaft",
+                format!(
+                    "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
+                ),
+            ),
+            PerTurn::Metres => (
+                self.meta.metres_per_rev(),
+                "the way of a linear axis needs the metres of one turn of the output shaft",
+                "say --metres-per-rev 0.008 (the lead of the screw, or the circumference of the wheel), or put metres_per_rev into \
+                 motor.toml"
+                    .into(),
+            ),
+        };
+        known.ok_or_else(|| BadInput::new(self.path, why, remedy))
     }
 
     /// The refusal where a column is absent, with what the table looks like.

@@ -111,7 +111,7 @@ mod tests {
     fn columns_may_be_numbers() {
         let mapping: Mapping = "time=0:ms, voltage=1, angle=3:counts".parse().unwrap();
         assert!(mapping.is_by_number());
-        assert!(mapping.source(Quantity::Angle).unwrap().unit.counts);
+        assert!(mapping.source(Quantity::Angle).unwrap().unit.per_turn.is_some());
     }
 
     #[test]

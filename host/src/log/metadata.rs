@@ -53,10 +53,12 @@ impl Metadata {
     /// Says why, where the key is one the program understands and the value does not fit it.
     pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
         match key {
-            "gear_ratio" | "counts_per_rev" | "no_load_rad_s_per_v" => match value.parse::<f64>() {
-                Ok(number) if number.is_finite() && number > 0.0 => {}
-                _ => return Err(format!("{key} \"{value}\" is not a positive number")),
-            },
+            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" => {
+                match value.parse::<f64>() {
+                    Ok(number) if number.is_finite() && number > 0.0 => {}
+                    _ => return Err(format!("{key} \"{value}\" is not a positive number")),
+                }
+            }
             "hold" => drop(value.parse::<Hold>()?),
             "encoder_shaft" => drop(value.parse::<EncoderShaft>()?),
             _ => {}
@@ -83,6 +85,11 @@ impl Metadata {
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing.
     pub fn counts_per_rev(&self) -> Option<f64> {
         self.typed("counts_per_rev")
+    }
+
+    /// Way of a linear axis per turn of the output shaft, m.
+    pub fn metres_per_rev(&self) -> Option<f64> {
+        self.typed("metres_per_rev")
     }
 
     /// Speed of the output shaft per volt without load by the name plate, rad/s per V.

@@ -51,6 +51,7 @@ impl ReadOptions {
             ("no_load_rad_s_per_v", gain.map(|gain| gain.to_string())),
             ("gear_ratio", self.motor.gear_ratio.map(|ratio| ratio.to_string())),
             ("counts_per_rev", self.motor.counts_per_rev.map(|counts| counts.to_string())),
+            ("metres_per_rev", self.motor.metres_per_rev.map(|metres| metres.to_string())),
             ("encoder_shaft", self.motor.encoder_shaft.map(|shaft| shaft.to_string())),
         ];
         for (key, value) in known {

@@ -84,10 +84,29 @@ impl Quantity {
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
             Quantity::Angle | Quantity::Target => {
-                &[("rad", 1.0), ("deg", DEGREE), ("rev", TAU), ("counts", TAU)]
+                const ANGLE: &[(&str, f64)] = &[
+                    ("rad", 1.0),
+                    ("deg", DEGREE),
+                    ("rev", TAU),
+                    ("counts", TAU),
+                    ("m", TAU),
+                    ("cm", 1e-2 * TAU),
+                    ("mm", 1e-3 * TAU),
+                ];
+                ANGLE
             }
             Quantity::Speed => {
-                &[("rad/s", 1.0), ("deg/s", DEGREE), ("rev/s", TAU), ("counts/s", TAU), ("rpm", RPM)]
+                const SPEED: &[(&str, f64)] = &[
+                    ("rad/s", 1.0),
+                    ("deg/s", DEGREE),
+                    ("rev/s", TAU),
+                    ("counts/s", TAU),
+                    ("rpm", RPM),
+                    ("m/s", TAU),
+                    ("cm/s", 1e-2 * TAU),
+                    ("mm/s", 1e-3 * TAU),
+                ];
+                SPEED
             }
             Quantity::Current => &[("A", 1.0), ("mA", 1e-3)],
         }
@@ -103,15 +122,24 @@ impl fmt::Display for Quantity {
 /// How to turn a number of a file into SI: multiply, and divide by the counts per turn if it counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// Factor to SI; for encoder counts, the factor after division by the counts of one turn of the output shaft.
+    /// Factor to SI; where the number is not one of turns, the factor after division by what one turn of the output shaft is of it.
     pub factor: f64,
-    /// Whether the number counts encoder edges.
-    pub counts: bool,
+    /// What the number has to be divided by.
+    pub per_turn: Option<PerTurn>,
+}
+
+/// What one turn of the output shaft is, where a log does not measure turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PerTurn {
+    /// So many encoder counts.
+    Counts,
+    /// So many metres of a linear axis: the lead of a screw, the circumference of a wheel.
+    Metres,
 }
 
 impl Unit {
     /// The number is in SI already.
-    pub const SI: Unit = Unit { factor: 1.0, counts: false };
+    pub const SI: Unit = Unit { factor: 1.0, per_turn: None };
 
     /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, a full scale: `255`.
     ///
@@ -123,7 +151,7 @@ impl Unit {
             && full_scale.is_finite()
             && full_scale != 0.0
         {
-            return Ok(Unit { factor: 1.0 / full_scale, counts: false });
+            return Ok(Unit { factor: 1.0 / full_scale, per_turn: None });
         }
         let known = quantity.units();
         let (name, mut factor, rest) = known
@@ -144,7 +172,12 @@ impl Unit {
         if !factor.is_finite() || factor == 0.0 {
             return Err(format!("the scale in \"{text}\" leaves nothing of the {quantity}"));
         }
-        Ok(Unit { factor, counts: name.starts_with("counts") })
+        let per_turn = match name {
+            "counts" | "counts/s" => Some(PerTurn::Counts),
+            "m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s" => Some(PerTurn::Metres),
+            _ => None,
+        };
+        Ok(Unit { factor, per_turn })
     }
 }
 
@@ -186,7 +219,12 @@ mod tests {
             let relative = factor(quantity, text) / expected;
             assert!((relative - 1.0).abs() < 1e-15, "{quantity} {text}");
         }
-        assert!(Unit::parse(Quantity::Angle, "counts").unwrap().counts);
+        assert!(Unit::parse(Quantity::Angle, "counts").unwrap().per_turn == Some(PerTurn::Counts));
+        for (quantity, text) in [(Quantity::Angle, "mm"), (Quantity::Speed, "mm/s")] {
+            let unit = Unit::parse(quantity, text).unwrap();
+            assert_eq!(unit.per_turn, Some(PerTurn::Metres), "{text}");
+            assert!((unit.factor - 1e-3 * std::f64::consts::TAU).abs() < 1e-15);
+        }
     }
 
     #[test]

@@ -117,6 +117,7 @@ fn router(session: Session, port: u16) -> Router {
         .route("/api/add", post(fits::add))
         .route("/api/remove", post(fits::remove))
         .route("/api/stop", post(jobs::stop))
+        .route("/api/guess", post(upload::guess))
         .route("/api/upload", post(upload::upload))
         .route("/api/use", post(upload::take))
         .route("/api/data", post(data::change))

@@ -15,6 +15,7 @@ use super::data::{Entry, Role};
 use super::jobs::{self, Answer, End, refused};
 use super::session::Session;
 use crate::error::{Error, Result};
+use crate::log::guess::look;
 use crate::log::{EncoderShaft, ReadOptions, Record, check_usable, read};
 use crate::motor_file::MotorFile;
 
@@ -39,6 +40,10 @@ pub struct Rig {
     supply_v: Option<String>,
     /// Counts per turn of the output shaft.
     counts_per_rev: Option<String>,
+    /// Metres of a linear axis per turn of the output shaft.
+    metres_per_rev: Option<String>,
+    /// Rows per second, where no column tells the time.
+    rate_hz: Option<String>,
     /// Turns of the motor per turn of the output shaft.
     gear_ratio: Option<String>,
     /// Where the encoder sits.
@@ -64,11 +69,29 @@ impl Rig {
     fn motor(&self) -> Result<MotorFile> {
         Ok(MotorFile {
             counts_per_rev: Self::number(&self.counts_per_rev, "counts per turn")?,
+            metres_per_rev: Self::number(&self.metres_per_rev, "metres per turn")?,
             gear_ratio: Self::number(&self.gear_ratio, "gear ratio")?,
             encoder_shaft: self.encoder_shaft,
             ..MotorFile::default()
         })
     }
+}
+
+/// A file whose columns are to be guessed.
+#[derive(Debug, Deserialize)]
+pub struct Named {
+    /// Name of the file.
+    name: String,
+}
+
+/// The guess at the columns of a table, from its beginning: the same that the command line proposes.
+pub async fn guess(Query(named): Query<Named>, body: Bytes) -> Answer {
+    let looked = tokio::task::block_in_place(|| {
+        let (_directory, path, _) = kept(&named.name, &body)?;
+        look(&path)
+    });
+    let looked = looked.map_err(|error| (StatusCode::UNPROCESSABLE_ENTITY, Json(error.to_json())))?;
+    Ok(Json(json!(looked)))
 }
 
 /// Reads a log and keeps its records until [`take`] is asked for.
@@ -124,14 +147,20 @@ pub async fn take(State(app): State<Arc<App>>, Json(taking): Json<Taking>) -> An
     })
 }
 
-/// The records in `content`, judged.
-fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
+/// `content` as a file in a directory of its own, and the file's name.
+fn kept(name: &str, content: &[u8]) -> Result<(tempfile::TempDir, PathBuf, PathBuf)> {
     let io = |source| Error::Io { doing: "cannot keep the log for reading".into(), source };
     let directory = tempfile::tempdir().map_err(io)?;
     // Only the last part of the name, so that it stays within the directory.
-    let name = Path::new(&dropped.name).file_name().map_or_else(|| PathBuf::from("log.csv"), PathBuf::from);
+    let name = Path::new(name).file_name().map_or_else(|| PathBuf::from("log.csv"), PathBuf::from);
     let path = directory.path().join(&name);
     std::fs::write(&path, content).map_err(io)?;
+    Ok((directory, path, name))
+}
+
+/// The records in `content`, judged.
+fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
+    let (_directory, path, name) = kept(&dropped.name, content)?;
     let map = if dropped.map.is_empty() { None } else { Some(dropped.map.parse()) };
     let map = map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
     let shorter = |error: Error| match error {
@@ -142,7 +171,9 @@ fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
         other => other,
     };
     let supply_volts = Rig::number(&dropped.rig.supply_v, "supply")?;
-    let options = ReadOptions { map, motor: dropped.rig.motor()?, supply_volts, ..ReadOptions::default() };
+    let rate_hz = Rig::number(&dropped.rig.rate_hz, "samples per second")?;
+    let motor = dropped.rig.motor()?;
+    let options = ReadOptions { map, motor, supply_volts, rate_hz, ..ReadOptions::default() };
     let mut records = read(&path, &options).map_err(shorter)?;
     for record in &mut records {
         record.path.clone_from(&name);

@@ -3,12 +3,15 @@
 //! Names tell most ([`words`]); the values decide where they leave something open: whole numbers up to 255 are a duty, a
 //! time in steps of 10 counts milliseconds, a voltage that never moves beside a duty is the supply.
 
+mod look;
 pub mod words;
 
 use std::fmt::Write as _;
 
+pub use look::{Look, look};
+
 use super::table::Sample;
-use super::units::{Quantity, Unit};
+use super::units::{PerTurn, Quantity, Unit};
 
 /// One column of the proposal.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +35,8 @@ pub struct Proposal {
     pub supply_volts: Option<String>,
     /// The counts per turn of the output shaft that are assumed, where the table counts edges.
     pub counts_per_rev: Option<String>,
+    /// The metres per turn of the output shaft that are assumed, where the table tells the way of a linear axis.
+    pub metres_per_rev: Option<String>,
     /// The rate that is assumed, Hz, where no column tells the time.
     pub rate: Option<String>,
     /// A line for every column, with its range as it would be read.
@@ -45,6 +50,7 @@ impl Proposal {
         for (option, value) in [
             ("--supply-volts", &self.supply_volts),
             ("--counts-per-rev", &self.counts_per_rev),
+            ("--metres-per-rev", &self.metres_per_rev),
             ("--rate", &self.rate),
         ] {
             if let Some(value) = value {
@@ -63,6 +69,11 @@ impl Proposal {
         if let Some(counts) = &self.counts_per_rev {
             all.push(format!(
                 "put the encoder's counts per turn of the output shaft (after x4 and gearing) in the place of {counts}"
+            ));
+        }
+        if let Some(metres) = &self.metres_per_rev {
+            all.push(format!(
+                "put the metres per turn of the output shaft (a screw's lead, a wheel's circumference) in the place of {metres}"
             ));
         }
         if let Some(rate) = &self.rate {
@@ -97,7 +108,7 @@ fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) 
     if !driven || !(has(Quantity::Angle) || has(Quantity::Speed)) {
         return None;
     }
-    let counts = parts.iter().any(|part| part.unit.starts_with("counts"));
+    let needs = |per_turn| parts.iter().any(|part| per_turn_of(part) == Some(per_turn));
     let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
         .iter()
@@ -109,10 +120,15 @@ fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) 
     Some(Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
-        counts_per_rev: counts.then(|| "1320".into()),
+        counts_per_rev: needs(PerTurn::Counts).then(|| "1320".into()),
+        metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
     })
+}
+
+fn per_turn_of(part: &Part) -> Option<PerTurn> {
+    Unit::parse(part.quantity, &part.unit).ok()?.per_turn
 }
 
 /// A column as a mapping names it: by its name where a shell and the mapping leave that alone, else by its number.
@@ -325,13 +341,16 @@ fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> String {
     }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
-    let counted = part.unit.starts_with("counts");
+    let per_turn = per_turn_of(part);
     let factor = Unit::parse(part.quantity, &part.unit).map_or(1.0, |unit| unit.factor);
     let own = if part.quantity == Quantity::Duty { "" } else { part.unit.as_str() };
     let mut text =
         format!("{:<8} {name}: {} .. {} {own}", part.quantity.key(), short(range.low), short(range.high));
-    if counted {
-        text += " (turns follow from the counts per turn)";
+    if let Some(per_turn) = per_turn {
+        text += match per_turn {
+            PerTurn::Counts => " (turns follow from the counts per turn)",
+            PerTurn::Metres => " (turns follow from the metres per turn)",
+        };
     } else if factor != 1.0 {
         let si = part.quantity.si();
         let unit = if of.is_empty() { si } else { of };

@@ -18,7 +18,7 @@ pub struct Said {
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 23] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 24] = [
     (Time, 3, None, &["time", "zeit", "timestamp", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"]),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
@@ -57,6 +57,7 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 23] = [
         Some("counts"),
         &["enc", "encoder", "count", "counts", "ticks", "tick", "pulses", "edges", "cnt", "qei"],
     ),
+    (Angle, 3, Some("m"), &["distance", "displacement", "travel", "weg", "carriage"]),
     (Angle, 2, Some("deg"), &["deg", "degree", "degrees", "grad"]),
     (Angle, 2, Some("rad"), &["rad", "radians"]),
     (Angle, 2, Some("rev"), &["rev", "revs", "revolutions", "turns", "rotations"]),
@@ -97,7 +98,7 @@ const ACTION: &str = "action";
 const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 39] = [
+const UNITS: [(&str, Quantity, &str); 45] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -135,22 +136,33 @@ const UNITS: [(&str, Quantity, &str); 39] = [
     ("°", Angle, "deg"),
     ("rev", Angle, "rev"),
     ("counts", Angle, "counts"),
+    ("m/s", Speed, "m/s"),
+    ("mm/s", Speed, "mm/s"),
+    ("cm/s", Speed, "cm/s"),
+    ("mm", Angle, "mm"),
+    ("cm", Angle, "cm"),
+    ("m", Angle, "m"),
     ("ma", Current, "mA"),
     ("a", Current, "A"),
 ];
+
+/// Names with one of these may end in metres.
+const LINEAR: [&str; 8] = ["position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`.
 pub fn said(name: &str) -> Said {
     let (bare, bracket) = bracketed(name);
     let lower = bare.to_lowercase();
+    let words = words(&bare);
     let unit = bracket.as_deref().and_then(unit_named).or_else(|| {
         // The longest unit that ends the name behind an underscore or a blank.
         let ends = UNITS.iter().filter(|(text, ..)| {
-            lower.strip_suffix(text).is_some_and(|rest| rest.ends_with(['_', ' ', '-', '.']))
+            // `theta_m` is a motor's angle, `position_m` a way.
+            (*text != "m" || words.iter().any(|word| LINEAR.contains(&word.as_str())))
+                && lower.strip_suffix(text).is_some_and(|rest| rest.ends_with(['_', ' ', '-', '.']))
         });
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
-    let words = words(&bare);
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let wanted = any_of(&TARGETS) || any_of(&WANTED);
     let target = any_of(&TARGETS) || any_of(&[ACTION]);
@@ -273,6 +285,10 @@ mod tests {
             ("Position (rad)", Angle, Some("rad")),
             ("position_deg", Angle, Some("deg")),
             ("current_mA", Current, Some("mA")),
+            ("position_m", Angle, Some("m")),
+            ("theta_m", Angle, None),
+            ("carriage [mm]", Angle, Some("mm")),
+            ("velocity (m/s)", Speed, Some("m/s")),
             ("dt_ms", Interval, Some("ms")),
             ("dt", Interval, None),
             ("dtheta", Speed, None),

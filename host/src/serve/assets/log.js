@@ -1,31 +1,29 @@
 "use strict";
 // Logs dropped on the page: what are their columns? Guessed, shown, remembered.
 let queue = [], dropped = null, sent = [];
-const CANONICAL = { time_s: "time:s", voltage_v: "voltage:V", angle_rad: "angle:rad", speed_rad_s: "speed:rad/s", current_a: "current:A", supply_v: "supply:V" };
-const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "current:A", "current:mA", "supply:V", "supply:mV"];
-const kindWords = (kind) => (kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ") : "not used");
+const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
+const kindWords = (kind) => (kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time") : "not used");
 
 // Files whose layout only the reader knows are not shown as tables.
 const TABLE = /\.(csv|txt|tsv|log|dat)$/i;
-async function parsed(file) {
-  const lines = (await file.slice(0, 200000).text()).split(/\r?\n/).filter((l) => l.trim() && !l.startsWith("#"));
-  const head = lines[0] || "";
-  const cut = [",", ";", "\t"].sort((a, b) => head.split(b).length - head.split(a).length)[0];
-  const split = (l) => l.split(cut).map((n) => n.trim().replace(/^"|"$/g, ""));
-  return { names: split(head), rows: lines.slice(1, -1).map(split) };
+// The server looks at the beginning of the file: the same guess that the command line proposes.
+async function looked(file) {
+  const reply = await fetch(`/api/guess?${new URLSearchParams({ name: file.name })}`, { method: "POST", body: file.slice(0, 200000) });
+  return reply.ok ? reply.json() : { names: [], rows: [], kinds: [], fault: await reply.json() };
 }
 // What a person said of columns with these names is said again.
 const memoryOf = (names) => "columns " + names.join("|");
 function remembered(names) { try { return JSON.parse(localStorage.getItem(memoryOf(names))); } catch { return null; } }
 function remember(names, value) { try { localStorage.setItem(memoryOf(names), JSON.stringify(value)); } catch { /* a browser may keep nothing */ } }
 
-async function guessed({ names, rows }) {
-  if (names.some((n) => CANONICAL[n] === "voltage:V")) return { kinds: names.map((n) => CANONICAL[n] || ""), words: "The columns have the names that motorlens knows." };
+function guessed({ names, kinds, canonical, proposal }) {
+  if (canonical) return { kinds, words: "The columns have the names that motorlens knows." };
   const before = remembered(names);
   if (before) return { ...before, words: "As you mapped columns of these names before." };
-  const answer = await ask("/api/guess", { names, rows: rows.slice(0, 1000) }).catch(() => null);
-  if (!answer || !answer.kinds) return { kinds: names.map((n) => CANONICAL[n] || ""), words: "Say what each column is. Angles and speeds are of the output shaft." };
-  return { ...answer, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." };
+  if (!proposal) return { kinds, words: "Say what each column is. Angles and speeds are of the output shaft." };
+  const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev, metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
+  const assumed = Object.values(rig).some((value) => value) ? " Put your own figures in the place of those assumed below." : "";
+  return { kinds, rig, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
 }
 
 async function openAll(files) {
@@ -41,14 +39,12 @@ async function openNext() {
   $("log-fault").hidden = true;
   $("log-alike").hidden = !queue.length;
   $("log-records").hidden = sent.length > 0;
-  const table = TABLE.test(dropped.name) ? await parsed(dropped) : { names: [], rows: [] };
+  const table = TABLE.test(dropped.name) ? await looked(dropped) : { names: [], rows: [], kinds: [] };
   dropped.table = table;
-  const guess = table.names.length ? await guessed(table) : { kinds: [], words: "This format tells itself what its columns are." };
+  const guess = table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : "This format tells itself what its columns are." };
   $("log-words").textContent = guess.words;
   const rig = guess.rig || {};
-  $("log-gear").value = rig.gear_ratio || $("log-gear").value || "";
-  $("log-counts").value = rig.counts_per_rev || $("log-counts").value || "";
-  $("log-supply").value = rig.supply_v || $("log-supply").value || "";
+  for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || $(id).value || "";
   if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft;
   const choose = element("tr", {}, ...table.names.map((name, k) => {
     const kind = guess.kinds[k] || "", kinds = KINDS.includes(kind) ? KINDS : [...KINDS, kind];
@@ -69,7 +65,7 @@ const kindsChosen = () => [...$("preview").querySelectorAll("select")].map((s) =
 function showRaw() {
   const { names, rows } = dropped.table, kinds = kindsChosen();
   const every = Math.max(1, Math.ceil(rows.length / 800)), kept = rows.filter((_, k) => k % every === 0);
-  const column = (k) => kept.map((row) => { const x = Number(row[k]); return row[k] === "" || Number.isNaN(x) ? null : x; });
+  const column = (k) => kept.map((row) => { const x = Number(String(row[k] ?? "").replace(",", ".")); return !row[k] || Number.isNaN(x) ? null : x; });
   const time = kinds.findIndex((kind) => kind.startsWith("time")), place = time < 0 ? kept.map((_, k) => k * every) : column(time);
   const good = place.every((x, k) => x !== null && (k === 0 || x > place[k - 1]));
   const shown = names.map((_, k) => k).filter((k) => k !== time && column(k).some((x) => x !== null)).slice(0, 6);
@@ -81,13 +77,16 @@ function showRaw() {
   Plots.draw($("raw"));
 }
 
-const rigChosen = () => Object.fromEntries([["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["gear_ratio", "log-gear"], ["encoder_shaft", "log-shaft"]].map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
-function mapOf(names, kinds) {
-  if (kinds.every((kind, k) => kind === (CANONICAL[names[k]] || ""))) return "";
-  return kinds.map((kind, k) => kind && `${kind.slice(0, kind.indexOf(":"))}=${k}:${kind.slice(kind.indexOf(":") + 1)}`).filter(Boolean).join(",");
+const RIG = [["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["metres_per_rev", "log-metres"], ["rate_hz", "log-rate"], ["gear_ratio", "log-gear"], ["encoder_shaft", "log-shaft"]];
+const rigChosen = () => Object.fromEntries(RIG.map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
+function mapOf({ kinds: before, canonical }, kinds) {
+  if (canonical && kinds.every((kind, k) => kind === before[k])) return "";
+  const parts = kinds.map((kind, k) => [kind.slice(0, kind.indexOf(":")), k, kind.slice(kind.indexOf(":") + 1)]).filter(([quantity]) => quantity);
+  const fraction = parts.find(([quantity]) => quantity === "time+");
+  return parts.filter((part) => part !== fraction).map(([quantity, k, unit]) => quantity === "time" && fraction ? `time=${k}+${fraction[1]}:${fraction[2]}` : `${quantity}=${k}:${unit}`).join(",");
 }
-async function send(file, names, kinds) {
-  const asked = { name: file.name, role: new FormData($("mapping")).get("role"), map: mapOf(names, kinds), ...rigChosen() };
+async function send(file, table, kinds) {
+  const asked = { name: file.name, role: new FormData($("mapping")).get("role"), map: mapOf(table, kinds), ...rigChosen() };
   const reply = await fetch(`/api/upload?${new URLSearchParams(asked)}`, { method: "POST", body: file });
   const answer = await reply.json();
   if (!reply.ok) throw answer;
@@ -95,16 +94,16 @@ async function send(file, names, kinds) {
 }
 $("mapping").addEventListener("submit", async (event) => {
   event.preventDefault();
-  const { names } = dropped.table, kinds = kindsChosen();
+  const table = dropped.table, { names } = table, kinds = kindsChosen();
   try {
-    await send(dropped, names, kinds);
-    if (kinds.length && mapOf(names, kinds)) remember(names, { kinds, rig: rigChosen() });
+    await send(dropped, table, kinds);
+    if (kinds.length && mapOf(table, kinds)) remember(names, { kinds, rig: rigChosen() });
     if ($("log-all").checked) {
       while (queue.length) {
         dropped = queue.shift();
-        dropped.table = { names, rows: [] };
+        dropped.table = { ...table, rows: [] };
         $("log-name").textContent = dropped.name;
-        await send(dropped, names, kinds);
+        await send(dropped, table, kinds);
       }
     }
     if (queue.length) return await openNext();
