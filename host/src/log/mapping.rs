@@ -59,8 +59,10 @@ impl FromStr for Mapping {
                 .split_once('=')
                 .ok_or_else(|| format!("\"{part}\" lacks an equals sign: write for example voltage=u:V"))?;
             let quantity = quantity_named(key.trim())?;
-            let (column, written) = place.rsplit_once(':').unwrap_or((place, ""));
-            let unit = if place.contains(':') { Unit::parse(quantity, written.trim())? } else { Unit::SI };
+            // A path behind a colon is no unit: `NT:/arm/velocity`.
+            let (column, written) =
+                place.rsplit_once(':').filter(|(_, unit)| !is_path(unit)).unwrap_or((place, ""));
+            let unit = if written.is_empty() { Unit::SI } else { Unit::parse(quantity, written.trim())? };
             if column.trim().is_empty() {
                 return Err(format!("\"{part}\" names no column: write for example {quantity}=3"));
             }
@@ -83,6 +85,11 @@ impl FromStr for Mapping {
         }
         Ok(mapping)
     }
+}
+
+/// Whether a text that should be a unit goes on as a path does and no divisor does.
+fn is_path(text: &str) -> bool {
+    text.trim().strip_prefix('/').is_some_and(|rest| rest.starts_with(char::is_alphabetic))
 }
 
 fn quantity_named(key: &str) -> Result<Quantity, String> {

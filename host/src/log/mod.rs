@@ -1,7 +1,7 @@
 //! Logs of motors: from files of many kinds to [`Record`]s in SI units, and back.
 //!
 //! The way of the data: `text` opens a file and vouches for its encoding, `preamble` takes metadata and header,
-//! `table` (or the reader of a foreign format) turns rows into numbers, `samples` keeps the rows that a fit can
+//! `table` (or the reader of a foreign format; `formats` for those that are no text) turns rows into numbers, `samples` keeps the rows that a fit can
 //! use. What a record says about the motor is judged later, by the verbs that need to.
 
 mod apart;
@@ -12,6 +12,7 @@ mod choice;
 mod clock;
 mod encoding;
 mod fields;
+pub mod formats;
 pub mod guess;
 pub mod hold;
 mod json;
@@ -37,6 +38,7 @@ mod stops;
 mod structure;
 mod suspicion;
 pub mod sysid;
+mod sysid_entries;
 mod sysid_list;
 mod table;
 mod text;

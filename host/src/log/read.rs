@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, apart, bam, repair, servo, sysid, sysid_list, table, text};
+use super::{Hold, Metadata, Record, apart, bam, formats, repair, servo, sysid, sysid_list, table, text};
 use crate::error::{BadInput, Result};
 use crate::motor_file::MotorFile;
 
@@ -69,9 +69,9 @@ impl ReadOptions {
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     if let Some((input, output)) = apart::both(path) {
-        let tests = apart::read(path, &input, &output, options)?;
-        let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
-        servo::close_loops(&mut records);
+        return Ok(finished(apart::read(path, &input, &output, options)?));
+    }
+    if let Some(records) = formats::read(path, options)? {
         return Ok(records);
     }
     let mut input = text::open(path)?;
@@ -86,13 +86,15 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
             let (why, remedy) = json_kind(start);
             Err(BadInput::new(path, why, remedy).at_line(1).into())
         }
-        Format::Csv => {
-            let tests = table::read(path, input, options)?;
-            let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
-            servo::close_loops(&mut records);
-            Ok(records)
-        }
+        Format::Csv => Ok(finished(table::read(path, input, options)?)),
     }
+}
+
+/// The tests of a table, mended and with the controller of a servo found.
+pub(super) fn finished(tests: Vec<Record>) -> Vec<Record> {
+    let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
+    servo::close_loops(&mut records);
+    records
 }
 
 /// What the JSON file given as a table most likely is.

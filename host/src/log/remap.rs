@@ -49,10 +49,24 @@ fn present(record: &Record, quantity: Quantity) -> bool {
 /// What a quantity is called in the record's own layout, and its unit there: the mapping's unit would take the place of it.
 fn native(record: &Record, quantity: Quantity) -> (&'static str, &'static str) {
     let sysid = record.meta.get(TEST_KEY).is_some();
-    let rotations = record.meta.get(UNIT_KEY) != Some("rad");
+    let unit = record.meta.get(UNIT_KEY);
     match quantity {
-        Quantity::Angle if sysid => ("position", if rotations { "rev" } else { "rad" }),
-        Quantity::Speed if sysid => ("velocity", if rotations { "rev/s" } else { "rad/s" }),
+        Quantity::Angle if sysid => (
+            "position",
+            match unit {
+                Some("rad" | "m") => "rad",
+                Some("deg") => "deg",
+                _ => "rev",
+            },
+        ),
+        Quantity::Speed if sysid => (
+            "velocity",
+            match unit {
+                Some("rad" | "m") => "rad/s",
+                Some("deg") => "deg/s",
+                _ => "rev/s",
+            },
+        ),
         Quantity::Voltage if sysid => ("voltage", "V"),
         _ => (quantity.canonical().unwrap_or("COLUMN"), quantity.si()),
     }

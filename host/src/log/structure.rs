@@ -26,7 +26,13 @@ const STEP_INTERVALS: f64 = 3.0;
 
 /// Where the column of the state stands among `headers`, if there is one.
 pub(super) fn state_column(headers: &[String]) -> Option<usize> {
-    headers.iter().position(|header| NAMES.contains(&header.trim().to_lowercase().as_str()))
+    headers.iter().position(|header| is_state(header))
+}
+
+/// Whether this is what a column of states is called; of `/arm/State` the last part counts.
+pub(super) fn is_state(header: &str) -> bool {
+    let last = header.rsplit(['/', ':']).next().unwrap_or_default();
+    NAMES.contains(&last.trim().to_lowercase().as_str())
 }
 
 /// Where a file may be cut, as samples of its one record.

@@ -139,7 +139,7 @@ impl<R: Read> Read for TextReader<R> {
 /// Opens `path` for reading as text.
 ///
 /// # Errors
-/// Bad input if it is absent, unreadable, a directory, empty, or of a kind known by its first bytes not to be text.
+/// Bad input if it is absent, unreadable, a directory, empty, or no text.
 pub fn open(path: &Path) -> Result<TextReader<File>> {
     let mut file = File::open(path).map_err(|error| cannot_read(path, &error))?;
     if file.metadata().is_ok_and(|about| about.is_dir()) {
@@ -164,9 +164,6 @@ pub fn open(path: &Path) -> Result<TextReader<File>> {
         )
         .into());
     }
-    if let Some((kind, remedy)) = foreign_kind(&start) {
-        return Err(BadInput::new(path, format!("this is {kind}, not a text"), remedy).at_line(1).into());
-    }
     TextReader::new(file).map_err(|error| cannot_read(path, &error))
 }
 
@@ -185,20 +182,6 @@ pub fn cannot_read(path: &Path, error: &io::Error) -> crate::error::Error {
         _ => (format!("cannot be read: {error}"), "copy the file to a local disk and try again"),
     };
     BadInput::new(path, why, remedy).into()
-}
-
-fn foreign_kind(start: &[u8]) -> Option<(&'static str, &'static str)> {
-    const KINDS: [(&[u8], &str, &str); 4] = [
-        (
-            b"WPILOG",
-            "a WPILOG data log",
-            "export it as CSV with DataLogTool or AdvantageScope and add --format wpilib-sysid",
-        ),
-        (b"\x1F\x8B", "compressed with gzip", "unpack it with gunzip"),
-        (b"PK\x03\x04", "a zip archive or spreadsheet", "save the sheet as CSV (UTF-8)"),
-        (b"\x89HDF", "an HDF5 or MATLAB file", "write the columns as CSV (writetable in MATLAB)"),
-    ];
-    KINDS.iter().find(|(magic, ..)| start.starts_with(magic)).map(|&(_, kind, remedy)| (kind, remedy))
 }
 
 #[cfg(test)]

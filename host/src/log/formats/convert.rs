@@ -1,0 +1,156 @@
+//! Formats that are not read: what they are, and which program makes something of them that is.
+
+use std::path::Path;
+
+use super::Fault;
+
+/// A format that another program converts.
+struct Foreign {
+    name: &'static str,
+    /// How a file of it begins; empty where only the name tells.
+    magic: &'static [u8],
+    /// Where the magic stands.
+    at: usize,
+    /// What files of it are called; for those with a magic, for nothing.
+    extension: &'static str,
+    remedy: &'static str,
+}
+
+/// A row whose content tells.
+const fn content(name: &'static str, magic: &'static [u8], remedy: &'static str) -> Foreign {
+    Foreign { name, magic, at: 0, extension: "", remedy }
+}
+
+/// A row that only its name tells, where the content is no text.
+const fn named_by(name: &'static str, extension: &'static str, remedy: &'static str) -> Foreign {
+    Foreign { name, magic: b"", at: 0, extension, remedy }
+}
+
+const UNPACK: &str = "unpack it and give the log that is in it";
+const IMAGE: &str = "give the log itself, not a picture of it";
+const MCAP: &str = "convert it with the MCAP command line tool: mcap convert OLD NEW.mcap";
+const PANDAS: &str =
+    "write it as Parquet: python -c \"import pandas; pandas.read_feather('OLD').to_parquet('NEW.parquet')\"";
+const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
+                       python -c \"from asammdf import MDF; MDF('OLD').export('csv', 'NEW.csv', single_time_base=True)\"";
+
+const FOREIGN: [Foreign; 33] = [
+    content(
+        "an HDF5 or MATLAB file",
+        b"\x89HDF",
+        "write the columns as CSV (writetable in MATLAB, pandas in Python)",
+    ),
+    content("a MATLAB file", b"MATLAB ", "write the columns as CSV (writetable in MATLAB, pandas in Python)"),
+    content("a ROS 1 bag", b"#ROSBAG V", MCAP),
+    content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
+    content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),
+    content(
+        "an ArduPilot log (.bin)",
+        b"\xA3\x95\x80\x80",
+        "convert it with pymavlink, one message at a time: mavlogdump.py --format csv --types RCOU OLD > NEW.csv",
+    ),
+    content("a measurement file (.mf4, .dat)", b"MDF     ", ASAMMDF),
+    content("a measurement file that was not closed (.mf4)", b"UnFinMF ", ASAMMDF),
+    content(
+        "a LabVIEW measurement (.tdms)",
+        b"TDSm",
+        "write it as CSV with npTDMS: python -c \"from nptdms import TdmsFile; \
+         TdmsFile('OLD').as_dataframe().to_csv('NEW.csv')\"",
+    ),
+    content(
+        "a log of CAN frames (.blf)",
+        b"LOGG\x90\0\0\0",
+        "decode the frames with their DBC and write the signals as CSV",
+    ),
+    content("a Feather file", b"ARROW1\0\0", PANDAS),
+    content("a Feather file", b"FEA1", PANDAS),
+    content(
+        "a Python pickle",
+        b"\x80\x04\x95",
+        "write it as CSV: python -c \"import pandas; pandas.read_pickle('OLD').to_csv('NEW.csv', index=False)\"",
+    ),
+    content(
+        "an Excel 97 workbook (.xls) or another document of its time",
+        b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1",
+        "save it as .xlsx or as CSV (UTF-8)",
+    ),
+    content("compressed with gzip", b"\x1F\x8B", "unpack it with gunzip"),
+    content("compressed with bzip2", b"BZh91AY&SY", "unpack it with bunzip2"),
+    content("compressed with xz", b"\xFD7zXZ\0", "unpack it with unxz"),
+    content("compressed with zstd", b"\x28\xB5\x2F\xFD", "unpack it with unzstd"),
+    content("compressed with lz4", b"\x04\x22\x4D\x18", "unpack it with unlz4"),
+    content("a 7-Zip archive", b"7z\xBC\xAF\x27\x1C", UNPACK),
+    content("a RAR archive", b"Rar!\x1A\x07", UNPACK),
+    Foreign { name: "a tar archive", magic: b"ustar", at: 257, extension: "", remedy: UNPACK },
+    content("a zip archive", b"PK\x03\x04", UNPACK),
+    content("a PDF", b"%PDF-", "give the log itself, not a print of it"),
+    content("a picture", b"\x89PNG\r\n", IMAGE),
+    content("a picture", b"\xFF\xD8\xFF", IMAGE),
+    content("a picture", b"GIF8", IMAGE),
+    content("a program", b"\x7FELF", "give the log that it wrote"),
+    named_by(
+        "a CTRE hoot log",
+        "hoot",
+        "convert it with Phoenix Tuner X (Tools, Extract Signal Logs) or with owlet: owlet -f wpilog OLD NEW.wpilog",
+    ),
+    named_by("a REV log", "revlog", "open it in AdvantageScope and export it as WPILOG or CSV"),
+    named_by(
+        "a MAVLink telemetry log",
+        "tlog",
+        "convert it with pymavlink, one message at a time: mavlogdump.py --format csv --types SERVO_OUTPUT_RAW OLD > NEW.csv",
+    ),
+    named_by(
+        "a MATLAB file of version 4 or damaged",
+        "mat",
+        "save it anew in MATLAB: save('NEW.mat', '-v7')",
+    ),
+    named_by("a damaged spreadsheet", "xlsx", "save it anew as .xlsx or as CSV (UTF-8)"),
+];
+
+/// What the file at `path` is, where it begins with `start`, and what to do; `None` where it is nothing known or a text.
+pub fn named(start: &[u8], path: &Path) -> Option<Fault> {
+    let extension = path.extension().map(|text| text.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_text = !start.contains(&0) || start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF");
+    let row = FOREIGN.iter().find(|row| match row.magic {
+        b"" => !is_text && row.extension == extension,
+        // Four letters alone may begin a header.
+        b"TDSm" | b"MATLAB " | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
+        magic => start.get(row.at..).is_some_and(|rest| rest.starts_with(magic)),
+    })?;
+    Some(Fault::new(format!("this is {}, not a log that is read", row.name), row.remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_another_program_has_to_convert_is_named_with_the_program() {
+        for (start, name, is, remedy) in [
+            (&b"#ROSBAG V2.0\n"[..], "x.bag", "ROS 1 bag", "mcap convert"),
+            (b"\0\x01\x02hoot", "x.HOOT", "hoot", "owlet"),
+            (b"MDF     4.10", "x.dat", "measurement", "asammdf"),
+            (b"ULog\x01\x12\x35\x01", "x.ulg", "PX4", "ulog2csv"),
+            (b"\xA3\x95\x80\x80\x59", "x.bin", "ArduPilot", "mavlogdump"),
+            (b"\x1F\x8B\x08", "x.csv", "gzip", "gunzip"),
+            (b"PK\x03\x04", "x", "zip", "unpack"),
+            (b"%PDF-1.7", "x.pdf", "PDF", "the log itself"),
+        ] {
+            let fault = named(start, Path::new(name)).unwrap();
+            assert!(fault.why.contains(is) && fault.remedy.contains(remedy), "{name}: {fault:?}");
+        }
+    }
+
+    #[test]
+    fn texts_are_left_to_the_reader_of_texts_whatever_they_are_called() {
+        for (start, name) in [
+            (&b"time,voltage\n"[..], "x.hoot"),
+            (b"TDSm,y\n", "x.csv"),
+            (b"GIF8 is no header", "x.csv"),
+            (b"\xFF\xFEt\0,\0", "x.mat"),
+            (b"0,1\0\0", "x.csv"),
+        ] {
+            assert_eq!(named(start, Path::new(name)), None, "{name}");
+        }
+    }
+}

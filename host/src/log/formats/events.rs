@@ -1,0 +1,215 @@
+//! Values that are logged each at its own time, many of them only when they change: the last one holds, never a future one.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Fault;
+use super::table::{Column, Table, Values};
+use crate::log::guess::{self, words};
+use crate::log::mapping::Mapping;
+use crate::log::samples::Place;
+use crate::log::structure;
+use crate::log::sysid_entries::{Entries, Value, clock, group_of, held_at, turn_s};
+use crate::log::units::Quantity;
+
+/// Columns that a mapping is guessed from where no group of them makes sense.
+const GUESSED_FROM: usize = 60;
+
+/// What was logged under one name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Series {
+    /// Times, s, with numbers or texts as many.
+    pub times: Vec<f64>,
+    /// The numbers; none where they are texts.
+    pub numbers: Vec<f64>,
+    /// The texts; none where they are numbers.
+    pub texts: Vec<String>,
+    /// What the file says of it: a unit, perhaps.
+    pub about: String,
+}
+
+impl Series {
+    fn is_text(&self) -> bool {
+        !self.texts.is_empty()
+    }
+
+    /// In the order of their times; a file need not keep it.
+    fn sort(&mut self) {
+        if self.times.is_sorted() {
+            return;
+        }
+        let mut order: Vec<usize> = (0..self.times.len()).collect();
+        order.sort_by(|a, b| self.times[*a].total_cmp(&self.times[*b]));
+        self.times = order.iter().map(|k| self.times[*k]).collect();
+        self.numbers = order.iter().filter_map(|k| self.numbers.get(*k).copied()).collect();
+        self.texts = order.iter().filter_map(|k| self.texts.get(*k).cloned()).collect();
+    }
+}
+
+/// All that a file logged.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Events {
+    series: BTreeMap<String, Series>,
+    /// Entries of other types, for messages.
+    left_out: Vec<String>,
+}
+
+impl Events {
+    /// All series by name, and what else the file holds.
+    pub fn new(series: BTreeMap<String, Series>, left_out: BTreeSet<String>) -> Events {
+        let mut events = Events::default();
+        for (name, mut series) in series {
+            series.sort();
+            // A mapping cannot name these characters.
+            let name = name.replace([',', '"', '=', '$', '`', '\\'], "_");
+            events.series.insert(name, series);
+        }
+        events.left_out = left_out.into_iter().collect();
+        events
+    }
+
+    /// Whether `map` names entries of this file: the way round SysId's own names.
+    pub fn are_mapped(&self, map: Option<&Mapping>) -> bool {
+        map.is_some_and(|map| {
+            let named = |quantity: &Quantity| map.source(*quantity).map(|source| source.column.as_str());
+            let motion = [Quantity::Angle, Quantity::Speed];
+            motion.iter().filter_map(named).any(|column| self.series.contains_key(column))
+        })
+    }
+
+    /// The entries as SysId's routines log them.
+    pub fn sysid(&self) -> Entries {
+        let mut entries = Entries::default();
+        for (name, series) in &self.series {
+            for (time_s, text) in series.times.iter().zip(&series.texts) {
+                entries.saw_text(*time_s, name, text);
+            }
+            let values = series.times.iter().zip(&series.numbers).enumerate();
+            for (k, (&time_s, &value)) in values {
+                entries.saw_number(name, Value { time_s, value, place: Place::Entry(k) });
+            }
+            if !series.about.is_empty() {
+                entries.saw_unit(name, &series.about);
+            }
+        }
+        entries
+    }
+
+    /// The columns that `map` names, or those of the first group that has all that a fit needs, on the clock of the one that was
+    /// logged most often.
+    ///
+    /// # Errors
+    /// A fault where no value was logged.
+    pub fn table(&self, map: Option<&Mapping>) -> Result<Table, Fault> {
+        let mut hint = String::new();
+        let chosen: Vec<&str> = match map {
+            Some(map) => {
+                let sources = Quantity::ALL.iter().filter_map(|quantity| map.source(*quantity));
+                let named: BTreeSet<&str> = sources.map(|source| source.column.as_str()).collect();
+                self.series.keys().map(String::as_str).filter(|name| named.contains(name)).collect()
+            }
+            None => {
+                let mut groups = self.groups();
+                let first = if groups.is_empty() { self.telling() } else { groups.remove(0).1 };
+                if !groups.is_empty() {
+                    let others: Vec<&str> = groups.iter().take(12).map(|(name, _)| name.as_str()).collect();
+                    hint = format!("other motors of this file: {}", others.join(", "));
+                }
+                first
+            }
+        };
+        let chosen = if chosen.is_empty() { self.telling() } else { chosen };
+        let left_out = self.left_out.iter().cloned();
+        let others = self.series.keys().filter(|name| !chosen.contains(&name.as_str())).cloned();
+        Ok(self.tabulated(&chosen, others.chain(left_out).collect())?.hinting(hint))
+    }
+
+    /// Groups of numbers that belong to one motor and have all that a fit needs.
+    fn groups(&self) -> Vec<(String, Vec<&str>)> {
+        let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for (name, series) in &self.series {
+            if !series.is_text() && !series.times.is_empty() {
+                groups.entry(group_of(name)).or_default().push(name);
+            }
+        }
+        groups.retain(|_, names| {
+            let plain: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            guess::propose(&plain, &[]).is_some()
+        });
+        groups.into_iter().collect()
+    }
+
+    /// The names that say a quantity, or the first few.
+    fn telling(&self) -> Vec<&str> {
+        let all = || self.series.iter().filter(|(_, s)| !s.times.is_empty()).map(|(name, _)| name.as_str());
+        let say = |name: &&str| words::said(name).quantity.is_some();
+        let telling: Vec<&str> = all().filter(say).take(GUESSED_FROM).collect();
+        if telling.is_empty() { all().take(GUESSED_FROM).collect() } else { telling }
+    }
+
+    fn tabulated(&self, chosen: &[&str], left_out: Vec<String>) -> Result<Table, Fault> {
+        let numbers = || chosen.iter().filter_map(|name| self.series.get_key_value(*name));
+        let states = self.series.iter().filter(|(name, s)| s.is_text() && structure::is_state(name));
+        let beat: &[f64] = clock(numbers().map(|(_, series)| series.times.as_slice())).unwrap_or_default();
+        if beat.len() < 2 {
+            let why = "no number was logged more than once";
+            return Err(Fault::new(why, "check that the motor's entries were logged, and export them"));
+        }
+        let turn_s = turn_s(beat);
+        // Before the last of them began, something is not known yet.
+        let begin = numbers().filter_map(|(_, series)| series.times.first()).fold(f64::MIN, |a, b| a.max(*b));
+        let times: Vec<f64> = beat.iter().copied().filter(|time| time + turn_s >= begin).collect();
+        let mut columns = vec![Column { name: "time_s".into(), values: Values::Numbers(times.clone()) }];
+        for (name, series) in numbers().chain(states) {
+            let last = |time: &f64| held_at(&series.times, time + turn_s);
+            let values = if series.is_text() {
+                let text = |time| last(time).and_then(|k| series.texts.get(k)).cloned().unwrap_or_default();
+                Values::Texts(times.iter().map(text).collect())
+            } else {
+                let number =
+                    |time| last(time).and_then(|k| series.numbers.get(k)).copied().unwrap_or(f64::NAN);
+                Values::Numbers(times.iter().map(number).collect())
+            };
+            columns.push(Column { name: name.clone(), values });
+        }
+        Table::of(columns, left_out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(times: &[f64], numbers: &[f64]) -> Series {
+        Series { times: times.to_vec(), numbers: numbers.to_vec(), ..Series::default() }
+    }
+
+    #[test]
+    fn a_value_holds_until_the_next_and_never_before_it_was_logged() {
+        let all = [
+            ("/arm/Voltage".to_owned(), series(&[0.1, 0.5], &[1.0, 2.0])),
+            ("/arm/Velocity".to_owned(), series(&[0.0, 0.1, 0.2, 0.4, 0.6], &[9.0, 1.0, 2.0, 4.0, 6.0])),
+        ];
+        let events = Events::new(all.into_iter().collect(), BTreeSet::new());
+        let table = events.table(None).unwrap();
+        let column = |time_s: &[f64], voltage: &[f64], velocity: &[f64]| {
+            let column = |name: &str, values: &[f64]| Column {
+                name: name.into(),
+                values: Values::Numbers(values.to_vec()),
+            };
+            let columns = vec![
+                column("time_s", time_s),
+                column("/arm/Velocity", velocity),
+                column("/arm/Voltage", voltage),
+            ];
+            Table::of(columns, vec![]).unwrap()
+        };
+        assert_eq!(table, column(&[0.1, 0.2, 0.4, 0.6], &[1.0, 1.0, 1.0, 2.0], &[1.0, 2.0, 4.0, 6.0]));
+    }
+
+    #[test]
+    fn times_out_of_order_are_put_in_order() {
+        let mut mixed = series(&[0.2, 0.0, 0.1], &[2.0, 0.0, 1.0]);
+        mixed.sort();
+        assert_eq!(mixed, series(&[0.0, 0.1, 0.2], &[0.0, 1.0, 2.0]));
+    }
+}

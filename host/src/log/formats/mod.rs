@@ -1,0 +1,197 @@
+//! Binary logs of other programs: told by their content, read into columns, and then a table like any other.
+//!
+//! Every format is one row of [`FORMATS`]: how it is recognised, and either its reader or the program that converts it. A reader turns
+//! bytes into a [`Table`] (all columns on one clock) or into [`Events`] (values with times of their own, held until the next). Either
+//! goes the way of a CSV from there on: the same names, blanks, mapping, guess and checks.
+
+mod bytes;
+mod convert;
+mod events;
+mod npy;
+#[cfg(feature = "log-npz")]
+mod npz;
+mod table;
+mod wpilog;
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+pub use convert::named;
+use events::Events;
+use table::Table;
+
+use super::text::cannot_read;
+use super::{Format, ReadOptions, Record, sysid_entries};
+use crate::error::{BadInput, Error, Result};
+
+/// No log of a motor is larger, B; what a file says of its own sizes is believed up to here.
+pub const LARGEST: u64 = 1 << 30;
+/// So much of the beginning of a file tells what it is, B.
+const LOOKED_AT: u64 = 1 << 12;
+
+/// What a reader makes of a file.
+pub enum Content {
+    /// Columns of one length.
+    Table(Table),
+    /// Values as they were logged.
+    Events(Events),
+}
+
+/// Why a reader gave up: cause and remedy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The cause, as a clause without a full stop.
+    pub why: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl Fault {
+    /// A fault of the content.
+    pub fn new(why: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Fault { why: why.into(), remedy: remedy.into() }
+    }
+
+    /// A file that is cut off or damaged at byte `at`.
+    pub fn broken(at: u64, what: &str) -> Self {
+        let why = format!("the file is cut off or damaged at byte {at}, {what}");
+        Fault::new(why, "copy the file again, or export it anew from the program that made it")
+    }
+}
+
+/// Reads the content of a file.
+type Reader = fn(&[u8]) -> Result<Content, Fault>;
+
+/// What can be done with a format.
+enum How {
+    /// It is read.
+    Read(Reader),
+    /// It is read where the program was built with this cargo feature.
+    #[allow(dead_code)] // with all features there is none
+    Without(&'static str),
+}
+
+/// A format that the program knows to read.
+struct Known {
+    name: &'static str,
+    extension: &'static str,
+    is: fn(&[u8]) -> bool,
+    how: How,
+}
+
+/// A row's reader, or that it is left out of this build.
+macro_rules! reader {
+    ($feature:literal, $module:ident) => {{
+        #[cfg(feature = $feature)]
+        let how = How::Read($module::read);
+        #[cfg(not(feature = $feature))]
+        let how = How::Without($feature);
+        how
+    }};
+}
+
+/// All formats that are read. The content decides; among archives, what is in them.
+const FORMATS: [Known; 3] = [
+    Known {
+        name: "a WPILib data log",
+        extension: "wpilog",
+        is: |start| start.starts_with(b"WPILOG"),
+        how: How::Read(wpilog::read),
+    },
+    Known {
+        name: "a NumPy array",
+        extension: "npy",
+        is: |start| start.starts_with(b"\x93NUMPY"),
+        how: How::Read(npy::read),
+    },
+    Known {
+        name: "an archive of NumPy arrays",
+        extension: "npz",
+        is: |bytes| in_zip(bytes, ".npy"),
+        how: reader!("log-npz", npz),
+    },
+];
+
+/// Whether the first file of a zip archive, which names it before its content, is one of these.
+fn in_zip(start: &[u8], name: &str) -> bool {
+    let length = start.get(26..28).map_or(0, |two| usize::from(two[0]) | usize::from(two[1]) << 8);
+    start.starts_with(b"PK\x03\x04")
+        && start.get(30..30 + length).is_some_and(|first| {
+            let first = String::from_utf8_lossy(first);
+            first.ends_with(name) || first.starts_with(name)
+        })
+}
+
+/// The extensions of the files that are read, for messages.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().map(|format| format.extension)
+}
+
+/// Reads the records of the file at `path`, or `None` where it is not of a binary format.
+///
+/// # Errors
+/// Bad input where the file is damaged, is of a format that another program has to convert, or its columns are not understood.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Option<Vec<Record>>> {
+    let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
+    let about = file.metadata().map_err(|error| cannot_read(path, &error))?;
+    if about.is_dir() {
+        return Ok(None);
+    }
+    let mut start = Vec::new();
+    let mut input = BufReader::new(file);
+    input.by_ref().take(LOOKED_AT).read_to_end(&mut start).map_err(|error| cannot_read(path, &error))?;
+    let bad = |fault: Fault| -> Error { BadInput::new(path, fault.why, fault.remedy).into() };
+    let Some(format) = FORMATS.iter().find(|format| (format.is)(&start)) else {
+        return convert::named(&start, path).map_or(Ok(None), |fault| Err(bad(fault)));
+    };
+    let How::Read(reader) = &format.how else {
+        let How::Without(feature) = &format.how else { return Ok(None) };
+        let why = format!("this is {}, which this build does not read", format.name);
+        return Err(bad(Fault::new(why, format!("build the program with the cargo feature {feature}"))));
+    };
+    let too_large = || {
+        let why = format!("{} of more than 1 GiB is larger than any log of a motor", format.name);
+        bad(Fault::new(why, "export the columns and the minutes that show the motor, or write them as CSV"))
+    };
+    if about.len() > LARGEST {
+        return Err(too_large());
+    }
+    let mut bytes = start;
+    input.take(LARGEST).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
+    let content = guarded(*reader, &bytes).map_err(|mut fault| {
+        fault.why = format!("{}: {}", format.name, fault.why);
+        bad(fault)
+    })?;
+    drop(bytes);
+    records(path, content, options).map(Some)
+}
+
+/// Runs a reader. The crates behind some of them are not made for hostile files: what they take for impossible is a damaged file, not
+/// a fault of the program, so their panics end here.
+fn guarded(reader: Reader, bytes: &[u8]) -> Result<Content, Fault> {
+    catch_unwind(AssertUnwindSafe(|| reader(bytes))).unwrap_or_else(|_| {
+        Err(Fault::new(
+            "the file is damaged in a way that its reader does not expect",
+            "copy the file again, or export it anew as CSV from the program that made it",
+        ))
+    })
+}
+
+fn records(path: &Path, content: Content, options: &ReadOptions) -> Result<Vec<Record>> {
+    let table = match content {
+        Content::Table(table) => table,
+        Content::Events(events) => {
+            let entries = events.sysid();
+            let asked = options.format == Format::WpilibSysid;
+            if asked || (entries.has_tests() && !events.are_mapped(options.map.as_ref())) {
+                return sysid_entries::records(path, &entries, options);
+            }
+            events
+                .table(options.map.as_ref())
+                .map_err(|fault| BadInput::new(path, fault.why, fault.remedy))?
+        }
+    };
+    table.records(path, options)
+}

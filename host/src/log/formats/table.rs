@@ -1,0 +1,204 @@
+//! Columns on one clock, and the way from there to records: as the text that they would be in a CSV, made row by row.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use super::Fault;
+use crate::error::{Error, Result};
+use crate::log::{ReadOptions, Record, Warning, read, table};
+
+/// More columns than this are never looked through.
+const MOST_COLUMNS: usize = 1000;
+
+/// What a column holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers; NaN where there is none.
+    Numbers(Vec<f64>),
+    /// Texts, as those of a state.
+    Texts(Vec<String>),
+}
+
+impl Values {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Values::Numbers(numbers) => numbers.len(),
+            Values::Texts(texts) => texts.len(),
+        }
+    }
+}
+
+/// A named column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name; a unit may follow in brackets.
+    pub name: String,
+    /// Its values.
+    pub values: Values,
+}
+
+/// Columns of one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    columns: Vec<Column>,
+    /// What of the file is no column, for messages.
+    left_out: Vec<String>,
+    /// What else a message about the columns should say.
+    hint: String,
+}
+
+impl Table {
+    /// The columns of a file. Where they have different lengths, those of the length that most of them have are the log (of equals,
+    /// the longest) and the rest are parameters.
+    ///
+    /// # Errors
+    /// A fault where no column has two rows.
+    pub fn of(columns: Vec<Column>, mut left_out: Vec<String>) -> Result<Table, Fault> {
+        let mut lengths = BTreeMap::new();
+        for column in columns.iter().filter(|column| column.values.len() > 1) {
+            *lengths.entry(column.values.len()).or_insert(0) += 1;
+        }
+        let Some((&rows, _)) = lengths.iter().max_by_key(|(rows, count)| (**count, **rows)) else {
+            let inside = if left_out.is_empty() {
+                "it holds no column of numbers".to_owned()
+            } else {
+                format!("it holds no column of numbers, but {}", listed(&left_out))
+            };
+            return Err(Fault::new(
+                inside,
+                "save time, voltage and angle or speed as vectors of equal length, or export a CSV",
+            ));
+        };
+        let (mut kept, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.values.len() == rows);
+        left_out.extend(others.into_iter().map(|c| format!("{} ({} values)", c.name, c.values.len())));
+        left_out.extend(kept.drain(kept.len().min(MOST_COLUMNS)..).map(|column| column.name));
+        Ok(Table { columns: kept, left_out, hint: String::new() })
+    }
+
+    /// Adds a sentence to what a message about the columns advises.
+    #[must_use]
+    pub fn hinting(mut self, hint: String) -> Table {
+        self.hint = hint;
+        self
+    }
+
+    fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// The records in it.
+    ///
+    /// # Errors
+    /// Those of a CSV with these columns; places are rows, from 1.
+    pub fn records(self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+        let text =
+            BufReader::with_capacity(1 << 16, Text { table: &self, row: None, line: Vec::new(), at: 0 });
+        let mut records = table::read(path, text, options).map_err(|error| self.in_rows(error))?;
+        records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
+        Ok(read::finished(records))
+    }
+
+    /// The fault with the row in place of the line, and with what else the file holds.
+    fn in_rows(&self, error: Error) -> Error {
+        let Error::BadInput(mut fault) = error else { return error };
+        match fault.line.take() {
+            Some(line) if line > 1 => fault.why = format!("row {}: {}", line - 1, fault.why),
+            Some(_) if !self.left_out.is_empty() => {
+                let _ = write!(fault.why, "; no columns are {}", listed(&self.left_out));
+            }
+            _ => {}
+        }
+        if !self.hint.is_empty() {
+            fault.remedy = format!("{}; {}", fault.remedy, self.hint);
+        }
+        Error::BadInput(fault)
+    }
+}
+
+/// The first few of a list.
+fn listed(all: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let mut text = all.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    if all.len() > SHOWN {
+        let _ = write!(text, " and {} more", all.len() - SHOWN);
+    }
+    text
+}
+
+/// `x.mat, line 12` becomes `x.mat, row 11`.
+fn place_in_rows(warning: &mut Warning) {
+    let Some((file, rest)) = warning.place.split_once(", line ") else { return };
+    let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    if let Ok(line) = rest[..end].parse::<u64>() {
+        warning.place = format!("{file}, row {}{}", line.saturating_sub(1), &rest[end..]);
+    }
+}
+
+/// A table as its CSV, one line at a time.
+struct Text<'t> {
+    table: &'t Table,
+    /// The row of `line`; the header before the first.
+    row: Option<usize>,
+    line: Vec<u8>,
+    at: usize,
+}
+
+impl Text<'_> {
+    fn next_line(&mut self) {
+        let row = if self.line.is_empty() { None } else { Some(self.row.map_or(0, |row| row + 1)) };
+        self.line.clear();
+        self.at = 0;
+        if row.is_some_and(|row| row >= self.table.rows()) {
+            return;
+        }
+        self.row = row;
+        let mut text = String::new();
+        for (number, column) in self.table.columns.iter().enumerate() {
+            if number > 0 {
+                text.push(',');
+            }
+            match (&column.values, row) {
+                (_, None) => quote(&mut text, &column.name),
+                // What is not there is blank.
+                (Values::Numbers(numbers), Some(row)) if numbers[row].is_nan() => {}
+                (Values::Numbers(numbers), Some(row)) => {
+                    let _ = write!(text, "{:?}", numbers[row]);
+                }
+                (Values::Texts(texts), Some(row)) => quote(&mut text, &texts[row]),
+            }
+        }
+        text.push('\n');
+        self.line = text.into_bytes();
+    }
+}
+
+/// A field in quotes, on one line whatever is in it.
+fn quote(text: &mut String, field: &str) {
+    text.push('"');
+    for c in field.chars() {
+        match c {
+            '"' => text.push_str("\"\""),
+            c if c.is_control() => text.push(' '),
+            c => text.push(c),
+        }
+    }
+    text.push('"');
+}
+
+impl Read for Text<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.at == self.line.len() {
+            if self.row.is_some_and(|row| row + 1 >= self.table.rows()) {
+                return Ok(0);
+            }
+            self.next_line();
+        }
+        let count = buffer.len().min(self.line.len() - self.at);
+        buffer[..count].copy_from_slice(&self.line[self.at..self.at + count]);
+        self.at += count;
+        Ok(count)
+    }
+}
