@@ -1,5 +1,6 @@
 //! Properties of the reader over files that nobody would write by hand.
 
+use motorlens::log::guess::look;
 use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, suspicions, write_canonical};
 use proptest::prelude::*;
 
@@ -13,6 +14,79 @@ fn outcome(
     std::fs::write(&path, content).unwrap();
     let options = ReadOptions { format, map: map.map(|map| map.parse().unwrap()), ..ReadOptions::default() };
     read(&path, &options)
+}
+
+/// What logs are made of, so that chance comes upon every way of writing one.
+const PIECES: [&str; 46] = [
+    "time_s",
+    "voltage_v",
+    "angle_rad",
+    "speed_rad_s",
+    "t_ms",
+    "pwm",
+    "enc",
+    "sec",
+    "nanosec",
+    "dt",
+    "[s]",
+    "(ms)",
+    "V",
+    "rad/s",
+    ",",
+    ",",
+    ";",
+    "\t",
+    " ",
+    "  ",
+    "\n",
+    "\n",
+    "\r\n",
+    "\r",
+    "0",
+    "1",
+    "-2.5",
+    "1,5",
+    "1e300",
+    "1732340000000000000",
+    "nan",
+    "\"",
+    ":",
+    "=",
+    "t:12",
+    " pwm:80",
+    "12:34:56.789",
+    "23:59:59",
+    " -> ",
+    "2024-05-01T",
+    "01.05.2024 ",
+    "Z",
+    "+02:00",
+    "PM",
+    "#",
+    "sep=;",
+];
+
+/// The ways to read a table.
+const WAYS: [&str; 6] = [
+    "",
+    "time=0:ms,voltage=1,angle=2:deg",
+    "time=0+1:ns,voltage=2,speed=3:rpm",
+    "interval=0:us,duty=1:255,angle=2:mm",
+    "voltage=0,angle=1",
+    "time=t_ms:ms,duty=pwm:255,angle=enc:counts",
+];
+
+/// The answer, with everything told that a way to read may ask for.
+fn told(path: &std::path::Path, way: &str) -> Result<Vec<Record>, motorlens::error::Error> {
+    let mut options = ReadOptions {
+        map: (!way.is_empty()).then(|| way.parse().unwrap()),
+        supply_volts: Some(12.0),
+        rate_hz: Some(100.0),
+        ..ReadOptions::default()
+    };
+    options.motor.counts_per_rev = Some(1320.0);
+    options.motor.metres_per_rev = Some(0.008);
+    read(path, &options)
 }
 
 /// What holds for every answer of the reader: clean records, or a message with cause and remedy.
@@ -46,6 +120,31 @@ proptest! {
     fn no_bytes_make_the_reader_panic(content in prop::collection::vec(any::<u8>(), 0..400)) {
         for format in [Format::Csv, Format::WpilibSysid, Format::BamJson] {
             holds(outcome(&content, format, None))?;
+        }
+    }
+
+    #[test]
+    fn no_pieces_of_logs_make_the_reader_or_the_guess_panic(
+        pieces in prop::collection::vec(0..PIECES.len(), 0..200),
+        rows in 0..60_usize,
+        way in 0..WAYS.len(),
+        wide in any::<bool>(),
+    ) {
+        let text: String = pieces.iter().map(|k| PIECES[*k]).collect();
+        // The last line of it many times over makes a table of many.
+        let row = text.lines().last().unwrap_or_default().to_owned();
+        let text = text + "\n" + &format!("{row}\n").repeat(rows);
+        let bytes: Vec<u8> =
+            if wide { text.encode_utf16().flat_map(u16::to_le_bytes).collect() } else { text.into_bytes() };
+        let directory = tempfile::tempdir().unwrap();
+        let (path, other) = (directory.path().join("any.csv"), directory.path().join("other.csv"));
+        std::fs::write(&path, &bytes).unwrap();
+        std::fs::write(&other, "time_s,angle_rad\n0,0\n1,1\n2,2\n").unwrap();
+        holds(told(&path, WAYS[way]))?;
+        let both = format!("{}+{}", path.display(), other.display());
+        holds(told(std::path::Path::new(&both), WAYS[way]))?;
+        if let Ok(look) = look(&path) {
+            prop_assert!(look.names.len() <= look.kinds.len().max(1));
         }
     }
 
