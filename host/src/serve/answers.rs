@@ -28,10 +28,11 @@ const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 
 /// The scripts of the page by name, in the order in which it loads them.
-const SCRIPTS: [(&str, &str); 7] = [
+const SCRIPTS: [(&str, &str); 8] = [
     ("uplot.js", report::LIBRARY),
     ("plots.js", report::PLOTS),
     ("page.js", include_str!("assets/page.js")),
+    ("overview.js", include_str!("assets/overview.js")),
     ("steps.js", include_str!("assets/steps.js")),
     ("data.js", include_str!("assets/data.js")),
     ("log.js", include_str!("assets/log.js")),

@@ -175,6 +175,18 @@ const Plots = (() => {
       if (isIntersecting && !target.dataset.drawn) draw(target);
     }
   }, { rootMargin: "300px" });
+  // Whatever else there is comes when there is time: who scrolls or prints finds it drawn.
+  const idle = window.requestIdleCallback || ((work) => setTimeout(work, 60));
+  let waits = false;
+  function later() {
+    if (waits) return;
+    waits = true;
+    idle(() => {
+      waits = false;
+      const next = [...all()].find((div) => known.has(div) && !div.dataset.drawn && div.clientWidth && !div.closest("[hidden]"));
+      if (next) { draw(next); later(); }
+    });
+  }
   const sizes = new ResizeObserver((entries) => {
     for (const { target } of entries) {
       const entry = known.get(target);
@@ -199,6 +211,7 @@ const Plots = (() => {
       seen.observe(root);
     }
     if (root.dataset.near === "yes") draw(root);
+    later();
   }
   // The same figure with other points: only the lines are drawn again.
   function update(root, figure) {

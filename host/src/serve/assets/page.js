@@ -39,10 +39,24 @@ async function showRecord(fresh = true) {
   $("record-role").className = "tag " + ($("record-role").textContent = figure.title.endsWith("(validation)") ? "validation" : "fit");
   $("record-reading").textContent = figure.reading;
   const plot = $("record-plot");
-  if (fresh) {
-    Plots.show(plot, figure, (range) => { if (brushed(range)) return; part = range; plot.dataset.detail = ""; offerCut(); showRecord(false).then(() => { plot.dataset.detail = "yes"; }).catch(alarm); });
-    Plots.draw(plot);
-  } else Plots.update(plot, figure);
+  if (!fresh) return Plots.update(plot, figure);
+  Plots.show(plot, figure, (range) => { if (!brushed(range)) lookAt(range); });
+  Plots.draw(plot);
+  Overview.show(figure, lookAt);
+  // A dense record begins with a part in which its turns are seen apart, and stays where it was looked at.
+  const x = figure.columns[0], here = [figure.title, x[0], x[x.length - 1]].join();
+  if (lookedAt.here !== here) lookedAt = { here, part: Overview.first(figure) };
+  if (lookedAt.part) await lookAt(lookedAt.part);
+}
+let lookedAt = { here: "", part: null };
+// Shows a part of the record with all that can be seen there; null is all of it.
+async function lookAt(range) {
+  const plot = $("record-plot");
+  part = lookedAt.part = range;
+  plot.dataset.detail = "";
+  offerCut();
+  Overview.at(range);
+  try { await showRecord(false); plot.dataset.detail = "yes"; } catch (error) { alarm(error); }
 }
 function place(p, value) { return p.log ? Math.log(value / p.low) / Math.log(p.high / p.low) : (value - p.low) / (p.high - p.low); }
 // Around the fitted value, so that a pixel is a small change: a factor of 4 either way, or the bounds.

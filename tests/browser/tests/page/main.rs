@@ -6,6 +6,7 @@ mod device;
 mod guard;
 mod keyboard;
 mod logs;
+mod overview;
 mod plots;
 mod report;
 mod steps;
@@ -25,12 +26,15 @@ fn alone() -> MutexGuard<'static, ()> {
 const PAINTED: &str = "document.body.dataset.painted && document.querySelector('#record-plot canvas')";
 /// Every step has what belongs to the model as it is.
 const FRESH: &str = "document.body.dataset.fresh && document.querySelector('#running').hidden";
+/// Every plot that has a place on the page is drawn: what is out of sight is, when there is time.
+const DRAWN: &str = "![...document.querySelectorAll('.plot[data-drawn=\"\"]')].some((p) => p.clientWidth && !p.closest('[hidden]'))";
 
 fn opened(server: &Server) -> Browser {
     let mut browser = Browser::start(1280, 900);
     browser.open(&server.url);
     browser.wait(PAINTED);
     browser.wait(FRESH);
+    browser.wait(DRAWN);
     browser
 }
 

@@ -1,0 +1,82 @@
+//! What a person at a terminal reads: the next command at the end of a verb, and lines that fit a narrow terminal.
+
+use std::path::Path;
+
+use motorlens::Model;
+use motorlens::fit::layout::{BaseValues, Prior, Values};
+use motorlens::model_file::Origin;
+use motorlens_shared::effects::{Kind, Rig};
+
+mod program;
+
+/// Columns of the narrow terminal.
+const NARROW: usize = 60;
+
+/// A model file with dry friction in `directory`.
+fn model(directory: &Path) {
+    let base = BaseValues { gain: 1.0, tau_m: 0.06, tau_e: 8e-4, viscous_share: 0.1 };
+    let values = Values { base, effects: Vec::new() }.with(Kind::Coulomb, vec![0.4]);
+    let rig = Rig {
+        step_s: 1e-3,
+        gear_ratio: 30.0,
+        encoder_on_motor: true,
+        nominal_v: 12.0,
+        supply_v: 12.0,
+        reference_speed: 12.0,
+        count_rad: 3.3e-3,
+    };
+    let prior = Prior { tau_e: (8e-4, 0.4), viscous_share: (0.1, 0.05) };
+    let model = Model::new(&values, &rig, &prior, Origin::default());
+    model.write(&directory.join("model.json")).expect("a model file");
+}
+
+/// What a verb says on a terminal of `columns`.
+fn said(directory: &Path, words: &str, columns: usize) -> (String, String) {
+    let mut command = program::command(directory, words);
+    let output = command.env("COLUMNS", columns.to_string()).output().expect("the program starts");
+    assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (text(output.stdout), text(output.stderr))
+}
+
+/// Quick verbs, each with the verb that it names as the next one.
+const VERBS: [(&str, &str); 8] = [
+    ("simulate --hidden 5 --rate 100 --out s", "discover"),
+    ("reveal s", "report"),
+    ("compare model.json s/prbs.csv --motor s/motor.toml", "diagnose"),
+    ("tune model.json --period 0.005", "export"),
+    ("export model.json --format c --out motor.c", "tune"),
+    ("exam --singles 0 --nothing 1 --pairs 0 --outside 0 --only coulomb", "exam"),
+    ("exam --benches --cases 1 --bench protocol --write cases", "discover"),
+    ("same s/triangle.csv --effects none -- s/prbs.csv", ""),
+];
+
+#[test]
+fn every_verb_ends_with_the_next_command_and_its_lines_fit() {
+    let directory = tempfile::tempdir().expect("a directory");
+    model(directory.path());
+    for (words, next) in VERBS {
+        let (_, told) = said(directory.path(), words, NARROW);
+        let lines: Vec<&str> = told.trim_end().lines().collect();
+        let [.., what, command] = lines.as_slice() else { panic!("{words}: {told}") };
+        assert!(told.contains("next: "), "{words}: {what}");
+        assert!(command.starts_with(&format!("  motorlens {next}")), "{words}: {command}");
+        let wide = lines
+            .iter()
+            .find(|line| line.chars().count() > NARROW && !line.trim_start().starts_with("motorlens "));
+        assert!(wide.is_none(), "{words}: wider than {NARROW} columns: {wide:?}");
+    }
+}
+
+#[test]
+fn a_program_that_listens_gets_the_same_document_on_any_terminal() {
+    let directory = tempfile::tempdir().expect("a directory");
+    model(directory.path());
+    for words in ["tune model.json --json", "effects stribeck --json"] {
+        let (wide, _) = said(directory.path(), words, 200);
+        let (narrow, told) = said(directory.path(), words, NARROW);
+        assert_eq!(wide, narrow, "{words}");
+        assert!(!told.contains("next: "), "{words}: {told}");
+        serde_json::from_str::<serde_json::Value>(&narrow).expect("JSON");
+    }
+}
