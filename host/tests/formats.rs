@@ -279,3 +279,153 @@ fn what_only_another_program_reads_is_answered_with_that_program() {
         assert!(refused.err.contains(is) && refused.err.contains(program), "{}", refused.err);
     }
 }
+
+/// A file of `tests/formats`.
+fn fixture(name: &str) -> Vec<u8> {
+    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats").join(name)).unwrap()
+}
+
+/// The motion that `fixtures.py` writes.
+fn fixed() -> Record {
+    let time_s: Vec<f64> = (0..60).map(|k| f64::from(k) / 100.0).collect();
+    let round = |x: f64, scale: f64| (x * scale).round() / scale;
+    Record {
+        voltage_v: (0..60).map(|k| if k / 15 % 2 == 0 { 4.5 } else { -3.25 }).collect(),
+        angle_rad: Some(time_s.iter().map(|t| round(1.5 - 1.5 * (4.0 * t).cos(), 1e4)).collect()),
+        speed_rad_s: Some(time_s.iter().map(|t| round(6.0 * (4.0 * t).sin(), 1e3)).collect()),
+        time_s,
+        ..Record::default()
+    }
+}
+
+#[test]
+fn matlab_files_of_every_version_give_the_same_record() {
+    for name in ["v6.mat", "v7.mat", "v73.mat"] {
+        let found = records(name, &fixture(name), "").unwrap();
+        same(&found[0], &fixed(), 1e-12);
+        // The content tells, whatever a file is called.
+        same(&records("log.dat", &fixture(name), "").unwrap()[0], &fixed(), 1e-12);
+        let refused = refusal(name, &fixture(name), "voltage=gains,angle=angle_rad");
+        assert!(refused.contains("gains (2 values)"), "{refused}");
+    }
+    let angle_only = Record { speed_rad_s: None, ..fixed() };
+    let map = "time=run.t,voltage=run.motor.u,angle=run.motor.pos";
+    same(&records("struct.mat", &fixture("struct.mat"), map).unwrap()[0], &angle_only, 1e-12);
+    let proposed = refusal("struct.mat", &fixture("struct.mat"), "");
+    assert!(proposed.contains("time=run.t:s,voltage=run.motor.u:V,angle=run.motor.pos:rad"), "{proposed}");
+    let map = "time=run.t,voltage=run.u,angle=table.q";
+    same(&records("groups.h5", &fixture("groups.h5"), map).unwrap()[0], &angle_only, 1e-12);
+}
+
+#[test]
+fn matlab_files_that_are_cut_off_say_where() {
+    for name in ["v6.mat", "v7.mat", "v73.mat"] {
+        let content = fixture(name);
+        let refused = refusal(name, &content[..content.len() * 2 / 3], "");
+        assert!(refused.contains("damaged") && refused.contains("\n  do: "), "{refused}");
+    }
+}
+
+#[test]
+fn objects_of_matlab_are_refused_with_the_line_that_exports_them() {
+    // A variable of an opaque class, as a timetable is: flags, then its name.
+    let mut content = b"MATLAB 5.0 MAT-file".to_vec();
+    content.resize(124, b' ');
+    content.extend(b"\x00\x01IM");
+    let mut inner = Vec::new();
+    for (kind, data) in [(6_u32, &[17, 0, 0, 0, 0, 0, 0, 0][..]), (1, b"run\0\0\0\0\0")] {
+        inner.extend(kind.to_le_bytes());
+        inner.extend((data.len() as u32).to_le_bytes());
+        inner.extend(data);
+    }
+    content.extend(14_u32.to_le_bytes());
+    content.extend((inner.len() as u32).to_le_bytes());
+    content.extend(inner);
+    let refused = refusal("log.mat", &content, "");
+    assert!(refused.contains("writetimetable(run, 'log.csv')"), "{refused}");
+}
+
+/// A spreadsheet with a title, a header, a row of units perhaps, and these rows; the first column dates where `dated`.
+fn sheet(rows: &[Vec<f64>], names: &[&str], dated: bool) -> Vec<u8> {
+    let place = |row: usize, column: usize| format!("{}{}", char::from(b'A' + column as u8), row + 1);
+    let text = |row, column, text: &str| {
+        format!("<c r=\"{}\" t=\"inlineStr\"><is><t>{text}</t></is></c>", place(row, column))
+    };
+    let mut body = format!("<row r=\"1\">{}</row>", text(0, 0, "Run 7"));
+    let header: String = names.iter().enumerate().map(|(k, name)| text(2, k, name)).collect();
+    body += &format!("<row r=\"3\">{header}</row>");
+    for (k, row) in rows.iter().enumerate() {
+        let cells: String = row
+            .iter()
+            .enumerate()
+            .map(|(c, value)| {
+                let style = if dated && c == 0 { " s=\"1\"" } else { "" };
+                format!("<c r=\"{}\"{style}><v>{value:?}</v></c>", place(3 + k, c))
+            })
+            .collect();
+        body += &format!("<row r=\"{}\">{cells}</row>", 4 + k);
+    }
+    let main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
+    let relations = "http://schemas.openxmlformats.org/package/2006/relationships";
+    let office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let empty = format!("<worksheet xmlns=\"{main}\"><sheetData/></worksheet>");
+    let file = |name: &str, content: String| (name.to_owned(), content.into_bytes());
+    zip_of(
+        &[
+            file(
+                "[Content_Types].xml",
+                "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"/>".into(),
+            ),
+            file(
+                "_rels/.rels",
+                format!(
+                    "<Relationships xmlns=\"{relations}\"><Relationship Id=\"rId1\" Type=\"{office}/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>"
+                ),
+            ),
+            file(
+                "xl/workbook.xml",
+                format!(
+                    "<workbook xmlns=\"{main}\" xmlns:r=\"{office}\"><sheets><sheet name=\"Notes\" sheetId=\"1\" r:id=\"rId1\"/><sheet name=\"Log\" sheetId=\"2\" r:id=\"rId2\"/></sheets></workbook>"
+                ),
+            ),
+            file(
+                "xl/_rels/workbook.xml.rels",
+                format!(
+                    "<Relationships xmlns=\"{relations}\"><Relationship Id=\"rId1\" Type=\"{office}/worksheet\" Target=\"worksheets/sheet1.xml\"/><Relationship Id=\"rId2\" Type=\"{office}/worksheet\" Target=\"worksheets/sheet2.xml\"/><Relationship Id=\"rId3\" Type=\"{office}/styles\" Target=\"styles.xml\"/></Relationships>"
+                ),
+            ),
+            file(
+                "xl/styles.xml",
+                format!(
+                    "<styleSheet xmlns=\"{main}\"><cellXfs count=\"2\"><xf numFmtId=\"0\"/><xf numFmtId=\"22\"/></cellXfs></styleSheet>"
+                ),
+            ),
+            file("xl/worksheets/sheet1.xml", empty),
+            file(
+                "xl/worksheets/sheet2.xml",
+                format!("<worksheet xmlns=\"{main}\"><sheetData>{body}</sheetData></worksheet>"),
+            ),
+        ],
+        true,
+    )
+}
+
+#[test]
+fn the_sheet_of_a_workbook_that_is_a_table_is_read_below_its_title() {
+    let (names, columns) = canonical_columns();
+    let mut rows: Vec<Vec<f64>> =
+        (0..columns[0].len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+    same(&records("log.xlsx", &sheet(&rows, &names, false), "").unwrap()[0], &as_csv(""), 0.0);
+    // Dates are days; they become seconds since the first.
+    for row in &mut rows {
+        row[0] = 45_000.0 + row[0] / 86_400.0;
+    }
+    let content = sheet(&rows, &["Zeit", "U (V)", "Winkel (rad)", "other"], true);
+    let map = "time=Zeit [s]:s,voltage=U (V):V,angle=Winkel (rad):rad";
+    let expected = Record { speed_rad_s: None, ..as_csv("") };
+    same(&records("log.xlsx", &content, map).unwrap()[0], &expected, 1e-6);
+    let refused = refusal("log.xlsx", &content, "");
+    assert!(refused.contains("time=Zeit [s]:s,voltage=U (V):V,angle=Winkel (rad):rad"), "{refused}");
+    let cut = refusal("log.xlsx", &content[..content.len() / 2], "");
+    assert!(cut.contains("spreadsheet is damaged"), "{cut}");
+}

@@ -207,7 +207,7 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
         (frozen.as_bytes(), "line 17, column time_s", "repeat the time", "more digits"),
         (wide.as_bytes(), "line 5", "6 fields under 3 headers", "repair"),
         (&latin, "line 42, column voltage_v", "\"µ\" is not a number", "remove"),
-        (b"\x89HDF\r\n", "run.csv", "HDF5", "CSV"),
+        (b"\x89HDF\r\n\x1A\n", "run.csv", "HDF5", "copy"),
         (b"time_s,voltage_v\n0,\0\x01\x02\0\x03,1\n", "line 2", "binary", "export"),
         (
             no_voltage.as_bytes(),

@@ -35,6 +35,11 @@ impl<'a> Bytes<'a> {
         self
     }
 
+    /// Whether numbers are big-endian.
+    pub fn is_big_endian(&self) -> bool {
+        self.big_endian
+    }
+
     /// Offset of the next byte.
     pub fn at(&self) -> usize {
         self.at

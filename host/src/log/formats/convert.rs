@@ -34,13 +34,7 @@ const PANDAS: &str =
 const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
                        python -c \"from asammdf import MDF; MDF('OLD').export('csv', 'NEW.csv', single_time_base=True)\"";
 
-const FOREIGN: [Foreign; 33] = [
-    content(
-        "an HDF5 or MATLAB file",
-        b"\x89HDF",
-        "write the columns as CSV (writetable in MATLAB, pandas in Python)",
-    ),
-    content("a MATLAB file", b"MATLAB ", "write the columns as CSV (writetable in MATLAB, pandas in Python)"),
+const FOREIGN: [Foreign; 31] = [
     content("a ROS 1 bag", b"#ROSBAG V", MCAP),
     content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
     content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),
@@ -114,7 +108,7 @@ pub fn named(start: &[u8], path: &Path) -> Option<Fault> {
     let row = FOREIGN.iter().find(|row| match row.magic {
         b"" => !is_text && row.extension == extension,
         // Four letters alone may begin a header.
-        b"TDSm" | b"MATLAB " | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
+        b"TDSm" | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
         magic => start.get(row.at..).is_some_and(|rest| rest.starts_with(magic)),
     })?;
     Some(Fault::new(format!("this is {}, not a log that is read", row.name), row.remedy))

@@ -7,11 +7,17 @@
 mod bytes;
 mod convert;
 mod events;
+#[cfg(feature = "log-mat")]
+mod hdf5;
+#[cfg(feature = "log-mat")]
+mod mat;
 mod npy;
 #[cfg(feature = "log-npz")]
 mod npz;
 mod table;
 mod wpilog;
+#[cfg(feature = "log-xlsx")]
+mod xlsx;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -92,8 +98,11 @@ macro_rules! reader {
     }};
 }
 
+/// How HDF5 begins.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
+
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 3] = [
+const FORMATS: [Known; 6] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -111,6 +120,29 @@ const FORMATS: [Known; 3] = [
         extension: "npz",
         is: |bytes| in_zip(bytes, ".npy"),
         how: reader!("log-npz", npz),
+    },
+    Known {
+        name: "a MATLAB file",
+        extension: "mat",
+        is: |start| start.starts_with(b"MATLAB 5.0 MAT-file"),
+        how: reader!("log-mat", mat),
+    },
+    Known {
+        name: "an HDF5 file (MATLAB 7.3, h5py)",
+        extension: "h5",
+        // MATLAB puts a text of 512 bytes before it.
+        is: |start| {
+            [0, 512, 1024, 2048].iter().any(|at| start.get(*at..).is_some_and(|s| s.starts_with(HDF5)))
+        },
+        how: reader!("log-mat", hdf5),
+    },
+    Known {
+        name: "a spreadsheet",
+        extension: "xlsx",
+        is: |start| {
+            ["[Content_Types].xml", "xl/", "_rels/.rels", "docProps/"].iter().any(|name| in_zip(start, name))
+        },
+        how: reader!("log-xlsx", xlsx),
     },
 ];
 

@@ -40,6 +40,19 @@ pub struct Column {
     pub values: Values,
 }
 
+/// The columns of a matrix whose numbers stand column after column; time runs along the longer side.
+#[allow(dead_code)] // not every build has every reader
+pub fn matrix(name: &str, rows: usize, width: usize, numbers: &[f64]) -> Vec<Column> {
+    let turned = width > rows;
+    let (long, short) = if turned { (width, rows) } else { (rows, width) };
+    let column = |column: usize| {
+        let cell = |row: usize| numbers[if turned { row * rows + column } else { column * rows + row }];
+        let name = if short == 1 { name.to_owned() } else { format!("{name}({})", column + 1) };
+        Column { name, values: Values::Numbers((0..long).map(cell).collect()) }
+    };
+    (0..short).map(column).collect()
+}
+
 /// Columns of one length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
