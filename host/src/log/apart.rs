@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use super::clock::Clock;
 use super::table::{self, Read};
 use super::units::Quantity;
-use super::{ReadOptions, Record, Warning, text};
-use crate::error::{BadInput, Result};
+use super::{ReadOptions, Record, Warning, guess, preamble, text};
+use crate::error::{BadInput, Error, Result};
 
 /// What belongs to the input of a motor.
 const INPUTS: [Quantity; 4] = [Quantity::Voltage, Quantity::Duty, Quantity::Target, Quantity::Supply];
@@ -30,13 +30,41 @@ pub(super) fn both(path: &Path) -> Option<(PathBuf, PathBuf)> {
 /// Those of a table, of either file; bad input where their clocks have no time in common.
 pub(super) fn read(path: &Path, input: &Path, output: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     let mut clock = Clock::default();
-    let driven = table::columns(input, text::open(input)?, options, &mut clock, true)?;
+    let driven = table::columns(input, text::open(input)?, options, &mut clock, true);
     let mut clock = clock.rewound();
-    let moved = table::columns(output, text::open(output)?, options, &mut clock, true)?;
-    let read = joined(input, output, driven, moved)?;
+    let moved = table::columns(output, text::open(output)?, options, &mut clock, true);
+    let read = match (driven, moved) {
+        (Ok(driven), Ok(moved)) => joined(input, output, driven, moved),
+        (Err(error), _) | (_, Err(error)) => Err(error),
+    };
+    let read = read.map_err(|error| proposing(error, input, output, options))?;
     let structure = read.structure.clone();
     let name = format!("{}+{}", super::stem(input), super::stem(output));
     Ok(structure.tests(table::record(path, name, read, options)?))
+}
+
+/// The fault with the mapping that both files look like, where none was given.
+fn proposing(error: Error, input: &Path, output: &Path, options: &ReadOptions) -> Error {
+    let sample = |path: &Path| -> Result<table::Sample> {
+        let mut lines = text::open(path)?;
+        let head = preamble::read(path, &mut lines, true)?;
+        table::sample(path, lines, &head, 0)
+    };
+    match error {
+        Error::BadInput(mut fault) if options.map.is_none() => {
+            if let (Ok(first), Ok(second)) = (sample(input), sample(output))
+                && let Some(proposal) = guess::propose_apart(&first, &second)
+            {
+                fault.remedy = format!(
+                    "say which column is what and in which unit; the files look like {}",
+                    proposal.options()
+                );
+                fault.proposal = Some(Box::new(proposal));
+            }
+            Error::BadInput(fault)
+        }
+        other => other,
+    }
 }
 
 fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<Read> {
@@ -164,6 +192,23 @@ mod tests {
             "{:?}",
             record.warnings
         );
+    }
+
+    #[test]
+    fn a_mapping_that_fits_both_files_is_proposed_and_reads_them() {
+        let input: String = (0..60).map(|k| format!("{},{}\n", 20 * k, k % 7 * 30)).collect();
+        let output: String = (0..120).map(|k| format!("{},{}\n", 10 * k, 7 * k)).collect();
+        let (_directory, path) = files(&format!("millis,pwm\n{input}"), &format!("millis,enc\n{output}"));
+        let Err(Error::BadInput(fault)) = read(&path, &ReadOptions::default()) else { panic!("it is read") };
+        let proposal = fault.proposal.unwrap();
+        assert_eq!(
+            proposal.options(),
+            "--map time=millis:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
+        );
+        let mut options = ReadOptions { map: Some(proposal.map.parse().unwrap()), ..ReadOptions::default() };
+        options.supply_volts = Some(12.0);
+        options.motor.counts_per_rev = Some(1320.0);
+        assert_eq!(read(&path, &options).unwrap()[0].len(), 119);
     }
 
     #[test]

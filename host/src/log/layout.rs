@@ -137,12 +137,20 @@ fn far_apart(line: &str) -> Vec<String> {
     line.split("  ").map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
+/// A date and the time behind it are one field, and so are their names.
+fn is_date_and_time(name: &str, word: &str) -> bool {
+    let is_one_of = |text: &str, words: [&str; 3]| words.contains(&text.to_lowercase().as_str());
+    is_one_of(name, ["date", "datum", "day"]) && is_one_of(word, ["time", "zeit", "uhrzeit"])
+}
+
 /// Words, with a unit in brackets joined to the word before it.
 fn with_units(words: Vec<String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for word in words {
         match names.last_mut() {
-            Some(name) if word.starts_with(['(', '[']) => *name = format!("{name} {word}"),
+            Some(name) if word.starts_with(['(', '[']) || is_date_and_time(name, &word) => {
+                *name = format!("{name} {word}");
+            }
             _ => names.push(word),
         }
     }
@@ -226,6 +234,7 @@ mod tests {
             ("  a    b   c\n 1.0   2   3\n 4   5   6", Separator::Blanks),
             ("a (s)  b (V)  c (rad/s)\n1 2 3\n4 5 6", Separator::Blanks),
             ("a (s) b (V) c (rad/s)\n1 2 3\n4 5 6", Separator::Blanks),
+            ("date time b c\n2024-05-01 12:00:00 2 3\n2024-05-01 12:00:01 5 6", Separator::Blanks),
             ("a b c\n1,2,3\n4,5,6", Separator::Byte(b',')),
             ("a;b;c\n1,0;2;3\n4,5;5;6", Separator::Byte(b';')),
             ("a,b,c\n1,0,2,0,3,0\n4,5,5,1,6,2", Separator::DecimalCommas),

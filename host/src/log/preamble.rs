@@ -120,7 +120,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
 }
 
 /// Blank lines, rows of nothing but separators, and a spreadsheet's remark on its own separator.
-fn is_nothing(text: &str) -> bool {
+pub fn is_nothing(text: &str) -> bool {
     let remark = text.trim_matches('"');
     let separator =
         remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));

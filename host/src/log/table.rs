@@ -182,7 +182,7 @@ impl<'a> Rows<'a> {
     fn take(&mut self, number: u64, line: &str, state: Option<usize>) -> Result<()> {
         let place = Place::Line(number);
         let text = line.trim();
-        if text.is_empty() || text.starts_with('#') {
+        if text.starts_with('#') || preamble::is_nothing(text) {
             return Ok(());
         }
         let header = self.wanted.time.header();
@@ -288,7 +288,7 @@ impl<'a> Rows<'a> {
 
 /// Whether a quantity stays as it was while nothing new is logged of it; where the shaft is does not.
 fn is_held(quantity: Quantity) -> bool {
-    !matches!(quantity, Quantity::Angle | Quantity::Speed | Quantity::Current)
+    !matches!(quantity, Quantity::Angle | Quantity::Speed)
 }
 
 /// A row of full width has blanks; of values with names those that are absent are blank.

@@ -100,7 +100,38 @@ pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
     proposal(names, &parts(names, rows), rows, false)
 }
 
-/// The options that `parts` are written as; `stamped` says that the lines carry times of their own.
+/// Guesses from the beginnings of two tables, the first of what drives the motor, the second of what it does.
+pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal> {
+    use Quantity::{Angle, Current, Duty, Interval, Speed, Target, Time, Voltage};
+    let of = |sample: &Sample| parts(&sample.with_units, &sample.rows);
+    let (mut drives, mut moves) = (of(input), of(output));
+    let time = |sample: &Sample, parts: &[Part]| {
+        let part = parts.iter().find(|part| part.quantity == Time)?;
+        Some((column(&sample.names, part.index), part.unit.clone()))
+    };
+    // One mapping must fit both files.
+    if time(input, &drives) != time(output, &moves) {
+        return None;
+    }
+    drives.retain(|part| ![Angle, Speed, Current, Interval].contains(&part.quantity));
+    moves.retain(|part| [Angle, Speed, Current].contains(&part.quantity));
+    let driven = drives.iter().any(|part| [Voltage, Duty, Target].contains(&part.quantity));
+    if !driven || !moves.iter().any(|part| [Angle, Speed].contains(&part.quantity)) {
+        return None;
+    }
+    let first = written(&input.names, &drives, &input.rows, input.stamped);
+    let second = written(&output.names, &moves, &output.rows, true);
+    Some(Proposal {
+        map: format!("{},{}", first.map, second.map),
+        counts_per_rev: second.counts_per_rev.or(first.counts_per_rev),
+        metres_per_rev: second.metres_per_rev.or(first.metres_per_rev),
+        preview: [first.preview, second.preview].concat(),
+        ..first
+    })
+}
+
+/// The options that `parts` are written as, where they say what drives the motor and what it does; `stamped` says that the lines
+/// carry times of their own.
 fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> Option<Proposal> {
     let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
     let servo = has(Quantity::Target) && has(Quantity::Angle);
@@ -108,6 +139,12 @@ fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) 
     if !driven || !(has(Quantity::Angle) || has(Quantity::Speed)) {
         return None;
     }
+    Some(written(names, parts, rows, stamped))
+}
+
+/// The options that `parts` are written as.
+fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> Proposal {
+    let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
     let needs = |per_turn| parts.iter().any(|part| per_turn_of(part) == Some(per_turn));
     let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
@@ -117,14 +154,14 @@ fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) 
             format!("{}={}{rest}:{}", part.quantity, column(names, part.index), part.unit)
         })
         .collect();
-    Some(Proposal {
+    Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
         counts_per_rev: needs(PerTurn::Counts).then(|| "1320".into()),
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
-    })
+    }
 }
 
 fn per_turn_of(part: &Part) -> Option<PerTurn> {
