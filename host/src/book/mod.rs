@@ -1,6 +1,6 @@
 //! The effect pages of the user's book: what the registry says of each effect, and a plot that the model itself draws.
 //!
-//! A page has a generated part between two marks, written by [`write`] (`cargo xtask book`), and below it what people wrote.
+//! A page has a generated part between two marks, written by [`write()`] (`cargo xtask book`), and below it what people wrote.
 
 mod motion;
 mod plot;

@@ -50,10 +50,7 @@ impl Standing {
         let headline = match (verdict, facts.doubted) {
             (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict),
-            (None, None) => {
-                let best = |kind: Kind| format!("; the best candidate is {}", kind.name());
-                facts.errors.so_far(facts.effects) + &facts.suggested.map_or(String::new(), best)
-            }
+            (None, None) => facts.errors.so_far(facts.effects, facts.suggested.map(Kind::name)),
         };
         let badge = match (facts.doubted, facts.suggested, verdict) {
             (Some(_), ..) => "Not confirmed",
@@ -196,6 +193,15 @@ mod tests {
         let told = Standing::of(&Facts { suggested: Some(Kind::DeadZone), ..facts(&[], 101.0) });
         assert_eq!((told.verdict, told.next.effect), (None, Some(Kind::DeadZone)));
         assert!(told.headline.ends_with("the best candidate is dead_zone."), "{told:?}");
+    }
+
+    #[test]
+    fn who_proposes_an_effect_does_not_say_that_the_noise_leaves_none_to_find() {
+        let effects = ["dead_zone (0.6 V)".to_owned()];
+        let told = Standing::of(&Facts { suggested: Some(Kind::SensorLag), ..facts(&effects, 1.1) });
+        assert!(told.headline.ends_with("1.1 x the noise; the best candidate is sensor_lag."), "{told:?}");
+        let told = Standing::of(&Facts { clean: None, ..facts(&effects, 1.1) });
+        assert!(told.headline.ends_with("about as little as the noise allows."), "{told:?}");
     }
 
     #[test]

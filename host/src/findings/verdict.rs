@@ -89,8 +89,8 @@ impl Errors {
         }
     }
 
-    /// How far a model with `effects` has come while nobody has looked for what it is missing.
-    pub fn so_far<S: AsRef<str>>(&self, effects: &[S]) -> String {
+    /// How far a model with `effects` has come while nobody has looked for what it is missing, or with a `candidate` to add.
+    pub fn so_far<S: AsRef<str>>(&self, effects: &[S], candidate: Option<&str>) -> String {
         let said = if effects.is_empty() {
             format!("The base model leaves {}", self.left())
         } else if self.base == self.model {
@@ -102,9 +102,10 @@ impl Errors {
         said + match self.left_over() {
             Some(n) if n > MANY => ": not enough",
             Some(n) if n > CLOSE => ": something may be missing",
-            Some(_) => ": about as little as the noise allows",
-            None => "",
-        }
+            // Who proposes an effect does not say in one breath that there is none to find.
+            Some(_) if candidate.is_none() => ": about as little as the noise allows",
+            Some(_) | None => "",
+        } + &candidate.map_or(String::new(), |best| format!("; the best candidate is {best}"))
     }
 
     /// Said where held-out data do not confirm the effect added last.
