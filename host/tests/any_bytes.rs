@@ -1,5 +1,7 @@
 //! Properties of the reader over files that nobody would write by hand.
 
+mod formats_support;
+
 use motorlens::log::guess::look;
 use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, suspicions, write_canonical};
 use proptest::prelude::*;
@@ -113,6 +115,35 @@ fn holds(answer: Result<Vec<Record>, motorlens::error::Error>) -> Result<(), Tes
     Ok(())
 }
 
+static VALID: std::sync::LazyLock<Vec<Vec<u8>>> = std::sync::LazyLock::new(valid);
+
+/// A valid file of every binary format.
+fn valid() -> Vec<Vec<u8>> {
+    use formats_support::{Wpilog, canonical_columns, fixture, mcap_of, npy, parquet_of, sheet, zip_of};
+    let (names, columns) = canonical_columns();
+    let mut wpilog = Wpilog::new();
+    let state = wpilog.start("sysid-test-state-arm", "string", "");
+    let entries = ["voltage-m-arm", "position-m-arm"].map(|name| wpilog.start(name, "double", "Rotation"));
+    for k in 0..40 {
+        wpilog.text(state, f64::from(k) * 0.02, "dynamic-forward");
+        entries.iter().for_each(|entry| wpilog.number(*entry, f64::from(k) * 0.02, f64::from(k)));
+    }
+    let array = npy("'<f8'", "True", "(200, 4)", &columns.concat());
+    let vector = npy("'<f8'", "False", "(200,)", &columns[0]);
+    let rows: Vec<Vec<f64>> = (0..40).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+    let mut all = vec![
+        wpilog.bytes,
+        array,
+        zip_of(&[("time_s.npy".into(), vector.clone()), ("voltage_v.npy".into(), vector)], true),
+        sheet(&rows, &names, true),
+        parquet_of(&names, &columns, parquet::basic::Compression::SNAPPY),
+        mcap_of(&columns, true, "lz4"),
+        mcap_of(&columns, false, ""),
+    ];
+    all.extend(["v6.mat", "v7.mat", "v73.mat", "struct.mat", "groups.h5"].map(fixture));
+    all
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -145,6 +176,24 @@ proptest! {
         holds(told(std::path::Path::new(&both), WAYS[way]))?;
         if let Ok(look) = look(&path) {
             prop_assert!(look.names.len() <= look.kinds.len().max(1));
+        }
+    }
+
+    #[test]
+    fn no_damage_of_a_binary_file_makes_its_reader_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        end in any::<prop::sample::Index>(),
+        cut in any::<bool>(),
+    ) {
+        for mut content in VALID.iter().cloned() {
+            for (place, byte) in &changes {
+                let place = place.index(content.len());
+                content[place] = *byte;
+            }
+            if cut {
+                content.truncate(end.index(content.len()));
+            }
+            holds(outcome(&content, Format::Csv, None))?;
         }
     }
 

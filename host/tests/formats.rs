@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use formats_support::{Wpilog, canonical_columns, npy, zip_of};
+use formats_support::{Wpilog, canonical_columns, fixture, mcap_of, npy, parquet_of, sheet, zip_of};
 use motorlens::log::{Format, ReadOptions, Record, read};
 
 fn written(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
@@ -280,11 +280,6 @@ fn what_only_another_program_reads_is_answered_with_that_program() {
     }
 }
 
-/// A file of `tests/formats`.
-fn fixture(name: &str) -> Vec<u8> {
-    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats").join(name)).unwrap()
-}
-
 /// The motion that `fixtures.py` writes.
 fn fixed() -> Record {
     let time_s: Vec<f64> = (0..60).map(|k| f64::from(k) / 100.0).collect();
@@ -345,71 +340,6 @@ fn objects_of_matlab_are_refused_with_the_line_that_exports_them() {
     assert!(refused.contains("writetimetable(run, 'log.csv')"), "{refused}");
 }
 
-/// A spreadsheet with a title, a header, a row of units perhaps, and these rows; the first column dates where `dated`.
-fn sheet(rows: &[Vec<f64>], names: &[&str], dated: bool) -> Vec<u8> {
-    let place = |row: usize, column: usize| format!("{}{}", char::from(b'A' + column as u8), row + 1);
-    let text = |row, column, text: &str| {
-        format!("<c r=\"{}\" t=\"inlineStr\"><is><t>{text}</t></is></c>", place(row, column))
-    };
-    let mut body = format!("<row r=\"1\">{}</row>", text(0, 0, "Run 7"));
-    let header: String = names.iter().enumerate().map(|(k, name)| text(2, k, name)).collect();
-    body += &format!("<row r=\"3\">{header}</row>");
-    for (k, row) in rows.iter().enumerate() {
-        let cells: String = row
-            .iter()
-            .enumerate()
-            .map(|(c, value)| {
-                let style = if dated && c == 0 { " s=\"1\"" } else { "" };
-                format!("<c r=\"{}\"{style}><v>{value:?}</v></c>", place(3 + k, c))
-            })
-            .collect();
-        body += &format!("<row r=\"{}\">{cells}</row>", 4 + k);
-    }
-    let main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
-    let relations = "http://schemas.openxmlformats.org/package/2006/relationships";
-    let office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
-    let empty = format!("<worksheet xmlns=\"{main}\"><sheetData/></worksheet>");
-    let file = |name: &str, content: String| (name.to_owned(), content.into_bytes());
-    zip_of(
-        &[
-            file(
-                "[Content_Types].xml",
-                "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"/>".into(),
-            ),
-            file(
-                "_rels/.rels",
-                format!(
-                    "<Relationships xmlns=\"{relations}\"><Relationship Id=\"rId1\" Type=\"{office}/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>"
-                ),
-            ),
-            file(
-                "xl/workbook.xml",
-                format!(
-                    "<workbook xmlns=\"{main}\" xmlns:r=\"{office}\"><sheets><sheet name=\"Notes\" sheetId=\"1\" r:id=\"rId1\"/><sheet name=\"Log\" sheetId=\"2\" r:id=\"rId2\"/></sheets></workbook>"
-                ),
-            ),
-            file(
-                "xl/_rels/workbook.xml.rels",
-                format!(
-                    "<Relationships xmlns=\"{relations}\"><Relationship Id=\"rId1\" Type=\"{office}/worksheet\" Target=\"worksheets/sheet1.xml\"/><Relationship Id=\"rId2\" Type=\"{office}/worksheet\" Target=\"worksheets/sheet2.xml\"/><Relationship Id=\"rId3\" Type=\"{office}/styles\" Target=\"styles.xml\"/></Relationships>"
-                ),
-            ),
-            file(
-                "xl/styles.xml",
-                format!(
-                    "<styleSheet xmlns=\"{main}\"><cellXfs count=\"2\"><xf numFmtId=\"0\"/><xf numFmtId=\"22\"/></cellXfs></styleSheet>"
-                ),
-            ),
-            file("xl/worksheets/sheet1.xml", empty),
-            file(
-                "xl/worksheets/sheet2.xml",
-                format!("<worksheet xmlns=\"{main}\"><sheetData>{body}</sheetData></worksheet>"),
-            ),
-        ],
-        true,
-    )
-}
-
 #[test]
 fn the_sheet_of_a_workbook_that_is_a_table_is_read_below_its_title() {
     let (names, columns) = canonical_columns();
@@ -428,4 +358,55 @@ fn the_sheet_of_a_workbook_that_is_a_table_is_read_below_its_title() {
     assert!(refused.contains("time=Zeit [s]:s,voltage=U (V):V,angle=Winkel (rad):rad"), "{refused}");
     let cut = refusal("log.xlsx", &content[..content.len() / 2], "");
     assert!(cut.contains("spreadsheet is damaged"), "{cut}");
+}
+
+#[test]
+fn parquet_gives_the_record_of_the_csv_however_it_is_packed() {
+    use parquet::basic::{Compression, ZstdLevel};
+    let (names, columns) = canonical_columns();
+    let packings = [
+        Compression::UNCOMPRESSED,
+        Compression::SNAPPY,
+        Compression::LZ4_RAW,
+        Compression::ZSTD(ZstdLevel::default()),
+        Compression::GZIP(Default::default()),
+    ];
+    for packing in packings {
+        let content = parquet_of(&names, &columns, packing);
+        same(&records("log.parquet", &content, "").unwrap()[0], &as_csv(""), 1e-9);
+        let cut = refusal("log.parquet", &content[..content.len() / 2], "");
+        assert!(cut.contains("damaged, cut off"), "{cut}");
+    }
+    // A blank is a blank of a CSV: a row that is left out.
+    let mut gaps = columns.clone();
+    gaps[3][100] = f64::NAN;
+    let found = records("log.parquet", &parquet_of(&names, &gaps, packings[1]), "").unwrap();
+    assert_eq!(found.iter().map(Record::len).sum::<usize>(), columns[0].len() - 1);
+}
+
+#[test]
+fn mcap_gives_the_record_of_the_csv_from_json_and_from_ros_messages() {
+    let (_, columns) = canonical_columns();
+    let expected = as_csv("");
+    for packing in ["", "lz4", "zstd"] {
+        for (ros, map) in [
+            (
+                false,
+                "voltage=/joint_states/motor.volts,angle=/joint_states/motor.angle,speed=/joint_states/speed",
+            ),
+            (
+                true,
+                "voltage=/joint_states/effort[wheel]:V,angle=/joint_states/position[wheel],speed=/joint_states/velocity[wheel]",
+            ),
+        ] {
+            let content = mcap_of(&columns, ros, packing);
+            let found = records("run.mcap", &content, map).unwrap();
+            assert_eq!(found.len(), 1, "{packing} {ros}");
+            same(&found[0], &expected, 1e-6);
+            let refused = refusal("run.mcap", &content, "");
+            assert!(refused.contains("time=time_s:s,voltage="), "{refused}");
+            let cut = refusal("run.mcap", &content[..content.len() / 3], "");
+            assert!(cut.contains("damaged") && cut.contains("byte"), "{cut}");
+        }
+    }
 }

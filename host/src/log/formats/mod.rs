@@ -5,15 +5,21 @@
 //! goes the way of a CSV from there on: the same names, blanks, mapping, guess and checks.
 
 mod bytes;
+#[cfg(feature = "log-mcap")]
+mod cdr;
 mod convert;
 mod events;
 #[cfg(feature = "log-mat")]
 mod hdf5;
 #[cfg(feature = "log-mat")]
 mod mat;
+#[cfg(feature = "log-mcap")]
+mod mcap;
 mod npy;
 #[cfg(feature = "log-npz")]
 mod npz;
+#[cfg(feature = "log-parquet")]
+mod parquet;
 mod table;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
@@ -102,7 +108,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 6] = [
+const FORMATS: [Known; 8] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -143,6 +149,18 @@ const FORMATS: [Known; 6] = [
             ["[Content_Types].xml", "xl/", "_rels/.rels", "docProps/"].iter().any(|name| in_zip(start, name))
         },
         how: reader!("log-xlsx", xlsx),
+    },
+    Known {
+        name: "a Parquet table",
+        extension: "parquet",
+        is: |start| start.starts_with(b"PAR1"),
+        how: reader!("log-parquet", parquet),
+    },
+    Known {
+        name: "an MCAP recording",
+        extension: "mcap",
+        is: |start| start.starts_with(b"\x89MCAP0\r\n"),
+        how: reader!("log-mcap", mcap),
     },
 ];
 
