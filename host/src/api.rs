@@ -35,8 +35,7 @@ use std::time::Duration;
 
 use motorlens_shared::effects::Kind;
 
-pub use crate::diagnose::discover::Criterion;
-use crate::diagnose::discover::{self as search, Progress};
+pub use crate::diagnose::discover::{self as search, Progress};
 use crate::diagnose::plan::Limits;
 pub use crate::error::{Error, Result};
 use crate::estimate;
@@ -66,19 +65,11 @@ pub struct Options {
     pub library: Vec<Kind>,
     /// Most effects to add.
     pub most: usize,
-    /// By what an effect is accepted.
-    pub criterion: Criterion,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self {
-            validation: Vec::new(),
-            motor: MotorFile::default(),
-            library: Kind::ALL.to_vec(),
-            most: 4,
-            criterion: Criterion::default(),
-        }
+        Self { validation: Vec::new(), motor: MotorFile::default(), library: Kind::ALL.to_vec(), most: 4 }
     }
 }
 
@@ -234,11 +225,7 @@ pub fn discover(
 /// ```
 pub fn discover_records(records: &[Record], options: &Options, observer: Observer) -> Result<Discovered> {
     watched(observer, move |tell| {
-        let asked = search::Options {
-            criterion: options.criterion,
-            library: options.library.clone(),
-            most: options.most,
-        };
+        let asked = search::Options { library: options.library.clone(), most: options.most };
         let found =
             search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
                 tell(event(progress));
@@ -272,14 +259,14 @@ pub fn plan(
     observer: Observer,
 ) -> Result<Option<NextExperiment>> {
     watched(observer, move |tell| {
-        let asked =
-            search::Options { criterion: options.criterion, library: options.library.clone(), most: 1 };
+        let asked = search::Options { library: options.library.clone(), most: 1 };
         let found =
             search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
                 tell(event(progress));
             })?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
-        Ok(found.plan(Limits { volts, seconds }).map(NextExperiment::from))
+        let told = found.plan(Limits { volts, seconds }).map(NextExperiment::from);
+        Ok(told.or_else(|| NextExperiment::to_show(&found.limits)))
     })
 }
 

@@ -83,6 +83,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
                 suggested: None,
                 doubted: None,
                 experiment: false,
+                hidden: &[],
                 data_problems: false,
             }),
             Some(&args.model),

@@ -6,12 +6,11 @@ use motorlens_shared::effects::Kind;
 
 use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
-use crate::diagnose::discover::{Criterion, Discovery, Options, discover};
+use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::error::{Error, Result};
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
-use crate::report::words::taken_back;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -24,9 +23,6 @@ pub struct Args {
     /// Most effects to add
     #[arg(short = 'n', long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(0..=6))]
     pub most: u8,
-    /// By what an effect is accepted; likelihood is under examination (docs/DIAGNOSIS.md)
-    #[arg(long, value_enum, default_value_t)]
-    pub criterion: Criterion,
     /// Write the model here
     #[arg(short, long, value_name = "MODEL.json")]
     pub out: Option<PathBuf>,
@@ -35,7 +31,7 @@ pub struct Args {
 /// Runs the loop and tells what it found.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = or_bad_data(args.input.load(), &[], console)?;
-    let options = Options { criterion: args.criterion, most: usize::from(args.most), ..Options::default() };
+    let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     if let Some(path) = &args.out {
         found.model.write(path)?;
@@ -81,9 +77,6 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    if found.effects.is_empty() && !found.climb.withdrawn.is_empty() {
-        text += &(taken_back(&found.climb.withdrawn) + "\n");
-    }
     text += &format!("The noise level is {} {unit} rms.\n\n", prose::figure(found.noise_floor));
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";
@@ -92,6 +85,7 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("\nThese records cannot tell apart: {}.\n", names.join(", "));
     }
+    text += &prose::limits(&findings.detection_limits);
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);
     }

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::{Console, watch};
 use crate::atomic_file;
-use crate::diagnose::discover::Criterion;
 use crate::error::{Error, Result};
 use crate::exam::{Answer, Marks, Paper, benches, examine, picture, table};
 
@@ -47,9 +46,6 @@ pub struct Args {
     /// Only these kinds: protocol, sysid, duty-on-battery, servo-pendulum, few-decimals, weak-sines
     #[arg(long, value_name = "KINDS", value_delimiter = ',', requires = "benches")]
     bench: Vec<String>,
-    /// By what the diagnosis accepts an effect on the benches
-    #[arg(long, value_enum, default_value_t, requires = "benches")]
-    criterion: Criterion,
     /// Write the cases of the benches as folders (logs, motor.toml, truth.json) and ask nothing
     #[arg(long, value_name = "DIR", requires = "benches")]
     write: Option<PathBuf>,
@@ -121,12 +117,7 @@ fn on_benches(args: &Args, console: &Console) -> Result<()> {
         let why = format!("no kind of bench is called '{unknown}'");
         return Err(Error::usage(why, format!("choose from {}", known().join(", "))));
     }
-    let paper = benches::Paper {
-        from: args.from,
-        cases: args.cases,
-        benches: args.bench.clone(),
-        criterion: args.criterion,
-    };
+    let paper = benches::Paper { from: args.from, cases: args.cases, benches: args.bench.clone() };
     let bar = watch::bar(console, paper.questions().len() as u64, "cases");
     if let Some(directory) = &args.write {
         benches::write_cases(&paper, directory, &mut || bar.inc(1))?;
@@ -180,7 +171,7 @@ fn line(a: &Answer) -> String {
     let first: Vec<String> = standing
         .enumerate()
         .filter(|(k, _)| *k < shown || k + 1 == a.errors.len())
-        .map(|(_, (name, e))| format!("{name} {:.2} {:.2} {:.1} {:.1}", e[0], e[1], e[2], e[3]))
+        .map(|(_, (name, e))| format!("{name} {e:.2}"))
         .collect();
     format!(
         "{} {:>7} {:<40} found {:<40} {:?} {:.1} -> {:.2} x floor, {:.1} s ({}) | {}",

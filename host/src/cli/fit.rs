@@ -138,6 +138,7 @@ fn standing(fit: &Fit) -> Standing {
         suggested: None,
         doubted: None,
         experiment: false,
+        hidden: &[],
         data_problems: false,
     })
 }

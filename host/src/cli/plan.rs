@@ -46,8 +46,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
-    let answer =
-        Answer { schema: 1, rivals: found.open_sets(), next_experiment: plan.map(NextExperiment::from) };
+    let next = plan.map(NextExperiment::from).or_else(|| NextExperiment::to_show(&found.limits));
+    let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment: next };
     if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {
         let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
         atomic_file::write(path, text + "\n")?;

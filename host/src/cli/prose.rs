@@ -7,6 +7,7 @@ use crate::findings::{NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::log::guess;
+use crate::select::DetectionLimit;
 
 /// A line of errors.
 pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
@@ -52,6 +53,24 @@ fn parameters_within(list: &[Estimate], width: usize) -> String {
             figure(e.low),
             figure(e.high)
         );
+    }
+    text
+}
+
+/// The smallest sizes of further effects that the records would have shown, and what they cannot show.
+pub fn limits(limits: &[DetectionLimit]) -> String {
+    let size = |limit: &DetectionLimit| {
+        let unit = if limit.unit == "1" { String::new() } else { format!(" {}", limit.unit) };
+        limit.smallest.map(|size| format!("{} {}{unit}", limit.effect, figure(size)))
+    };
+    let shown: Vec<String> = limits.iter().filter_map(size).collect();
+    let hidden: Vec<&str> = DetectionLimit::hidden(limits).iter().map(|kind| kind.name()).collect();
+    let mut text = String::new();
+    if !shown.is_empty() {
+        text += &format!("These records would have shown further effects from: {}.\n", shown.join(", "));
+    }
+    if !hidden.is_empty() {
+        text += &format!("They cannot show: {}.\n", hidden.join(", "));
     }
     text
 }

@@ -3,11 +3,12 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::climb::Climb;
 use super::evidence::Evidence;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::fit::layout::Values;
+use crate::select::fitted::Fitted;
+use crate::select::noise::Noise;
 
 /// A rung of the ladder.
 #[derive(Debug, Clone, Serialize)]
@@ -47,28 +48,24 @@ fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
     evidence.kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, values)))
 }
 
-/// The first stage in order, with the share of the base model's error that each takes away.
-pub(crate) fn rank(climb: &Climb, evidence: &Evidence) -> Vec<Ranked> {
-    let base = &climb.rungs[0];
-    climb
-        .first
+/// The `candidates` of the first step in order, with the share of the error that each takes away from `base`, as multiples of the noise.
+pub(crate) fn rank(base: &Fitted, candidates: &[Fitted], noise: &Noise, evidence: &Evidence) -> Vec<Ranked> {
+    let excess = |model: &Fitted| model.noise.over(noise) - 1.0;
+    candidates
         .iter()
-        .map(|c| {
-            let share = |new: f64, old: f64| 1.0 - new / old;
-            let score = share(c.train.increments, base.train.increments)
-                .min(share(c.unseen.increments, base.unseen.increments))
-                .clamp(0.0, 1.0);
-            let effect = c.kinds()[c.kinds().len() - 1];
-            Ranked {
+        .filter_map(|c| {
+            let effect = *c.kinds().last()?;
+            let gain = c.gain_over(base);
+            let percent = 100.0 * c.noise.over(noise) / base.noise.over(noise);
+            Some(Ranked {
                 effect,
-                score,
+                score: (1.0 - excess(c) / excess(base).max(1e-9)).clamp(0.0, 1.0),
                 validation: unseen(evidence, &c.values()),
                 evidence: format!(
-                    "with {effect} the error is {:.0} % of the base model's on the records fitted, and {:.0} % on blocks held out",
-                    100.0 * c.train.increments / base.train.increments,
-                    100.0 * c.unseen.increments / base.unseen.increments
+                    "with {effect} the model leaves {percent:.0} % of what the base model leaves, every time scale alike; on blocks held out its likelihood gains {:.0} nats, {:.1} standard errors",
+                    gain.total, gain.sure
                 ),
-            }
+            })
         })
         .collect()
 }

@@ -8,11 +8,12 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::{Player, Programme, Segment, Shape};
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate::Candidate;
 use crate::fit::grid::Grid;
+use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
 use crate::fit::simulate::{LANES, predict_block};
 use crate::log::Record;
+use crate::select::fitted::Fitted;
 
 /// What the rig allows.
 #[derive(Debug, Clone, Copy)]
@@ -49,16 +50,16 @@ const STRIDE: usize = 2;
 /// A law and a simpler one that it contains are alike wherever it gains nothing, so no programme separates their fits:
 /// among others the richer law does not count. Where nothing else is left, the programme counts that shows most of
 /// what the richer laws would add at their usual size.
-pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Option<Plan> {
+pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<Plan> {
     if rivals.len() < 2 {
         return None;
     }
-    let kind = |c: &Candidate| c.kinds().last().copied();
+    let kind = |c: &Fitted| c.kinds().last().copied();
     let kinds: Vec<Kind> = rivals.iter().filter_map(|c| kind(c)).collect();
     let simple = simplest(&kinds);
     // Two richer laws of one simpler law both come down to it.
     let all_nested = simple.len() < 2;
-    let judged: Vec<Candidate> = if all_nested {
+    let judged: Vec<Fitted> = if all_nested {
         rivals.iter().map(|c| in_usual_shape(c)).collect()
     } else {
         rivals.iter().filter(|c| kind(c).is_some_and(|k| simple.contains(&k))).map(|c| (*c).clone()).collect()
@@ -66,7 +67,8 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
     let kinds: Vec<Kind> = judged.iter().filter_map(kind).collect();
     let plans = menu(limits).into_iter().filter_map(|programme| {
         let grid = played(&programme, problem)?;
-        let seen: Vec<View> = judged.iter().map(|c| View::new(problem, c, &grid)).collect();
+        let seen: Vec<View> =
+            judged.iter().map(|c| View::new(problem, &c.layout, &c.found.x, &grid)).collect();
         let mut least = (f64::MAX, (kinds[0], kinds[1]));
         for (a, view) in seen.iter().enumerate() {
             for (b, other) in seen.iter().enumerate().filter(|(b, _)| *b != a) {
@@ -87,9 +89,39 @@ pub fn choose(problem: &Problem, rivals: &[&Candidate], limits: Limits) -> Optio
     plans.max_by(|a, b| a.separation.total_cmp(&b.separation))
 }
 
+/// For each of `missing`, the programme that would show most of it, at its typical size, beside `model`.
+pub fn showing(
+    problem: &Problem,
+    model: &Fitted,
+    missing: &[Kind],
+    limits: Limits,
+) -> Vec<Option<Programme>> {
+    let values = model.values();
+    let with = |kind: &Kind| {
+        let typical = kind.spec().parameters.iter().map(|p| p.typical * p.scale.unit(&problem.rig));
+        let extended = values.with(*kind, typical.collect());
+        let layout = problem.layout(&extended.kinds());
+        let x = layout.pack(&extended);
+        (layout, x)
+    };
+    let extended: Vec<(Layout, Vec<f64>)> = missing.iter().map(with).collect();
+    let mut best: Vec<Option<(f64, Programme)>> = vec![None; missing.len()];
+    for programme in if missing.is_empty() { Vec::new() } else { menu(limits) } {
+        let Some(grid) = played(&programme, problem) else { continue };
+        let view = View::new(problem, &model.layout, &model.found.x, &grid);
+        for (best, (layout, x)) in best.iter_mut().zip(&extended) {
+            let left = view.left_of(&increments(problem, layout, std::slice::from_ref(x), &grid)[0]);
+            if best.as_ref().is_none_or(|(most, _)| left > *most) {
+                *best = Some((left, programme.clone()));
+            }
+        }
+    }
+    best.into_iter().map(|best| best.map(|(_, programme)| programme)).collect()
+}
+
 /// `c` with the usual shape of what its last law has beside the simpler ones: where its size came out as nothing, the shape
 /// is anything.
-fn in_usual_shape(c: &Candidate) -> Candidate {
+fn in_usual_shape(c: &Fitted) -> Fitted {
     let mut usual = c.clone();
     let Some(spec) = c.kinds().last().map(|kind| kind.spec()) else { return usual };
     let first = c.layout.len() - spec.parameters.len();
@@ -157,6 +189,21 @@ fn played(programme: &Programme, problem: &Problem) -> Option<Grid> {
     Some(Grid::new(&record, problem.rig.count_rad))
 }
 
+/// What each of `points` expects to see on `grid`, as increments.
+fn increments(problem: &Problem, layout: &Layout, points: &[Vec<f64>], grid: &Grid) -> Vec<DVector<f64>> {
+    let mut seen: Vec<DVector<f64>> = Vec::new();
+    let mut series = Vec::new();
+    for chunk in points.chunks(LANES) {
+        predict_block(layout, chunk, &problem.rig, grid, &mut series);
+        for l in 0..chunk.len() {
+            let n = series.len().saturating_sub(SPAN) / STRIDE;
+            let step = |k: usize| series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l];
+            seen.push(DVector::from_fn(n, |k, _| step(k)));
+        }
+    }
+    seen
+}
+
 /// What one rival expects to see, and how its parameters could bend that.
 struct View {
     centre: DVector<f64>,
@@ -164,27 +211,17 @@ struct View {
 }
 
 impl View {
-    fn new(problem: &Problem, c: &Candidate, grid: &Grid) -> Self {
-        let (layout, x) = (&c.layout, &c.found.x);
-        let mut points = vec![x.clone()];
+    fn new(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> Self {
+        let mut points = vec![x.to_vec()];
         let mut deltas = Vec::new();
         for k in 0..layout.len() {
             let d = layout.step(k, x[k]);
-            let mut moved = x.clone();
+            let mut moved = x.to_vec();
             moved[k] += d;
             points.push(moved);
             deltas.push(d);
         }
-        let mut seen: Vec<DVector<f64>> = Vec::new();
-        let mut series = Vec::new();
-        for chunk in points.chunks(LANES) {
-            predict_block(layout, chunk, &problem.rig, grid, &mut series);
-            for l in 0..chunk.len() {
-                let n = series.len().saturating_sub(SPAN) / STRIDE;
-                let step = |k: usize| series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l];
-                seen.push(DVector::from_fn(n, |k, _| step(k)));
-            }
-        }
+        let mut seen = increments(problem, layout, &points, grid);
         let centre = seen.remove(0);
         let columns: Vec<DVector<f64>> = seen.iter().zip(&deltas).map(|(p, d)| (p - &centre) / *d).collect();
         Self { tangent: DMatrix::from_columns(&columns), centre }
@@ -197,7 +234,7 @@ impl View {
 
     /// rms of what the most visible parameter of this rival `c` that `simple` lacks would show at its usual size, and
     /// no other parameter could imitate.
-    fn added(&self, c: &Candidate, simple: Kind) -> f64 {
+    fn added(&self, c: &Fitted, simple: Kind) -> f64 {
         let common = simple.spec().parameters;
         let own = c.kinds().last().map_or(&[][..], |kind| kind.spec().parameters);
         let first = c.layout.len() - own.len();
@@ -249,8 +286,8 @@ impl Plan {
 mod tests {
     use super::*;
     use crate::diagnose::discover::prepare;
-    use crate::diagnose::stage::{self, Effort};
     use crate::exam::case::{Case, Conditions};
+    use crate::select::forward::forward;
 
     #[test]
     fn a_programme_that_stays_within_its_limits_separates_friction_from_a_dead_zone() {
@@ -258,8 +295,8 @@ mod tests {
         let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let library = [Kind::Coulomb, Kind::DeadZone];
-        let found = stage::run(&evidence, &base, &library, Effort::LATER, &mut |_| ());
-        let rivals: Vec<&Candidate> = found.iter().collect();
+        let found = forward(&evidence, &base, &library, &mut |_| ());
+        let rivals: Vec<&Fitted> = found.iter().collect();
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let plan = choose(&evidence.train, &rivals, limits).unwrap();
         assert!(plan.programme.peak_v() <= 6.0 && plan.programme.seconds() <= 5.01);
@@ -274,7 +311,7 @@ mod tests {
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let why = |library: &[Kind]| {
-            let found = stage::run(&evidence, &base, library, Effort::LATER, &mut |_| ());
+            let found = forward(&evidence, &base, library, &mut |_| ());
             choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap().why()
         };
         assert!(why(&[Kind::Stribeck, Kind::Coulomb]).starts_with("coulomb suffices: stribeck contains it"));
@@ -295,7 +332,7 @@ mod tests {
         let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let library = [Kind::Stribeck, Kind::Coulomb];
-        let found = stage::run(&evidence, &base, &library, Effort::LATER, &mut |_| ());
+        let found = forward(&evidence, &base, &library, &mut |_| ());
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let plan = choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap();
         assert!(plan.separation > 0.3, "{}", plan.why());

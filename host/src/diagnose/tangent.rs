@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate::Candidate;
 use crate::fit::cost::{Objective, residuals};
 use crate::fit::layout::Layout;
 use crate::fit::search::{Found, Problem};
@@ -43,13 +42,8 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// At `model` on the records of `problem`; the viscous share, which a plain motor hardly shows, gives way only where it is
-    /// `loose`.
-    pub fn new(problem: &Problem, model: &Candidate, loose: bool) -> Self {
-        Self::of(problem, &model.layout, &model.found, loose, Objective::Increments)
-    }
-
-    /// The same of the fit `found`, for the errors that `objective` counts.
+    /// At the fit `found` on the records of `problem`, for the errors that `objective` counts; the viscous share, which a plain motor
+    /// hardly shows, gives way only where it is `loose`.
     pub fn of(problem: &Problem, layout: &Layout, found: &Found, loose: bool, objective: Objective) -> Self {
         let free = layout.free();
         let kept: Vec<usize> = (0..free.len()).filter(|k| loose || free[*k] != VISCOUS_SHARE).collect();
@@ -200,6 +194,7 @@ mod tests {
     use super::*;
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
+    use crate::select::fitted::Fitted;
     use motorlens_shared::effects::Kind;
     use motorlens_virtual_motor::Kind as Hidden;
 
@@ -211,11 +206,14 @@ mod tests {
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let reference = evidence.train.rig.reference_speed;
         let start = base.values().with(Kind::QuadraticDrag, vec![0.1 / reference.powi(2)]);
-        let found = evidence.fit(&start, 20).values().effects[0].1[0];
+        let fitted = Fitted::of(&evidence, &start, 2, 12);
+        let found = fitted.values().effects[0].1[0];
         let layout = evidence.train.layout(&[Kind::QuadraticDrag]);
         let probe = layout.pack(&base.values().with(Kind::QuadraticDrag, vec![4.0 * found]));
-        let tangent = Tangent::new(&evidence.train, &base, true);
-        let [whole, best] = &tangent.project(&evidence.train, &layout, std::slice::from_ref(&probe))[0];
+        let mut problem = evidence.train.clone();
+        base.noise.weigh(&mut problem);
+        let tangent = Tangent::of(&problem, &base.layout, &base.found, true, Objective::Scales);
+        let [whole, best] = &tangent.project(&problem, &layout, std::slice::from_ref(&probe))[0];
         assert!((0.15..0.4).contains(&best.share), "{best:?}");
         assert!(whole.share == 1.0 && best.left < whole.left, "{whole:?} {best:?}");
         let moved = layout.unpack(&tangent.moved(&layout, &probe, best)).effects[0].1[0];

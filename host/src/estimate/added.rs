@@ -8,14 +8,13 @@ use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::stage::{self, Effort};
-use crate::diagnose::worth::worth;
 use crate::error::{Error, Result};
 use crate::fit::layout::Values;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, check_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
+use crate::select;
 
 /// Errors of one model.
 #[derive(Debug, Clone, Serialize)]
@@ -62,8 +61,7 @@ pub struct Addition {
     pub model: Model,
 }
 
-/// Adds `effect` to `model`, refits everything to `records`, and judges by `validation` or, without any, by the
-/// ends of the records.
+/// Adds `effect` to `model` and refits everything to `records`; the `validation` records are only scored.
 ///
 /// # Errors
 /// An effect that the model has already or cannot have; records that no fit can use.
@@ -84,24 +82,24 @@ pub fn add(
         check_usable(record)?;
     }
     let problem = problem_of(model, records, motor)?;
-    let all = Evidence::all_of(&problem);
-    let evidence = Evidence::new(problem, &values, records, validation, motor);
-
-    let old = evidence.fit(&values, 12);
-    let new = stage::run(&evidence, &old, &[effect], Effort::FIRST, &mut |_| ()).into_iter().next();
+    let evidence = Evidence::new(problem, records, validation, motor);
+    let old = select::fitted_from(&evidence, &values);
+    let new = select::with(&evidence, &old, effect);
     let new = new.ok_or_else(|| Error::usage(format!("{effect} cannot be added"), "take another effect"))?;
-    let better = worth(&new, &old);
+    let better = new.beats(&old, &evidence, &old);
 
-    let (old_whole, new_whole) = (all.fit(&old.values(), 8).values(), all.fit(&new.values(), 8).values());
+    let whole = &evidence.whole;
+    let (old_values, new_values) = (old.values(), new.values());
     let errors = |v: &Values| Errors {
-        train: pooled(&free_runs(&all.whole, v)).unwrap_or_default(),
-        validation: if validation.is_empty() { None } else { unseen(&all.whole, validation, motor, v) },
+        train: pooled(&free_runs(whole, v)).unwrap_or_default(),
+        validation: if validation.is_empty() { None } else { unseen(whole, validation, motor, v) },
     };
-    let share = |a: f64, b: f64| 100.0 * a / b.max(1e-300);
+    let gain = new.gain_over(&old);
     let why = format!(
-        "with {effect} the 50 ms differences of the error are {:.0} % of what they were on the records fitted, and {:.0} % on blocks held out{}",
-        share(new.train.increments, old.train.increments),
-        share(new.unseen.increments, old.unseen.increments),
+        "with {effect} the likelihood of blocks held out gains {:.0} nats ({:.1} standard errors), and the cross-validated simulation error is {:.0} % of what it was{}",
+        gain.total,
+        gain.sure,
+        100.0 * (new.crossed(&evidence) - old.crossed(&evidence)).exp(),
         if better { "" } else { "; that is not worth its parameters" }
     );
     let origin = Origin {
@@ -110,8 +108,8 @@ pub fn add(
         method: format!("add {effect}"),
         seed: None,
     };
-    let parameters = estimates(&all.whole, &new_whole);
-    let before = estimates_of(&all.whole.layout(&values.kinds()), &values);
+    let parameters = estimates(whole, &new_values);
+    let before = estimates_of(&whole.layout(&values.kinds()), &values);
     let moved = before
         .into_iter()
         .zip(&parameters)
@@ -122,11 +120,11 @@ pub fn add(
         worth: better,
         why,
         given: errors(&values),
-        before: errors(&old_whole),
-        after: errors(&new_whole),
+        before: errors(&old_values),
+        after: errors(&new_values),
         moved,
         parameters,
-        model: Model::new(&new_whole, &all.whole.rig, &all.whole.prior, origin),
+        model: Model::new(&new_values, &whole.rig, &whole.prior, origin),
     })
 }
 

@@ -3,28 +3,21 @@
 use motorlens_shared::effects::Kind;
 
 use super::Searched;
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::stage::{self, Effort};
 use crate::fit::cost::Objective;
 use crate::fit::layout::{BaseValues, Values};
 use crate::fit::search::Problem;
+use crate::select;
 
-/// Steps of the last search.
-const LAST: usize = 12;
 /// Steps of the textbook's search.
 const TEXTBOOK: usize = 60;
 
-/// Adds `effects` to `base` one after the other on all records.
+/// Adds `effects` to `base` one after the other on all records, as the diagnosis does.
 pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Searched {
-    let evidence = Evidence::all_of(problem);
-    let mut model: Candidate = evidence.fit(base, LAST);
+    let evidence = Evidence::of(problem.clone(), Vec::new());
+    let mut model = select::fitted_from(&evidence, base);
     for kind in effects {
-        let found = stage::run(&evidence, &model, &[*kind], Effort::FIRST, &mut |_| ());
-        model = found.into_iter().next().unwrap_or(model);
-    }
-    if !effects.is_empty() {
-        model = evidence.fit(&model.values(), LAST);
+        model = select::with(&evidence, &model, *kind).unwrap_or(model);
     }
     Searched { values: model.values(), history: Vec::new(), evaluations: evidence.simulations() }
 }

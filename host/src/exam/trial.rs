@@ -10,10 +10,10 @@ use serde::Serialize;
 use super::case::Case;
 use super::question::{Group, Question};
 use super::truth;
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::contained::covers;
 use crate::diagnose::discover::{Options, Progress, Verdict, discover};
 use crate::error::Result;
+use crate::select::fitted::Fitted;
 
 /// What the loop answered to a question, beside the truth.
 #[derive(Debug, Clone, Serialize)]
@@ -34,21 +34,16 @@ pub struct Answer {
     pub found: Vec<&'static str>,
     /// Candidates of the first diagnosis, best first.
     pub ranking: Vec<&'static str>,
-    /// Their errors over the floor: increments on the records fitted and on the one kept out, then the error itself.
-    /// The last row is the base model's.
-    pub errors: Vec<[f64; 4]>,
+    /// What they leave, in multiples of the noise, every time scale alike; the base model last.
+    pub errors: Vec<f64>,
     /// The same of the accepted model.
-    pub reached: [f64; 4],
-    /// The increments' errors of the accepted model on each record, the one kept out last.
-    pub records: Vec<f64>,
-    /// Effects that were taken back.
-    pub withdrawn: Vec<&'static str>,
+    pub reached: f64,
     /// What the data could not tell from the accepted effects, a set for each that has such.
     pub rivals: Vec<Vec<&'static str>>,
-    /// Their errors, the accepted model's first in each set.
-    pub rival_errors: Vec<Vec<[f64; 4]>>,
+    /// What they leave, the accepted model's first in each set.
+    pub rival_errors: Vec<Vec<f64>>,
     /// What the hidden laws themselves leave, where the answer is another.
-    pub truth_errors: Option<[f64; 4]>,
+    pub truth_errors: Option<f64>,
     /// Verdict.
     pub verdict: Verdict,
     /// False where the hidden laws themselves explain these data and fit no better than the answer.
@@ -96,7 +91,7 @@ impl Answer {
 
     /// The plain motor leaves more than noise: something shows.
     pub fn shows(&self) -> bool {
-        self.errors.last().is_some_and(|[a, b, c, d]| a.max(*b) > 1.15 || c.max(*d) > 2.0)
+        self.errors.last().is_some_and(|left| *left > 1.15)
     }
 
     /// A hidden effect stands among the first `places` of the first diagnosis.
@@ -163,12 +158,12 @@ pub fn answer(question: &Question) -> Result<Answer> {
         let error = found.ladder[rung].validation.map_or(f64::NAN, |m| m.rmse);
         error / case.floor_rad
     };
-    let first = &found.climb.first;
+    let first = &found.selected.first;
+    let noise = found.evidence.noise_under(found.selected.model());
     let of = |effect: Kind| first.iter().find(|c| c.kinds().last() == Some(&effect));
     let ranked = found.candidates.iter().filter_map(|c| of(c.effect));
-    let of_candidate =
-        |c: &Candidate| [c.train.increments, c.unseen.increments, c.train.position, c.unseen.position];
-    let errors = ranked.chain(&found.climb.rungs[..1]).map(of_candidate);
+    let left = |c: &Fitted| c.noise.over(&noise);
+    let errors = ranked.chain(&found.selected.steps[..1]).map(left);
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
     let mut answer = Answer {
         group: question.group,
@@ -180,11 +175,9 @@ pub fn answer(question: &Question) -> Result<Answer> {
         found: names(&found.effects),
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
         errors: errors.collect(),
-        reached: of_candidate(found.climb.model()),
-        withdrawn: names(&found.climb.withdrawn),
-        records: found.climb.model().records.clone(),
+        reached: left(found.selected.model()),
         rivals: found.open_sets().iter().map(|set| names(set)).collect(),
-        rival_errors: found.rivals.iter().map(|set| set.models.iter().map(of_candidate).collect()).collect(),
+        rival_errors: found.selected.rivals.iter().map(|set| set.models.iter().map(left).collect()).collect(),
         truth_errors: None,
         verdict: found.verdict,
         told: true,
@@ -196,9 +189,9 @@ pub fn answer(question: &Question) -> Result<Answer> {
     };
     if !answer.exact() {
         let hidden: Vec<Kind> = case.truth.iter().filter_map(|name| Kind::by_name(name)).collect();
-        let truth = truth::fitted(&found.evidence, &found.climb.rungs[0], &hidden);
+        let truth = truth::fitted(&found.evidence, &found.selected.steps[0], &hidden);
         answer.told = truth::is_told(&found, truth.as_ref());
-        answer.truth_errors = truth.as_ref().map(of_candidate);
+        answer.truth_errors = truth.as_ref().map(left);
     }
     Ok(answer)
 }

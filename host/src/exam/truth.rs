@@ -3,45 +3,27 @@
 
 use motorlens_shared::effects::Kind;
 
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::discover::Discovery;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::stage::{self, Effort};
-use crate::diagnose::worth::as_good;
-
-/// Steps of the last search.
-const TO_THE_END: usize = 30;
+use crate::select::fitted::Fitted;
+use crate::select::with;
 
 /// Whether the records of `found` tell the hidden laws, fitted as `truth`, from the accepted ones. They do not where `truth`
-/// leaves no more than noise and is not plainly better than the accepted one: no answer could know what does not show.
-/// Where no search leads `truth` itself to the noise, nothing is excused. What `truth` leaves to chance counts as it does in the
-/// diagnosis.
-pub fn is_told(found: &Discovery, truth: Option<&Candidate>) -> bool {
+/// leaves no more than noise and does not beat the accepted one: no answer could know what does not show.
+/// Where no search leads `truth` itself to the noise, nothing is excused.
+pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
     let Some(truth) = truth else { return true };
-    let mut evidence = found.evidence.clone();
-    // Both are run again only where their units change: pulses of a PWM that were timed for `truth` are not in this evidence.
-    let other_units = evidence.allow_for_chance(&truth.values());
-    let judged = |model: &Candidate| if other_units { evidence.again(model) } else { model.clone() };
-    let [truth, answer] = [truth, found.climb.model()].map(judged);
-    !(truth.explains_all() && as_good(&answer, &truth))
+    let (base, answer) = (&found.selected.steps[0], found.selected.model());
+    !found.evidence.is_explained_by(truth) || truth.beats(answer, &found.evidence, base)
 }
 
 /// The best fit of the laws `truth`, in whatever order they are added to `base`.
-pub fn fitted(evidence: &Evidence, base: &Candidate, truth: &[Kind]) -> Option<Candidate> {
-    let with = |first: usize| {
-        let mut model = base.clone();
-        for k in 0..truth.len() {
-            let kind = truth[(first + k) % truth.len()];
-            model = stage::run(evidence, &model, &[kind], Effort::LATER, &mut |_| ()).into_iter().next()?;
-        }
-        let longer = evidence.fit(&model.values(), TO_THE_END);
-        let best = evidence.finish(if longer.merit() < model.merit() { longer } else { model });
-        let mut timed = evidence.clone();
-        let best =
-            timed.time_pulses(&best).map(|best| best.over(&timed.floor, &evidence.floor)).unwrap_or(best);
-        Some(best)
+pub fn fitted(evidence: &Evidence, base: &Fitted, truth: &[Kind]) -> Option<Fitted> {
+    let in_order = |first: usize| {
+        let mut order = (0..truth.len()).map(|k| truth[(first + k) % truth.len()]);
+        order.try_fold(base.clone(), |model, kind| with(evidence, &model, kind))
     };
-    (0..truth.len()).filter_map(with).min_by(|a, b| a.merit().total_cmp(&b.merit()))
+    (0..truth.len()).filter_map(in_order).max_by(|a, b| a.score().total_cmp(&b.score()))
 }
 
 #[cfg(test)]
@@ -60,7 +42,7 @@ mod tests {
         let answer = |library: Vec<Kind>, truth: Kind| {
             let options = Options { library, ..Options::default() };
             let found = discover(&case.records, &case.held_out, &case.motor, &options, &mut |_| ()).unwrap();
-            is_told(&found, fitted(&found.evidence, &found.climb.rungs[0], &[truth]).as_ref())
+            is_told(&found, fitted(&found.evidence, &found.selected.steps[0], &[truth]).as_ref())
         };
         assert!(answer(vec![Kind::Delay, Kind::Cogging], Kind::QuadraticDrag));
         assert!(!answer(vec![Kind::Delay, Kind::QuadraticDrag], Kind::QuadraticDrag));

@@ -18,6 +18,7 @@ use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::Warning;
 use crate::report::falls::judged;
 use crate::report::shown_by_fit;
+use crate::select::DetectionLimit;
 
 pub use standing::{Action, Facts, NextStep, Standing, named};
 pub use verdict::{Errors, Verdict, multiple};
@@ -50,6 +51,8 @@ pub struct Findings {
     pub rivals: Vec<Vec<Kind>>,
     /// What to run next.
     pub next_experiment: Option<NextExperiment>,
+    /// For every effect that was not accepted, the smallest size that these records would have shown.
+    pub detection_limits: Vec<DetectionLimit>,
     /// What is odd about the logs, and what the fit shows of it.
     pub data_faults: Vec<Warning>,
     #[serde(skip)]
@@ -82,6 +85,22 @@ impl From<Plan> for NextExperiment {
     }
 }
 
+impl NextExperiment {
+    /// The programme that most of the effects which the records cannot show ask for.
+    pub fn to_show(limits: &[DetectionLimit]) -> Option<Self> {
+        let asked = || limits.iter().filter_map(|limit| Some((limit.effect, limit.programme.as_ref()?)));
+        let votes = |programme: &Programme| asked().filter(|(_, other)| other.name == programme.name).count();
+        let (_, programme) = asked().max_by_key(|(_, programme)| votes(programme))?;
+        let shown = asked().filter(|(_, other)| other.name == programme.name);
+        let names = shown.map(|(effect, _)| effect.name()).collect::<Vec<_>>().join(", ");
+        let why = format!(
+            "these records cannot show {names} at any size; {} would show most of it",
+            programme.name
+        );
+        Some(Self { why, programme: programme.clone() })
+    }
+}
+
 impl Findings {
     /// What a discovery found on logs with the faults `of_logs`.
     pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
@@ -96,7 +115,9 @@ impl Findings {
             clean: Some(found.verdict == discover::Verdict::Explained),
             suggested: None,
             doubted: None,
-            experiment: next_experiment.is_some(),
+            experiment: next_experiment.is_some()
+                && (found.effects.is_empty() || !found.selected.rivals.is_empty()),
+            hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
         });
         Self {
@@ -113,6 +134,7 @@ impl Findings {
             candidates: found.candidates.clone(),
             rivals: found.open_sets(),
             next_experiment,
+            detection_limits: found.limits.clone(),
             data_faults: of_logs.iter().cloned().chain(later).collect(),
             of_logs: of_logs.len(),
             parameters,
@@ -150,6 +172,7 @@ impl Findings {
             candidates: Vec::new(),
             rivals: Vec::new(),
             next_experiment: None,
+            detection_limits: Vec::new(),
             data_faults: faults,
             of_logs: of_logs.len(),
             parameters: Vec::new(),
@@ -180,8 +203,9 @@ pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
     Errors { base: error(ladder.first()), model: error(ladder.last()), noise }
 }
 
-/// The programme for the rivals, within the voltages that the logs reached.
+/// The programme that tells the rivals apart, within the voltages that the logs reached; else the one that shows most of the effects
+/// that these records cannot show.
 fn next_experiment(found: &Discovery) -> Option<NextExperiment> {
     let limits = Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 };
-    found.plan(limits).map(NextExperiment::from)
+    found.plan(limits).map(NextExperiment::from).or_else(|| NextExperiment::to_show(&found.limits))
 }

@@ -37,6 +37,8 @@ pub struct Facts<'a> {
     pub doubted: Option<(Kind, bool)>,
     /// Whether an experiment is known that would tell indistinguishable models apart.
     pub experiment: bool,
+    /// Effects that the records cannot show at any size.
+    pub hidden: &'a [Kind],
     /// Whether the data have problems of their own.
     pub data_problems: bool,
 }
@@ -49,6 +51,9 @@ impl Standing {
         let verdict = searched.map(|clean| facts.errors.verdict(facts.effects.len(), clean));
         let headline = match (verdict, facts.doubted) {
             (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
+            (Some(verdict @ Verdict::Explained), None) if facts.effects.is_empty() => {
+                facts.errors.headline(facts.effects, verdict) + &not_shown(facts.hidden)
+            }
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict),
             (None, None) => facts.errors.so_far(facts.effects, facts.suggested.map(Kind::name)),
         };
@@ -141,6 +146,18 @@ impl NextStep {
     }
 }
 
+/// What the records cannot show, said beside what they do.
+fn not_shown(hidden: &[Kind]) -> String {
+    match hidden {
+        [] => String::new(),
+        [one] => format!("; they cannot show {one}"),
+        [first, second] => format!("; they cannot show {first} or {second}"),
+        [first, second, rest @ ..] => {
+            format!("; they cannot show {first}, {second} and {} more", rest.len())
+        }
+    }
+}
+
 /// The effects as a sentence names them: each with its size, where it has one with a unit.
 pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
     let size = |kind: &Kind| {
@@ -174,6 +191,7 @@ mod tests {
             suggested: None,
             doubted: None,
             experiment: false,
+            hidden: &[],
             data_problems: false,
         }
     }
@@ -215,6 +233,14 @@ mod tests {
         assert_eq!(told.next.effect, Some(Kind::Delay));
         assert_eq!((told.badge, told.next.action), ("Not confirmed", Action::Remove));
         assert!(told.headline.contains("rises"), "{told:?}");
+    }
+
+    #[test]
+    fn what_the_records_cannot_show_is_said_where_they_show_nothing_missing() {
+        let hidden = [Kind::Backlash, Kind::Delay, Kind::Cogging];
+        let told = Standing::of(&Facts { hidden: &hidden, experiment: true, ..facts(&[], 1.0) });
+        assert!(told.headline.ends_with("they cannot show backlash, delay and 1 more."), "{told:?}");
+        assert_eq!(told.next.action, Action::Experiment);
     }
 
     #[test]

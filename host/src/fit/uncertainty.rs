@@ -61,7 +61,7 @@ pub fn estimates(problem: &Problem, values: &Values) -> Vec<Estimate> {
 impl Spread {
     /// The spread of `values` as `problem` determines them.
     pub fn of(problem: &Problem, values: &Values) -> Self {
-        let layout = problem.open_layout(&values.kinds());
+        let layout = problem.layout(&values.kinds());
         let x = layout.pack(values);
         let free = layout.free();
         let n = free.len();

@@ -17,7 +17,6 @@ pub mod guess;
 pub mod hold;
 mod json;
 mod layout;
-pub mod losses;
 pub mod mapping;
 mod metadata;
 pub(crate) mod motion;

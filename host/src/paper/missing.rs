@@ -48,7 +48,7 @@ pub fn missing_effect(data: &Data, progress: &mut dyn FnMut(&str)) -> Result<Mis
         }
     })?;
     let (all, _) = setup::problem(&data.records, &data.motor);
-    let runs = free_runs(&all, &found.climb.model().values());
+    let runs = free_runs(&all, &found.model.values());
     Ok(Missing {
         rivals: found.open_sets(),
         effects: found.effects,

@@ -108,7 +108,7 @@ pub fn html(story: &Story) -> Result<String> {
         "standing": story.standing,
         "figures": figures,
         "cards": cards,
-        "nothing_missing": words::nothing_missing(story.model.effects.is_empty(), &story.withdrawn),
+        "nothing_missing": words::nothing_missing(story.model.effects.is_empty()),
         "faults": story.faults,
         "parameters": words::estimate_rows(&story.parameters),
         "combinations": words::estimate_rows(&story.combinations),

@@ -73,8 +73,6 @@ pub struct Story {
     pub rivals: Vec<Vec<Kind>>,
     /// The experiment that would tell them apart, in words.
     pub next: Option<String>,
-    /// Effects that were added and taken back: they left too much of the way to the floor.
-    pub withdrawn: Vec<Kind>,
     /// The verdict and what to do next.
     pub standing: Standing,
     /// What is odd about the data.
@@ -95,7 +93,7 @@ pub const DRAWN: usize = 4;
 impl Story {
     /// The story of a discovery on `records`, as its `findings` tell it.
     pub fn of(discovery: &Discovery, findings: &Findings, records: &[Record]) -> Self {
-        let rungs = &discovery.climb.rungs;
+        let rungs = &discovery.selected.steps;
         let base = rungs[0].values();
         let values = discovery.model.values();
         let whole = &discovery.evidence.whole;
@@ -113,7 +111,6 @@ impl Story {
             suspects: suspects(discovery),
             rivals: discovery.open_sets(),
             next: findings.next_experiment.as_ref().map(|next| next.why.clone()),
-            withdrawn: discovery.climb.withdrawn.clone(),
             standing: findings.standing(),
             faults: findings.data_faults.clone(),
             parameters: findings.parameters.clone(),
@@ -126,7 +123,7 @@ impl Story {
 
 /// Where each step of the ladder raised the error most, on the records that judge.
 fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
-    let rungs = &discovery.climb.rungs;
+    let rungs = &discovery.selected.steps;
     if rungs.len() != discovery.ladder.len() {
         return vec![None; discovery.ladder.len()];
     }
@@ -144,11 +141,11 @@ fn baseline(discovery: &Discovery, records: &[Record]) -> Option<Rung> {
 
 /// The candidates in order, and after them what only a later diagnosis brought.
 fn suspects(discovery: &Discovery) -> Vec<Suspect> {
-    let model = discovery.climb.model();
+    let model = discovery.selected.model();
     let drawn = |kind: Kind, values: &Values| evidence::of(&discovery.evidence, kind, values);
     let candidates = discovery.candidates.iter().enumerate().map(|(place, ranked)| {
         let kind = ranked.effect;
-        let tried = discovery.climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
+        let tried = discovery.selected.first.iter().find(|c| c.kinds().last() == Some(&kind));
         let shown = if model.kinds().contains(&kind) { Some(model) } else { tried.filter(|_| place < DRAWN) };
         let figures = shown.map_or_else(Vec::new, |c| drawn(kind, &c.values()));
         Suspect { ranked: ranked.clone(), figures }

@@ -20,11 +20,7 @@ static STORY: LazyLock<Story> = LazyLock::new(|| {
         plays.iter().zip(all).partition(|(play, _)| play.role == Role::HeldOut);
     let of = |pairs: Vec<(_, crate::log::Record)>| pairs.into_iter().map(|(_, r)| r).collect::<Vec<_>>();
     let (fitted, unseen) = (of(fitted), of(unseen));
-    let options = Options {
-        library: vec![Kind::Coulomb, Kind::Gravity, Kind::DeadZone],
-        most: 2,
-        ..Options::default()
-    };
+    let options = Options { library: vec![Kind::Coulomb, Kind::Gravity, Kind::DeadZone], most: 2 };
     let found = discover(&fitted, &unseen, &MotorFile::default(), &options, &mut |_| ()).unwrap();
     let faults = vec![Warning {
         place: "a.csv, column angle_rad".into(),

@@ -1,6 +1,5 @@
 //! The words and tables of a report.
 
-use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::falls::judged;
@@ -49,24 +48,13 @@ pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
     format!("The simulation error on {on} {way} from {} to {} rms; {noise}.", error(before), error(after))
 }
 
-/// Said where no effect is worth adding: to a model without any (`plain`), or with what was taken back.
-pub fn nothing_missing(plain: bool, withdrawn: &[Kind]) -> String {
-    match (plain, withdrawn) {
-        (false, _) => "With these effects in the model no further one is worth its parameters.".into(),
-        (true, []) => {
-            "No effect of the library lowers the error both on the records fitted and on the validation records."
-                .into()
-        }
-        (true, withdrawn) => taken_back(withdrawn),
+/// Said where no effect is worth adding: to a model without any (`plain`), or with some.
+pub fn nothing_missing(plain: bool) -> &'static str {
+    if plain {
+        "No effect of the library predicts blocks held out better than the base model."
+    } else {
+        "With these effects in the model no further one is worth its parameters."
     }
-}
-
-/// What `effects`, which were taken back in the end, would have done.
-pub fn taken_back(effects: &[Kind]) -> String {
-    format!(
-        "{} would explain a part of the error, and so may other physics: too much is left to name it.",
-        effects.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
-    )
 }
 
 /// Parameters or combinations with their intervals.
@@ -132,17 +120,4 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
         }
     });
     rows.collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_was_taken_back_is_named_and_nothing_else_is_blamed() {
-        let said = nothing_missing(true, &[Kind::DeadZone, Kind::Delay]);
-        assert!(said.starts_with("dead_zone + delay would explain"), "{said}");
-        assert!(nothing_missing(true, &[]).starts_with("No effect of the library"));
-        assert!(nothing_missing(false, &[]).contains("no further one"));
-    }
 }

@@ -2,44 +2,47 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::dataset::Dataset;
 use super::fitted::Fitted;
-use super::starts::{Start, starts};
-use crate::diagnose::contained::{covers, parts};
+use super::starts::{Start, plain_starts, starts, straightened};
+use crate::diagnose::contained::may_join;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
 use crate::fit::layout::Layout;
 
 /// Effects of which more than the trial evaluations is seen.
-const TRIALS: usize = 14;
+const TRIALS: usize = 10;
 /// Starts of an effect that are searched.
 const STARTS: usize = 2;
 /// Steps of the first screening round, for every effect.
 const FIRST: usize = 2;
 /// Effects in the second round, and its steps.
-const SECOND: (usize, usize) = (8, 4);
+const SECOND: (usize, usize) = (7, 3);
 /// Effects that are fitted on all records, rounds of weighing and steps of each.
-const FULL: (usize, usize, usize) = (5, 2, 6);
+const FULL: (usize, usize, usize) = (5, 1, 5);
 
 /// Whether `kind` may join a model of `kinds`: it is not covered by them, and two effects do not stand between rotor and load.
-fn lacks(kinds: &[Kind], kind: Kind) -> bool {
+pub fn lacks(kinds: &[Kind], kind: Kind) -> bool {
     let two_masses = kinds.iter().any(|k| k.spec().load_share().is_some());
-    let second_gap = two_masses && kind.spec().load_share().is_some();
-    let joined_by_part = kind.spec().is_sum() && parts(kind).any(|(part, _)| covers(kinds, part));
-    !covers(kinds, kind) && !second_gap && !joined_by_part
+    may_join(kinds, kind) && !(two_masses && kind.spec().load_share().is_some())
 }
 
 /// Fits `model` with every effect of `library` that it lacks; best score first.
-pub fn forward(data: &Dataset, model: &Fitted, library: &[Kind], tick: &mut dyn FnMut(Kind)) -> Vec<Fitted> {
+pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn FnMut(Kind)) -> Vec<Fitted> {
     let screen = data.screen(&model.noise);
     let found = screen.search(&model.layout, Objective::Scales, &model.found.x, 0, 1e-3);
     let tangent = Tangent::of(&screen, &model.layout, &found, true, Objective::Scales);
     let values = model.values();
     let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
     let mut round: Vec<(Layout, Start)> = Vec::new();
+    let straight = straightened(&screen, &values);
     for kind in library.iter().filter(|kind| lacks(model.kinds(), **kind)) {
         tick(*kind);
-        let (layout, starts) = starts(&screen, &values, &tangent, *kind);
+        let (layout, mut starts) = starts(&screen, &values, &tangent, *kind);
+        starts.truncate(STARTS);
+        if let Some(straight) = &straight {
+            starts.extend(plain_starts(&screen, straight, *kind).into_iter().take(STARTS));
+        }
         trials.push((layout, starts));
     }
     trials.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
@@ -48,7 +51,7 @@ pub fn forward(data: &Dataset, model: &Fitted, library: &[Kind], tick: &mut dyn 
             let found = screen.search(&layout, Objective::Scales, x, FIRST, 1e-3);
             (found.cost, found.x)
         };
-        let best = starts.iter().take(STARTS).map(search).min_by(|a, b| a.0.total_cmp(&b.0));
+        let best = starts.iter().map(search).min_by(|a, b| a.0.total_cmp(&b.0));
         round.extend(best.map(|start| (layout.clone(), start)));
     }
     round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
@@ -66,9 +69,19 @@ pub fn forward(data: &Dataset, model: &Fitted, library: &[Kind], tick: &mut dyn 
     fitted
 }
 
-/// Of `fitted`, best score first, the one to believe: the smallest that the best does not beat.
-pub fn simplest(fitted: &[Fitted]) -> Option<usize> {
+/// `model` with `kind` added; none where that cannot join it.
+pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
+    forward(data, model, &[kind], &mut |_| ()).into_iter().next().map(|found| found.settled(data))
+}
+
+/// Of `fitted`, best score first, the one to believe: of those that the best does not beat the smallest, and of equally small ones the law
+/// on which most others of the library build: it is the usual one.
+pub fn simplest(data: &Evidence, fitted: &[Fitted], base: &Fitted) -> Option<usize> {
     let best = fitted.first()?;
-    let near = (0..fitted.len()).filter(|k| *k == 0 || !best.beats(&fitted[*k]));
-    near.min_by_key(|k| (fitted[*k].size(), *k))
+    let near = (0..fitted.len()).filter(|k| *k == 0 || !best.beats(&fitted[*k], data, base));
+    let built_on = |model: &Fitted| {
+        let name = model.kinds().last().map_or("", |kind| kind.name());
+        Kind::ALL.iter().filter(|kind| kind.spec().contains.iter().any(|(part, _)| *part == name)).count()
+    };
+    near.min_by_key(|k| (fitted[*k].size(), std::cmp::Reverse(built_on(&fitted[*k])), *k))
 }

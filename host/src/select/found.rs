@@ -1,42 +1,45 @@
-//! What the selection found, in the form that terminal, page and report read.
+//! The base model, the selection from it, and what is told of that.
 
 use std::cell::RefCell;
 use std::time::Instant;
 
-use super::dataset::Dataset;
 use super::fitted::Fitted;
-use super::run::{Selected, run};
-use crate::diagnose::candidate::{Candidate, Errors};
-use crate::diagnose::climb::Climb;
+use super::limits::detection_limits;
+use super::run::run;
+use super::starts::straightened;
 use crate::diagnose::discover::{Discovery, Options, Progress, Verdict, noise_floor};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{rank, rung};
-use crate::diagnose::rivals::Rivals;
+use crate::fit::layout::Values;
 use crate::log::Record;
 use crate::model_file::{Model, Origin};
 
-/// A model that leaves less than so many times the noise, every time scale alike, leaves nothing that these records show.
-const EXPLAINS: f64 = 1.25;
 /// Rounds of weighing of the base model, and steps of each.
 const BASE: (usize, usize) = (3, 12);
 
-/// Selects from `base` on `records`; the `validation` records are only scored.
+/// The model of `values`' effects: from `values`, and from the usual time constants where these are far from them.
+pub fn fitted_from(data: &Evidence, values: &Values) -> Fitted {
+    let found = Fitted::of(data, values, BASE.0, BASE.1);
+    let again =
+        straightened(&data.train, &found.values()).map(|usual| Fitted::of(data, &usual, BASE.0, BASE.1));
+    again.filter(|again| again.score() > found.score()).unwrap_or(found)
+}
+
+/// Selects from `base` on the `records` of `evidence`; the `validation` records are only scored.
 pub fn discovery(
     begun: Instant,
     records: &[Record],
     validation: &[Record],
     evidence: Evidence,
-    base: Candidate,
+    base: Fitted,
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
-    let data = Dataset::new(&evidence.whole, records);
-    let start = Fitted::of(&data, &base.values(), BASE.0, BASE.1);
     let told = RefCell::new(progress);
     let mut ladder = Vec::new();
     let selected = run(
-        &data,
-        start,
+        &evidence,
+        base,
         &options.library,
         options.most,
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
@@ -46,47 +49,25 @@ pub fn discovery(
             ladder.push(step);
         },
     );
-    let all = |models: &[Fitted]| models.iter().map(|model| candidate(&selected, model)).collect();
-    let climb = Climb {
-        rungs: all(&selected.steps),
-        first: all(&selected.first),
-        refused: Vec::new(),
-        withdrawn: Vec::new(),
-    };
-    let explained = selected.left_over(selected.model()) < EXPLAINS;
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
         records: records.iter().map(|r| r.name.clone()).collect(),
         method: "discover".into(),
         seed: None,
     };
-    let values = selected.model().values();
+    let (base, model) = (&selected.steps[0], selected.model());
+    let values = model.values();
     Discovery {
-        verdict: if explained { Verdict::Explained } else { Verdict::Unexplained },
-        rivals: selected.rivals.iter().map(|models| Rivals { models: all(models) }).collect(),
+        verdict: if evidence.is_explained_by(model) { Verdict::Explained } else { Verdict::Unexplained },
         effects: values.kinds(),
         noise_floor: noise_floor(records, validation, &evidence.whole),
         ladder,
-        candidates: rank(&climb, &evidence),
+        candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
+        limits: detection_limits(&evidence, base, model, &options.library, evidence.highest_voltage()),
         model: Model::new(&values, &evidence.whole.rig, &evidence.whole.prior, origin),
         seconds: begun.elapsed().as_secs_f64(),
-        simulations: evidence.simulations() + data.train.simulations.get(),
+        simulations: evidence.simulations(),
         evidence,
-        climb,
-    }
-}
-
-/// `model` with what it leaves, in multiples of the noise, in the place of both errors.
-fn candidate(selected: &Selected, model: &Fitted) -> Candidate {
-    let left = selected.left_over(model);
-    let errors = Errors { increments: left, position: left };
-    Candidate {
-        layout: model.layout.clone(),
-        found: model.found.clone(),
-        train: errors,
-        unseen: errors,
-        records: vec![left],
-        calm: None,
-        foretold: false,
+        selected,
     }
 }

@@ -1,18 +1,21 @@
 //! Which model the records speak for: one criterion for every effect (docs/DIAGNOSIS.md).
 //!
-//! records -> [`dataset`] -> [`fitted`] (least squares on the whitened simulation error, its [`noise`] by time scale) -> [`score`]
+//! [`crate::diagnose::evidence`] -> [`fitted`] (least squares on the whitened simulation error, its [`noise`] by time scale) -> [`score`]
 //! (held-out log-likelihood) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`found`].
 
-pub mod dataset;
+pub mod crossed;
 pub mod fitted;
 pub mod forward;
 pub mod found;
+pub mod limits;
 pub mod noise;
 pub mod run;
 pub mod score;
 pub mod starts;
 
-pub use found::discovery;
+pub use forward::with;
+pub use found::{discovery, fitted_from};
+pub use limits::DetectionLimit;
 
 #[cfg(test)]
 mod tests;

@@ -3,11 +3,10 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::dataset::Dataset;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, SETTLED, WORTH};
 use super::forward::{forward, simplest};
-use super::noise::Noise;
-use crate::diagnose::contained::covers;
+use crate::diagnose::contained::{covers, parts};
+use crate::diagnose::evidence::Evidence;
 
 /// What was selected.
 #[derive(Debug)]
@@ -16,13 +15,22 @@ pub struct Selected {
     pub steps: Vec<Fitted>,
     /// The first step's candidates, best first.
     pub first: Vec<Fitted>,
-    /// For each accepted effect that has such: the accepted model, then models with another effect in its place that the records
-    /// cannot tell from it.
-    pub rivals: Vec<Vec<Fitted>>,
-    /// What a perfect model would leave.
-    pub floor: Noise,
-    /// Whether a repeated programme measured that.
-    pub repeated: bool,
+    /// For each accepted effect that has such, its rivals.
+    pub rivals: Vec<Rivals>,
+}
+
+/// Models that the records cannot tell apart: each has another effect, its last, in the place of the first one's last.
+#[derive(Debug, Clone)]
+pub struct Rivals {
+    /// The accepted model, then the others by score; two at least.
+    pub models: Vec<Fitted>,
+}
+
+impl Rivals {
+    /// The effects that stand for one another, the accepted one first.
+    pub fn kinds(&self) -> Vec<Kind> {
+        self.models.iter().filter_map(|model| model.kinds().last().copied()).collect()
+    }
 }
 
 impl Selected {
@@ -30,22 +38,14 @@ impl Selected {
     pub fn model(&self) -> &Fitted {
         &self.steps[self.steps.len() - 1]
     }
-
-    /// What `model` leaves, in multiples of the noise.
-    pub fn left_over(&self, model: &Fitted) -> f64 {
-        model.noise.over(&self.floor)
-    }
 }
 
-/// Rounds of weighing of a model that is kept, and steps of each.
-const SETTLED: (usize, usize) = (3, 12);
-
-/// An effect may raise the simulation error by no more than this.
-const NO_RISE: f64 = 1.02;
+/// Candidates of a step that are searched to the end, best first, until one is believed.
+const TRIED: usize = 3;
 
 /// Selects from `base`, adding at most `most` effects of `library`.
 pub fn run(
-    data: &Dataset,
+    data: &Evidence,
     base: Fitted,
     library: &[Kind],
     most: usize,
@@ -60,35 +60,59 @@ pub fn run(
         let model = &steps[steps.len() - 1];
         let depth = steps.len() - 1;
         let mut candidates = forward(data, model, library, &mut |kind| tick(depth, kind));
-        if let Some(chosen) = simplest(&candidates) {
-            let chosen = candidates.remove(chosen);
-            candidates.insert(0, chosen);
-        }
-        let next = candidates.first().filter(|c| c.beats(model)).cloned();
+        let next = step_up(data, &steps[0], model, &mut candidates);
         if steps.len() == 1 {
             first = candidates;
         }
         let Some(next) = next else { break };
-        let settled = Fitted::of(data, &next.values(), SETTLED.0, SETTLED.1);
-        let next = if settled.score() > next.score() { settled } else { next };
-        let next = pruned(data, next, &given);
-        // A model that predicts better and simulates worse has learnt a disturbance.
-        if next.simulation_error(data) > NO_RISE * steps[steps.len() - 1].simulation_error(data) {
-            break;
-        }
+        let next = simpler(data, next, &steps[0]);
+        let next = pruned(data, next, &given, &steps[0]);
         step(&next);
         steps.push(next);
     }
     let rivals = rivals(data, &steps, &first, library, &given);
-    let model = &steps[steps.len() - 1];
-    let measured = data.repeat_noise(&model.values());
-    let repeated = measured.is_some();
-    let floor = measured.unwrap_or_else(|| model.noise.white());
-    Selected { steps, first, rivals, floor, repeated }
+    Selected { steps, first, rivals }
+}
+
+/// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
+/// the smallest, else the next. The one that was looked at first comes first then. `base` is what the selection began with.
+pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut [Fitted]) -> Option<Fitted> {
+    if let Some(chosen) = simplest(data, candidates, base) {
+        candidates[..=chosen].rotate_right(1);
+    }
+    let worth = candidates.iter().filter(|c| c.gain_over(model).total > WORTH);
+    worth.take(TRIED).map(|c| c.clone().settled(data)).find(|c| c.beats(model, data, base))
+}
+
+/// `accepted`, and those of the models `tried` in its place that it does not beat; none where it beats all.
+pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitted) -> Option<Rivals> {
+    let other = |c: &Fitted| !c.kinds().iter().all(|k| covers(accepted.kinds(), *k));
+    let near: Vec<Fitted> =
+        tried.into_iter().filter(|c| other(c) && !accepted.beats(c, data, base)).collect();
+    (!near.is_empty()).then(|| Rivals { models: std::iter::once(accepted.clone()).chain(near).collect() })
+}
+
+/// `model`, or the model with a simpler law in the place of one that contains it, where the richer one does not beat that: both are
+/// searched to the end, the simpler from where the richer ended.
+fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
+    let values = model.values();
+    for (rich, parameters) in &values.effects {
+        let without = values.without(*rich);
+        for (part, at) in parts(*rich) {
+            if covers(&without.kinds(), part) {
+                continue;
+            }
+            let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
+            if !model.beats(&poor, data, base) {
+                return simpler(data, poor, base);
+            }
+        }
+    }
+    model
 }
 
 /// `model` without the effects that it does as well without (backward elimination); never without those `given`.
-fn pruned(data: &Dataset, model: Fitted, given: &[Kind]) -> Fitted {
+fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitted {
     let mut model = model;
     if model.kinds().len() < given.len() + 2 {
         return model;
@@ -99,7 +123,7 @@ fn pruned(data: &Dataset, model: Fitted, given: &[Kind]) -> Fitted {
             continue;
         }
         let fewer = Fitted::of(data, &model.values().without(kind), 2, 8);
-        if !model.beats(&fewer) {
+        if !model.beats(&fewer, data, base) {
             model = fewer;
         }
     }
@@ -109,12 +133,12 @@ fn pruned(data: &Dataset, model: Fitted, given: &[Kind]) -> Fitted {
 /// What could stand in an accepted effect's place: every other one is tried there, and those that the accepted model does not beat
 /// are its rivals.
 fn rivals(
-    data: &Dataset,
+    data: &Evidence,
     steps: &[Fitted],
     first: &[Fitted],
     library: &[Kind],
     given: &[Kind],
-) -> Vec<Vec<Fitted>> {
+) -> Vec<Rivals> {
     let model = &steps[steps.len() - 1];
     let accepted: Vec<Kind> = model.kinds().iter().copied().filter(|kind| !given.contains(kind)).collect();
     let single = accepted.len() == 1;
@@ -125,9 +149,7 @@ fn rivals(
             let without = Fitted::of(data, &model.values().without(kind), 2, 8);
             forward(data, &without, library, &mut |_| ())
         };
-        let other = |c: &Fitted| !c.kinds().iter().all(|k| covers(model.kinds(), *k));
-        let near: Vec<Fitted> = tried.into_iter().filter(|c| other(c) && !model.beats(c)).collect();
-        (!near.is_empty()).then(|| std::iter::once(model.clone()).chain(near).collect())
+        alike(data, model, tried, &steps[0])
     };
     accepted.into_iter().filter_map(of).collect()
 }

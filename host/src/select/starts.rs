@@ -42,6 +42,41 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
     sizes
 }
 
+/// `values` with the time constant and the viscous share that are usual, where the fit has bent them far from that: what a model lacks
+/// it makes up for by its base, and next to a bent base no law looks right. None where they are near.
+pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
+    let prior = &problem.prior;
+    let (tau_e, share) = (values.base.tau_e, values.base.viscous_share);
+    let off = |(centre, width): (f64, f64), value: f64| (value - centre).abs() > width;
+    let log = (prior.tau_e.0.ln(), prior.tau_e.1);
+    if !off(log, tau_e.ln()) && !off(prior.viscous_share, share) {
+        return None;
+    }
+    let mut usual = values.clone();
+    (usual.base.tau_e, usual.base.viscous_share) = (prior.tau_e.0, prior.viscous_share.0);
+    Some(usual)
+}
+
+/// Starts for `values` with `kind` added at the sizes of its row, as they are, cheapest first.
+pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start> {
+    let spec = kind.spec();
+    let (rest, kept) = extended(values, kind);
+    let start = |probe: &&[f64]| {
+        let scaled = probe.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&problem.rig));
+        let mut parameters: Vec<f64> = scaled.collect();
+        kept.iter().for_each(|(at, value)| parameters[*at] = *value);
+        rest.with(kind, parameters)
+    };
+    let tries: Vec<Values> = spec.probes.iter().map(start).collect();
+    let Some(first) = tries.first() else { return Vec::new() };
+    let layout = problem.layout(&first.kinds());
+    let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
+    let costs = problem.costs(&layout, Objective::Scales, &xs);
+    let mut starts: Vec<Start> = costs.into_iter().zip(xs).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    starts
+}
+
 /// Starts for `values` with `kind` added, cheapest first. The model's own parameters give way to first order (`tangent`); what was
 /// foreseen so is run.
 pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {

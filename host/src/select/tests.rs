@@ -3,13 +3,13 @@
 use motorlens_shared::effects::Kind;
 use motorlens_virtual_motor::Kind as Hidden;
 
-use crate::diagnose::discover::{Criterion, Discovery, Options, discover};
+use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::exam::case::{Case, Conditions};
 use crate::log::Record;
 
 fn found(case: &Case, validation: &[Record]) -> Discovery {
     let library = vec![Kind::Coulomb, Kind::Gravity, Kind::Delay, Kind::Eccentricity, Kind::QuadraticDrag];
-    let options = Options { criterion: Criterion::Likelihood, library, ..Options::default() };
+    let options = Options { library, ..Options::default() };
     discover(&case.records, validation, &case.motor, &options, &mut |_| ()).unwrap()
 }
 

@@ -1,67 +1,59 @@
 //! What is missing from the current model, and what to run next to be sure.
 
 use motorlens_shared::effects::Kind;
-use motorlens_shared::excitation::Programme;
-use serde::Serialize;
 
-use crate::diagnose::candidate::Candidate;
-use crate::diagnose::climb::{Climb, best_first};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
 use crate::diagnose::plan::{self, Limits};
-use crate::diagnose::rivals::{self, Rivals};
-use crate::diagnose::worth::{simplest, worth};
+use crate::findings::NextExperiment;
+use crate::formula;
 use crate::report::{DRAWN, Suspect, evidence};
+use crate::select::DetectionLimit;
+use crate::select::fitted::Fitted;
+use crate::select::limits::detection_limits;
+use crate::select::run::{Rivals, alike, step_up};
 
 /// Effects that were tried on a model.
 #[derive(Debug, Clone, Default)]
 pub struct Diagnosis {
     /// With their parameters, best first.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<Fitted>,
     /// The same as they are told; the first few with what shows them.
     pub suspects: Vec<Suspect>,
     /// Sets that cannot be told apart.
     pub rivals: Vec<Vec<Kind>>,
     /// The experiment that would tell them apart, where there are any.
-    pub next: Option<Next>,
+    pub next: Option<NextExperiment>,
+    /// What the records would have shown of every further effect.
+    pub limits: Vec<DetectionLimit>,
     /// Whether the first suspect is worth adding.
     pub worth: bool,
-}
-
-/// An experiment, and what it would show.
-#[derive(Debug, Clone, Serialize)]
-pub struct Next {
-    /// What it would show.
-    pub why: String,
-    /// What to play.
-    pub programme: Programme,
 }
 
 /// Longest programme that is proposed, s.
 const LONGEST_S: f64 = 8.0;
 
 impl Diagnosis {
-    /// What `candidates`, tried on `model`, tell.
-    pub fn new(evidence: &Evidence, model: &Candidate, candidates: Vec<Candidate>) -> Self {
-        let best = simplest(&candidates).cloned();
-        let worth = best.as_ref().is_some_and(|best| worth(best, model));
-        let rungs = std::iter::once(model.clone()).chain(best).collect();
-        let climb =
-            Climb { rungs, first: best_first(&candidates), refused: Vec::new(), withdrawn: Vec::new() };
-        let ranked = ladder::rank(&climb, evidence);
-        let found = rivals::rivals(evidence, &climb, &[]);
-        let of = |kind: Kind| climb.first.iter().find(|c| c.kinds().last() == Some(&kind));
+    /// What `candidates`, tried on `model`, tell; `base` is the model without effects.
+    pub fn new(evidence: &Evidence, base: &Fitted, model: &Fitted, mut candidates: Vec<Fitted>) -> Self {
+        let best = step_up(evidence, base, model, &mut candidates);
+        let noise = evidence.noise_under(best.as_ref().unwrap_or(model));
+        let ranked = ladder::rank(model, &candidates, &noise, evidence);
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
-            let tried = of(ranked.effect).filter(|_| place < DRAWN);
-            let drawn = |c: &Candidate| evidence::of(evidence, ranked.effect, &c.values());
+            let tried = candidates.get(place).filter(|_| place < DRAWN);
+            let drawn = |c: &Fitted| evidence::of(evidence, ranked.effect, &c.values());
             Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
         let suspects = suspects.collect();
-        let among: Vec<&Candidate> = found.first().into_iter().flat_map(|set| &set.models).collect();
-        let limits = Limits { volts: evidence.highest_voltage(), seconds: LONGEST_S };
-        let next = plan::choose(&evidence.whole, &among, limits);
-        let next = next.map(|plan| Next { why: plan.why(), programme: plan.programme });
+        let worth = best.is_some();
+        let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
+        let among: Vec<&Fitted> = found.iter().flat_map(|set| &set.models).collect();
+        let volts = evidence.highest_voltage();
+        let next = plan::choose(&evidence.whole, &among, Limits { volts, seconds: LONGEST_S });
+        let limits =
+            if worth { Vec::new() } else { detection_limits(evidence, base, model, &formula::all(), volts) };
+        let next = next.map(NextExperiment::from).or_else(|| NextExperiment::to_show(&limits));
         let rivals = found.iter().map(Rivals::kinds).collect();
-        Self { suspects, rivals, next, worth, candidates: climb.first }
+        Self { suspects, rivals, next, limits, worth, candidates }
     }
 }

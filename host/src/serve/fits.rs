@@ -18,26 +18,30 @@ use super::session::{Doubt, NextModel, Session, rung};
 use super::steps;
 use crate::compare::free_run::free_runs;
 use crate::compare::rise::{Rise, worst_rise};
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
-use crate::diagnose::stage::{self, Effort};
-use crate::diagnose::worth::worth;
 use crate::fit::layout::Values;
 use crate::formula;
 use crate::report::falls::judged;
 use crate::report::figure::in_words;
+use crate::select::fitted::Fitted;
+use crate::select::forward::forward;
 
 /// Copies to work on while the page goes on with the originals.
 struct Work {
     evidence: Evidence,
-    model: Candidate,
+    base: Fitted,
+    model: Fitted,
 }
 
 impl Work {
     fn of(app: &App) -> Self {
         let session = app.session();
-        Self { evidence: session.evidence.clone(), model: session.current.clone() }
+        Self {
+            evidence: session.evidence.clone(),
+            base: session.base.clone(),
+            model: session.current.clone(),
+        }
     }
 
     fn unit(&self) -> &'static str {
@@ -49,11 +53,10 @@ impl Work {
 struct Stopped;
 
 /// Tries `library`, telling which effect is on trial; none when stopped.
-fn tried(job: &Job, work: &Work, library: &[Kind]) -> Option<Vec<Candidate>> {
+fn tried(job: &Job, work: &Work, library: &[Kind]) -> Option<Vec<Fitted>> {
     let mut count = 0;
-    let effort = if work.model.kinds().is_empty() { Effort::FIRST } else { Effort::LATER };
     let found = catch_unwind(AssertUnwindSafe(|| {
-        stage::run(&work.evidence, &work.model, library, effort, &mut |effect| {
+        forward(&work.evidence, &work.model, library, &mut |effect| {
             if job.stopped() {
                 resume_unwind(Box::new(Stopped));
             }
@@ -78,7 +81,7 @@ pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(job.app);
         let Some(found) = tried(job, &work, &formula::all()) else { return stopped() };
-        let diagnosis = Diagnosis::new(&work.evidence, &work.model, found);
+        let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, found);
         let message = if diagnosis.worth {
             "An effect is missing; the best candidate comes first."
         } else {
@@ -102,9 +105,9 @@ impl Which {
 }
 
 /// The model that a search from `begin` ends at, told step by step; none when stopped.
-fn searched(job: &Job, work: &Work, begin: &Values) -> Option<Candidate> {
+fn searched(job: &Job, work: &Work, begin: &Values) -> Option<Fitted> {
     let mut tell = |step: steps::Step| job.tell(json!({ "type": "step", "step": step }));
-    steps::search(&work.evidence, begin, &work.model.values(), &|| job.stopped(), &mut tell)
+    steps::search(&work.evidence, begin, &work.model, &|| job.stopped(), &mut tell)
 }
 
 /// Searches from `begin` and makes the result the session's model; `added` is the effect that came.
@@ -113,7 +116,9 @@ fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str
     let (before, after) = (rung(&work.evidence, &work.model), rung(&work.evidence, &model));
     let rise = rise(&work.evidence, &work.model, &model);
     let rises = judged(&after).rmse > judged(&before).rmse;
-    let doubt = added.filter(|_| rises || !worth(&model, &work.model)).map(|effect| Doubt { effect, rises });
+    let doubt = added
+        .filter(|_| rises || !model.beats(&work.model, &work.evidence, &work.base))
+        .map(|effect| Doubt { effect, rises });
     let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
     let next = NextModel { model, rung: after, rise, doubt };
     End::Done(message, Box::new(move |session| session.step_to(next)))
@@ -133,9 +138,9 @@ fn told(before: &Rung, after: &Rung, unit: &str) -> String {
 }
 
 /// Where `after` is worse than `before` on the records that judge.
-fn rise(evidence: &Evidence, before: &Candidate, after: &Candidate) -> Option<Rise> {
+fn rise(evidence: &Evidence, before: &Fitted, after: &Fitted) -> Option<Rise> {
     let problem = evidence.kept_out.as_ref().unwrap_or(&evidence.whole);
-    let runs = |model: &Candidate| free_runs(problem, &model.values());
+    let runs = |model: &Fitted| free_runs(problem, &model.values());
     worst_rise(&runs(before), &runs(after))
 }
 
@@ -144,7 +149,11 @@ pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
     if had.effects.is_empty() {
         return Some(session);
     }
-    let work = Work { evidence: session.evidence.clone(), model: session.current.clone() };
+    let work = Work {
+        evidence: session.evidence.clone(),
+        base: session.base.clone(),
+        model: session.current.clone(),
+    };
     let begin = Values { effects: had.effects.clone(), ..work.model.values() };
     let model = searched(job, &work, &begin)?;
     let (after, rise) = (rung(&work.evidence, &model), rise(&work.evidence, &work.model, &model));

@@ -8,7 +8,6 @@ use super::data::{Data, Role};
 use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
 use crate::compare::rise::Rise;
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
@@ -20,6 +19,8 @@ use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::report::{Story, Suspect, missing, shown_by_fit, title};
+use crate::select::DetectionLimit;
+use crate::select::fitted::Fitted;
 use crate::simulate::Answer;
 
 /// A hidden effect to be found.
@@ -56,8 +57,10 @@ pub struct Session {
     pub data: Data,
     /// The records as the search sees them.
     pub evidence: Evidence,
+    /// The model without effects.
+    pub base: Fitted,
     /// The model as it is.
-    pub current: Candidate,
+    pub current: Fitted,
     /// How it came about.
     pub ladder: Vec<Rung>,
     /// The models of the ladder, and before them the usual one of robotics, where the records give it.
@@ -102,7 +105,7 @@ pub struct Scene {
     /// The model as a file.
     pub model: Model,
     doubt: Option<Doubt>,
-    explains_all: bool,
+    explained: bool,
     title: String,
 }
 
@@ -143,6 +146,7 @@ impl Session {
             puzzle: None,
             data,
             evidence,
+            base: current.clone(),
             current,
             floor,
         })
@@ -204,7 +208,7 @@ impl Session {
             faults: self.faults.clone(),
             model: self.model(),
             doubt: self.doubt,
-            explains_all: self.current.explains_all(),
+            explained: self.evidence.is_explained_by(&self.current),
             title: self.title.clone(),
         }
     }
@@ -214,7 +218,7 @@ impl Session {
 #[derive(Debug)]
 pub struct NextModel {
     /// The model.
-    pub model: Candidate,
+    pub model: Fitted,
     /// Its errors.
     pub rung: Rung,
     /// Where it raised the error most.
@@ -235,7 +239,7 @@ fn prose(kinds: &[Kind]) -> String {
 }
 
 /// `model` on all records of `evidence`.
-pub fn rung(evidence: &Evidence, model: &Candidate) -> Rung {
+pub fn rung(evidence: &Evidence, model: &Fitted) -> Rung {
     ladder::rung(evidence, &model.values())
 }
 
@@ -262,10 +266,12 @@ impl Scene {
         Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
-            clean: diagnosis.map(|d| !d.worth && self.explains_all),
+            clean: diagnosis.map(|d| !d.worth && self.explained),
             suggested: first.map(|s| s.ranked.effect),
             doubted: self.doubt.map(|d| (d.effect, d.rises)),
-            experiment: diagnosis.is_some_and(|d| d.next.is_some()),
+            experiment: diagnosis
+                .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
+            hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty(),
         })
     }
@@ -305,7 +311,6 @@ impl Scene {
             suspects: self.suspects(),
             rivals: diagnosis.rivals,
             next: diagnosis.next.map(|next| next.why),
-            withdrawn: Vec::new(),
             standing: self.standing(),
             rises: self.rises.clone(),
             baseline: self.baseline.clone(),

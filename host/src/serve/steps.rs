@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use crate::diagnose::candidate::Candidate;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::Values;
+use crate::select::fitted::{Fitted, SETTLED};
 
 /// The state of a search after a step.
 #[derive(Debug, Clone, Serialize)]
@@ -36,21 +36,22 @@ const STEPS: usize = 24;
 /// A step that gains less than this share of the cost is the last.
 const ENOUGH: f64 = 1e-4;
 
-/// Searches from `start` on the records fitted, telling each step beside the model `before`. `None` once `stop` is
-/// true.
+/// Searches from `start` on the records fitted, telling each step beside the model `before`, by whose noise errors are weighed. `None`
+/// once `stop` is true.
 pub fn search(
     evidence: &Evidence,
     start: &Values,
-    before: &Values,
+    before: &Fitted,
     stop: &dyn Fn() -> bool,
     tell: &mut dyn FnMut(Step),
-) -> Option<Candidate> {
-    let problem = &evidence.train;
+) -> Option<Fitted> {
+    let mut problem = evidence.train.on(evidence.train.grids.clone());
+    before.noise.weigh(&mut problem);
     let layout = problem.layout(&start.kinds());
-    let old = problem.layout(&before.kinds());
-    let old_x = old.pack(before);
-    let was = |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, old_x[k]));
-    let mut found = problem.search(&layout, Objective::Increments, &layout.pack(start), 0, ENOUGH);
+    let old = &before.layout;
+    let was =
+        |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, before.found.x[k]));
+    let mut found = problem.search(&layout, Objective::Scales, &layout.pack(start), 0, ENOUGH);
     for round in 0..=STEPS {
         if stop() {
             return None;
@@ -63,17 +64,13 @@ pub fn search(
         });
         let error = (found.cost / found.count.max(1) as f64).sqrt();
         tell(Step { round, error, parameters: parameters.collect() });
-        let next = problem.search(&layout, Objective::Increments, &found.x, 1, ENOUGH);
+        let next = problem.search(&layout, Objective::Scales, &found.x, 1, ENOUGH);
         let gain = (found.cost - next.cost) / found.cost.max(1e-300);
         found = next;
         if gain < ENOUGH {
             break;
         }
     }
-    if stop() {
-        return None;
-    }
-    let model = evidence.polish(layout, found);
     // An accepted model is finished as the loop by itself finishes it.
-    Some(evidence.finish(model))
+    (!stop()).then(|| Fitted::of(evidence, &layout.unpack(&found.x), SETTLED.0, SETTLED.1))
 }

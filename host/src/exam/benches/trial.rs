@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::{case, motor_file, record};
-use crate::diagnose::discover::{Criterion, Options, discover};
+use crate::diagnose::discover::{Options, discover};
 use crate::error::Result;
 use crate::log::Record;
 use crate::motor_file::MotorFile;
@@ -23,8 +23,6 @@ pub struct Paper {
     pub cases: u64,
     /// Kinds of bench by name; all where empty.
     pub benches: Vec<String>,
-    /// By what the diagnosis accepts an effect.
-    pub criterion: Criterion,
 }
 
 impl Paper {
@@ -51,13 +49,8 @@ struct Diagnosis {
 }
 
 /// The one place that calls the diagnosis.
-fn ask(
-    records: &[Record],
-    held_out: &[Record],
-    motor: &MotorFile,
-    criterion: Criterion,
-) -> Result<Diagnosis> {
-    let options = Options { criterion, ..Options::default() };
+fn ask(records: &[Record], held_out: &[Record], motor: &MotorFile) -> Result<Diagnosis> {
+    let options = Options::default();
     let found = discover(records, held_out, motor, &options, &mut |_| ())?;
     let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect();
     let rung = |k: Option<&crate::diagnose::ladder::Rung>| {
@@ -69,7 +62,7 @@ fn ask(
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
         rivals: found.open_sets().iter().map(|set| names(set)).collect(),
         verdict: verdict.as_str().unwrap_or_default().to_owned(),
-        guides: !found.rivals.is_empty(),
+        guides: !found.selected.rivals.is_empty() || found.limits.iter().any(|l| l.programme.is_some()),
         before: rung(found.ladder.first()),
         after: rung(found.ladder.last()),
     })
@@ -168,7 +161,7 @@ pub fn examine(paper: &Paper, threads: usize, each: &mut dyn FnMut(&Answer)) -> 
             scope.spawn(move || {
                 while let Some((bench, seed)) = questions.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let place = questions.iter().position(|q| q == &(*bench, *seed)).unwrap_or(0);
-                    if send.send((place, answer(&case(*bench, *seed), paper.criterion))).is_err() {
+                    if send.send((place, answer(&case(*bench, *seed)))).is_err() {
                         break;
                     }
                 }
@@ -182,11 +175,11 @@ pub fn examine(paper: &Paper, threads: usize, each: &mut dyn FnMut(&Answer)) -> 
 }
 
 /// Asks about one case. Records that are refused are an answer too: the user has nothing else.
-fn answer(case: &Case, criterion: Criterion) -> Answer {
+fn answer(case: &Case) -> Answer {
     let logs = |logs: &[motorlens_bench_motor::Log]| logs.iter().map(record).collect::<Vec<_>>();
     let (training, held_out) = (logs(&case.training), logs(&case.held_out));
     let begun = Instant::now();
-    let found = ask(&training, &held_out, &motor_file(&case.known), criterion);
+    let found = ask(&training, &held_out, &motor_file(&case.known));
     let seconds = begun.elapsed().as_secs_f64();
     let named = |asked: bool| case.hidden.iter().filter(|h| h.asked == asked).map(|h| h.name).collect();
     let size = |h: &motorlens_bench_motor::Hidden| {

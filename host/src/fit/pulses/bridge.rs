@@ -3,12 +3,9 @@
 //! Where the period is not much shorter than what follows it, a jump of the command finds the PWM anywhere in its period, and what
 //! it makes of the jump depends on where. The laws of the three states are those of [`motorlens_shared::effects::Coast`].
 
-use std::f64::consts::TAU;
-
 use motorlens_shared::base::Base;
 use motorlens_shared::effects::{Active, Coast, DIODES_V, Effect, Kind, Memory, Now, Rig, Setting};
 use motorlens_shared::step::{Drive, State};
-use rustfft::num_complex::Complex;
 
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
@@ -168,25 +165,6 @@ impl Bridge {
             beyond.push(sum / h - law);
         }
         beyond
-    }
-
-    /// First harmonic of a period at the command and back-EMF of cell `n`, V. Of any frequency: how much of a period the current
-    /// needs to rise is what the records tell.
-    pub(super) fn harmonic(&self, n: usize) -> Complex<f64> {
-        let (command, emf) = (self.mean_command(n), self.emf(n));
-        let Pulse { volts, driven, braked } = self.pulse(command);
-        // Up to phase p the integral of e^(-2 pi i p).
-        let up_to = |p: f64| Complex::from_polar(1.0, -TAU * p) * Complex::new(0.0, 1.0 / TAU);
-        let between = |from: f64, to: f64| up_to(to) - up_to(from);
-        let period = 1.0 / self.rise;
-        let left = ((volts - emf) * (1.0 - (-driven * period).exp()) + emf)
-            * (-(braked - driven) * period).exp()
-            - emf;
-        let back = -(self.supply_v + DIODES_V).copysign(left);
-        let over = ((left / (emf - back)).max(0.0).ln_1p() / period).min(1.0 - braked);
-        between(0.0, driven) * volts
-            + between(braked, braked + over) * back
-            + between(braked + over, 1.0) * emf
     }
 }
 

@@ -14,8 +14,7 @@ pub(super) struct Ride<'a> {
     problem: &'a Problem,
     values: &'a Values,
     layout: Layout,
-    /// `values`, as they are searched and as they are.
-    x: Vec<f64>,
+    /// `values`, as they are.
     plain: Vec<f64>,
 }
 
@@ -26,11 +25,8 @@ pub(super) struct Leg {
     pub(super) bridge: Bridge,
     /// The base model, a cell long.
     motor: Coefficients<f64>,
-    run: Vec<f64>,
     /// What the run without pulses lacks: increments, noise units.
     pub(super) lacks: Vec<f64>,
-    /// The same without what other parameters, or a delay, would make good: they follow the commands as the pulses do.
-    pub(super) stripped: Vec<f64>,
 }
 
 impl<'a> Ride<'a> {
@@ -38,7 +34,7 @@ impl<'a> Ride<'a> {
         let layout = problem.layout(&values.kinds());
         let x = layout.pack(values);
         let plain = layout.all_plain(&x);
-        Self { problem, values, layout, x, plain }
+        Self { problem, values, layout, plain }
     }
 
     fn run(&self, grid: &Grid, plain: &[f64]) -> Vec<f64> {
@@ -54,22 +50,7 @@ impl<'a> Ride<'a> {
         let run = self.run(&grid, &self.plain);
         let lacks = apart(&grid, &grid.measured, &run);
         let motor = Coefficients::new(&self.values.base.base(), grid.step_s);
-        Some(Leg { grid, bridge, motor, run, lacks, stripped: Vec::new() })
-    }
-
-    /// The same, for a look at the spectrum.
-    pub(super) fn stripped(&self, grid: &Grid) -> Option<Leg> {
-        let leg = self.leg(grid)?;
-        let neighbour = |k: usize| {
-            let mut x = self.x.clone();
-            x[k] += self.layout.step(k, x[k]);
-            apart(&leg.grid, &self.run(&leg.grid, &self.layout.all_plain(&x)), &leg.run)
-        };
-        let mut directions: Vec<Vec<f64>> = self.layout.free().into_iter().map(neighbour).collect();
-        let mut late = leg.run[1..].to_vec();
-        late.extend(leg.run.last());
-        directions.push(apart(&leg.grid, &late, &leg.run));
-        Some(Leg { stripped: beside(leg.lacks.clone(), directions), ..leg })
+        Some(Leg { grid, bridge, motor, lacks })
     }
 }
 
@@ -77,30 +58,6 @@ impl<'a> Ride<'a> {
 fn apart(grid: &Grid, series: &[f64], other: &[f64]) -> Vec<f64> {
     let difference: Vec<f64> = series.iter().zip(other).map(|(a, b)| a - b).collect();
     increments(grid, &difference)
-}
-
-/// What of `series` is at right angles to all `directions`.
-fn beside(mut series: Vec<f64>, directions: Vec<Vec<f64>>) -> Vec<f64> {
-    const ALIKE: f64 = 1e-8;
-    let less = |from: &mut [f64], what: &[f64], times: f64| {
-        from.iter_mut().zip(what).for_each(|(a, b)| *a -= times * b);
-    };
-    let mut known: Vec<Vec<f64>> = Vec::new();
-    for mut direction in directions {
-        let whole = product(&direction, &direction);
-        for unit in &known {
-            let share = product(&direction, unit);
-            less(&mut direction, unit, share);
-        }
-        let length = product(&direction, &direction);
-        if length > ALIKE * whole {
-            direction.iter_mut().for_each(|d| *d /= length.sqrt());
-            let share = product(&series, &direction);
-            less(&mut series, &direction, share);
-            known.push(direction);
-        }
-    }
-    series
 }
 
 pub(super) fn cost(lacks: &[f64]) -> f64 {
@@ -152,56 +109,5 @@ impl Leg {
         let bend = before - 2.0 * here + after;
         let off = if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
         (best as f64 + off) / tries as f64
-    }
-
-    /// What every cell's voltage would have to bring for the error to vanish: the adjoint of [`Self::adds`].
-    pub(super) fn wanted(&self) -> Vec<f64> {
-        let (c, cells) = (&self.motor, self.bridge.cells());
-        let span = self.grid.len() - self.stripped.len();
-        let mut weights = vec![0.0; cells + 1];
-        for (k, d) in self.stripped.iter().enumerate() {
-            weights[self.end(k + span)] += d;
-            weights[self.end(k)] -= d;
-        }
-        let mut wanted = vec![0.0; cells];
-        let (mut u, mut w, mut x) = (0.0, 0.0, weights[cells]);
-        for n in (0..cells).rev() {
-            // The speed after a step brings half of its way.
-            let after = w + c.half_step * x;
-            wanted[n] = c.uv * u + c.wv * after + c.xv * x;
-            let held = self.bridge.slopes[n] * c.back_emf * wanted[n];
-            (u, w) = (
-                c.uu * u + c.wu * after + c.xu * x,
-                c.uw * u + c.ww * after + (c.half_step + c.xw) * x + held,
-            );
-            x += weights[n];
-        }
-        wanted
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnose::discover::prepare;
-    use crate::exam::case::{Case, Conditions};
-    use motorlens_shared::effects::Kind;
-    use motorlens_virtual_motor::Kind as Hidden;
-
-    /// The error, weighed with what pulses add to the run, is what the voltages would have to bring, weighed with the pulses.
-    #[test]
-    fn what_voltages_would_have_to_bring_is_the_adjoint_of_what_pulses_add() {
-        let case = Case::new(5, &[Hidden::Coast], Conditions { disturbed: 0.0, spoilt: 0.0 });
-        let (evidence, base) = prepare(&case.records[3..4], &case.held_out, &case.motor).unwrap();
-        let values = base.values().with(Kind::Coast, vec![0.6, 500.0]);
-        let ride = Ride::new(&evidence.whole, &values);
-        let leg = ride.stripped(&evidence.whole.grids[0]).expect("it coasts");
-        assert!(product(&leg.stripped, &leg.stripped) < product(&leg.lacks, &leg.lacks));
-        for phase in [0.1, 0.6] {
-            let seen = product(&leg.stripped, &leg.adds(437.0, phase));
-            // Increments count in noise units.
-            let wanted = product(&leg.wanted(), &leg.bridge.beyond(437.0, phase)[1..]) / leg.grid.sigma;
-            assert!((seen / wanted - 1.0).abs() < 1e-9, "{seen} {wanted}");
-        }
     }
 }

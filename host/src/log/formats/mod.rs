@@ -1,7 +1,7 @@
 //! Binary logs of other programs: told by their content, read into columns, and then a table like any other.
 //!
-//! Every format is one row of [`FORMATS`]: how it is recognised, and either its reader or the program that converts it. A reader turns
-//! bytes into a [`Table`] (all columns on one clock) or into [`Events`] (values with times of their own, held until the next). Either
+//! Every format is one row of `FORMATS`: how it is recognised, and either its reader or the program that converts it. A reader turns
+//! bytes into a `Table` (all columns on one clock) or into `Events` (values with times of their own, held until the next). Either
 //! goes the way of a CSV from there on: the same names, blanks, mapping, guess and checks.
 
 mod bytes;
