@@ -190,8 +190,8 @@ fn owned() -> [Owned; 3] {
                 supply_volts: Some(7.9),
                 ..map("time=time:ms,duty=leftCommand:255,speed=leftSpeed:rpm")
             },
-            // A dead band, as its owner calls it: wheels that stick before they turn, or a driver that does.
-            named: &[Kind::Coulomb, Kind::DeadZone],
+            // A dead band, as its owner calls it: wheels that stick before they turn.
+            named: &[Kind::Coulomb],
             share: 0.95,
         },
         Owned {

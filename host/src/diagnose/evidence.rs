@@ -14,7 +14,7 @@ use crate::select::noise::{Coefficients, Noise};
 use motorlens_shared::effects::Kind;
 
 /// A model that leaves less than so many times the noise, every time scale alike, leaves nothing that these records show.
-const EXPLAINS: f64 = 1.25;
+pub const EXPLAINS: f64 = 1.25;
 
 /// Samples that candidates are compared on at most: beyond that the beginnings of the records serve.
 const MOST_SCREENED: f64 = 24e3;

@@ -16,7 +16,8 @@ impl Evidence {
     }
 
     /// Fits the first speeds of the records that begin in motion anew under `model`, then the model, until that gains no
-    /// more. Records that seem to begin at rest are looked at again: a slow motion hides within the first counts.
+    /// more. Where the model is near, records that seem to begin at rest are looked at again: a slow motion hides within the first counts.
+    /// Under a model that lacks something it would be made up.
     pub fn settle_starts(&mut self, model: Fitted) -> Fitted {
         let mut model = model;
         for _ in 0..ROUNDS {
@@ -26,7 +27,7 @@ impl Evidence {
             let kept: Vec<Vec<Start>> = self.problems().map(|problem| problem.starts()).collect();
             let mut moving = false;
             for problem in self.problems() {
-                let slow = problem.find_slow_starts(&values);
+                let slow = near && problem.find_slow_starts(&values);
                 if slow || problem.grids.iter().any(|grid| !grid.rests()) {
                     problem.refine_starts(&values, near);
                     moving = true;

@@ -205,23 +205,14 @@ impl Choice<'_> {
 
     /// What one turn of the output shaft is of a number that is none of turns.
     fn one_turn(&self, per_turn: PerTurn, quantity: Quantity, column: &str) -> Result<f64, BadInput> {
-        let (known, why, remedy) = match per_turn {
-            PerTurn::Counts => (
-                self.meta.counts_per_rev(),
-                "encoder counts need the counts of one turn of the output shaft",
-                format!(
-                    "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
-                ),
-            ),
-            PerTurn::Metres => (
-                self.meta.metres_per_rev(),
-                "the way of a linear axis needs the metres of one turn of the output shaft",
-                "say --metres-per-rev 0.008 (the lead of the screw, or the circumference of the wheel), or put metres_per_rev into \
-                 motor.toml"
-                    .into(),
-            ),
+        let known = match per_turn {
+            PerTurn::Counts => self.meta.counts_per_rev(),
+            PerTurn::Metres => self.meta.metres_per_rev(),
         };
-        known.ok_or_else(|| BadInput::new(self.path, why, remedy))
+        known.ok_or_else(|| {
+            let (why, remedy) = per_turn.unknown(quantity, column);
+            BadInput::new(self.path, why, remedy)
+        })
     }
 
     /// The refusal where a column is absent, with what the table looks like.

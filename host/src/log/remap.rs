@@ -54,16 +54,22 @@ fn native(record: &Record, quantity: Quantity) -> (&'static str, &'static str) {
         Quantity::Angle if sysid => (
             "position",
             match unit {
-                Some("rad" | "m") => "rad",
+                Some("rad") => "rad",
                 Some("deg") => "deg",
+                Some("m") => "m",
+                Some("cm") => "cm",
+                Some("mm") => "mm",
                 _ => "rev",
             },
         ),
         Quantity::Speed if sysid => (
             "velocity",
             match unit {
-                Some("rad" | "m") => "rad/s",
+                Some("rad") => "rad/s",
                 Some("deg") => "deg/s",
+                Some("m") => "m/s",
+                Some("cm") => "cm/s",
+                Some("mm") => "mm/s",
                 _ => "rev/s",
             },
         ),

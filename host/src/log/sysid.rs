@@ -7,7 +7,6 @@
 //! (WPILib, "Data Collection" of the SysId documentation). A robot program that logged otherwise is read with
 //! `--map angle=position:rad,speed=velocity:rad/s`. Each test and side becomes one record.
 
-use std::f64::consts::TAU;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -15,7 +14,7 @@ use serde::Deserialize;
 
 use super::samples::{Place, Samples};
 use super::units::Quantity;
-use super::{Metadata, ReadOptions, Record, Warning, json};
+use super::{Metadata, ReadOptions, Record, Warning, json, sysid_units};
 use crate::error::{BadInput, Result};
 
 /// A row as SysId wrote it; a lost number is `null`.
@@ -53,7 +52,7 @@ const DRIVE_TRAIN: &[Side] = &[
 
 /// Metadata key that marks a record as one of the tests of a SysId file.
 pub const TEST_KEY: &str = "sysid_test";
-/// Metadata key of a record whose entries are in radians by their names.
+/// Metadata key of the unit in which a data log has the position, as `--map` writes it.
 pub const UNIT_KEY: &str = "sysid_unit";
 
 /// Reads the records of a SysId file: one per test, two per test of a drive train.
@@ -103,15 +102,12 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
 
 fn one(path: &Path, test: &str, rows: &[Row], side: &Side, options: &ReadOptions) -> Result<Record> {
     // A mapping gives the unit where the robot program did not log rotations.
-    let factor = |quantity, usual| {
-        let source = options.map.as_ref().and_then(|map| map.source(quantity));
-        source.map_or(usual, |source| source.unit.factor)
-    };
+    let factor = |quantity, own| sysid_units::factor(path, quantity, own, options);
     let columns = [
-        ("timestamp", 0, factor(Quantity::Time, 1.0)),
-        ("voltage", side.voltage, factor(Quantity::Voltage, 1.0)),
-        ("position", side.position, factor(Quantity::Angle, TAU)),
-        ("velocity", side.velocity, factor(Quantity::Speed, TAU)),
+        ("timestamp", 0, factor(Quantity::Time, "s")?),
+        ("voltage", side.voltage, factor(Quantity::Voltage, "V")?),
+        ("position", side.position, factor(Quantity::Angle, "rev")?),
+        ("velocity", side.velocity, factor(Quantity::Speed, "rev/s")?),
     ];
     let label = |name: &str| format!("{test}{} {name}", side.name);
     let mut samples = Samples::new(path, columns.iter().map(|(name, ..)| label(name)).collect());

@@ -6,14 +6,15 @@
 //! routine, the tests of that routine are its own. Each test of each motor becomes one record.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::path::Path;
 
-use super::mapping::Mapping;
+use super::robot_loop::{clock, turn_s};
 use super::samples::{Place, Samples};
 use super::sysid::{TEST_KEY, UNIT_KEY, restore_signs};
+use super::sysid_mechanisms::{chosen, is_owned};
+use super::sysid_names::{belongs, is_state, motor_and_unit, motor_of, routine_of, state_of};
 use super::units::Quantity;
-use super::{Metadata, ReadOptions, Record};
+use super::{Metadata, ReadOptions, Record, sysid_units};
 use crate::error::{BadInput, Result};
 
 /// One value with its time and place.
@@ -29,10 +30,11 @@ pub struct Value {
 
 /// A test between two changes of the state.
 #[derive(Debug, Clone, PartialEq)]
-struct Test {
-    name: &'static str,
+pub struct Test {
+    /// What SysId calls it.
+    pub name: &'static str,
     /// The routine's name; empty where its entry does not say.
-    routine: String,
+    pub routine: String,
     begin_s: f64,
     end_s: f64,
 }
@@ -86,6 +88,8 @@ impl Entries {
             ("degree", "deg"),
             ("rotation", "rev"),
             ("revolution", "rev"),
+            ("millimeter", "mm"),
+            ("centimeter", "cm"),
             ("meter", "m"),
         ];
         if let Some((_, unit)) = known.iter().find(|(word, _)| about.contains(word)) {
@@ -98,8 +102,23 @@ impl Entries {
         self.states.values().flatten().any(|(_, test)| test.is_some())
     }
 
+    /// Whether a test ran while a motor's voltage and motion were logged: what [`records`] are made of.
+    pub fn are_complete(&self) -> bool {
+        let moves = |motor: &String| {
+            let is_of = |name: &str, kind: &str| motor_of(name, kind).as_ref() == Some(motor);
+            self.numbers.keys().any(|name| is_of(name, "position") || is_of(name, "velocity"))
+        };
+        self.has_tests() && self.motors().iter().any(moves)
+    }
+
+    /// Whether some motor's numbers are ways of a linear axis.
+    pub fn has_ways(&self) -> bool {
+        let mut units = self.numbers.keys().filter_map(|name| self.units.get(name));
+        units.any(|unit| ["m", "cm", "mm"].contains(unit))
+    }
+
     /// The tests in the order of their begin. A state that two entries tell is one test.
-    fn tests(&self) -> Vec<Test> {
+    pub fn tests(&self) -> Vec<Test> {
         let mut tests: Vec<Test> = Vec::new();
         for (entry, states) in &self.states {
             let mut add = |test: Option<(&'static str, f64)>, end_s: f64| {
@@ -124,24 +143,12 @@ impl Entries {
     }
 
     /// All motors with a voltage.
-    fn motors(&self) -> Vec<String> {
+    pub fn motors(&self) -> Vec<String> {
         let mut motors: Vec<String> =
             self.numbers.keys().filter_map(|name| motor_of(name, "voltage")).collect();
         motors.dedup();
         motors
     }
-}
-
-/// What stands behind `sysid-test-state-`, the name of the routine.
-fn routine_of(entry: &str) -> String {
-    let lower = entry.to_ascii_lowercase();
-    lower.rsplit_once("sysid-test-state-").map_or_else(String::new, |(_, routine)| routine.to_owned())
-}
-
-/// Whether the routine's log names this motor: `left-drive` is of `drive`.
-fn belongs(motor: &str, routine: &str) -> bool {
-    let motor = motor.to_ascii_lowercase();
-    motor == routine || motor.strip_suffix(routine).is_some_and(|rest| rest.ends_with('-'))
 }
 
 /// The records of a log.
@@ -160,9 +167,8 @@ pub fn records(path: &Path, entries: &Entries, options: &ReadOptions) -> Result<
         .into());
     }
     let motors = entries.motors();
-    let own = |routine: &str| motors.iter().any(|motor| !routine.is_empty() && belongs(motor, routine));
-    let is_of = |test: &Test, motor: &str| !own(&test.routine) || belongs(motor, &test.routine);
-    let chosen = chosen(path, &motors, &tests, own, options.map.as_ref())?;
+    let is_of = |test: &Test, motor: &str| !is_owned(&test.routine, &motors) || belongs(motor, &test.routine);
+    let chosen = chosen(path, &motors, &tests, options.map.as_ref())?;
     let mut records = Vec::new();
     for motor in motors.iter().filter(|motor| chosen.as_ref().is_none_or(|chosen| chosen == *motor)) {
         for test in tests.iter().filter(|test| is_of(test, motor)) {
@@ -186,94 +192,6 @@ pub fn records(path: &Path, entries: &Entries, options: &ReadOptions) -> Result<
     Ok(records)
 }
 
-/// The motor whose voltage the mapping names. Several mechanisms in one log are several motors: one has to be chosen.
-fn chosen(
-    path: &Path,
-    motors: &[String],
-    tests: &[Test],
-    own: impl Fn(&str) -> bool,
-    map: Option<&Mapping>,
-) -> Result<Option<String>> {
-    let column = map.and_then(|map| map.source(Quantity::Voltage)).map(|source| source.column.as_str());
-    let motor = column.and_then(|column| motor_of(column, "voltage")).filter(|motor| motors.contains(motor));
-    if motor.is_some() {
-        return Ok(motor);
-    }
-    let mut routines: Vec<&str> = tests.iter().map(|test| test.routine.as_str()).filter(|r| own(r)).collect();
-    routines.sort_unstable();
-    routines.dedup();
-    if routines.len() < 2 {
-        return Ok(None);
-    }
-    let of = |routine: &&str| {
-        let own: Vec<&str> =
-            motors.iter().map(String::as_str).filter(|motor| belongs(motor, routine)).collect();
-        format!("{routine} ({})", own.join(", "))
-    };
-    let why = format!(
-        "the log holds tests of several mechanisms: {}",
-        routines.iter().map(of).collect::<Vec<_>>().join(", ")
-    );
-    let first = motors.iter().find(|motor| belongs(motor, routines[0])).map_or("MOTOR", String::as_str);
-    Err(BadInput::new(path, why, format!("choose a motor by its voltage: --map voltage=voltage-{first}:V"))
-        .into())
-}
-
-fn is_state(name: &str) -> bool {
-    let name = name.to_ascii_lowercase();
-    name.contains("sysid-test-state") || name.ends_with("sysidteststate") || name.ends_with("sysidstate")
-}
-
-/// The test that a state names, in whatever case and with whatever between its words; none while idle.
-fn state_of(value: &str) -> Option<&'static str> {
-    const TESTS: [&str; 4] =
-        ["quasistatic-forward", "quasistatic-reverse", "dynamic-forward", "dynamic-reverse"];
-    let plain = |text: &str| -> String {
-        text.chars().filter(char::is_ascii_alphabetic).collect::<String>().to_ascii_lowercase()
-    };
-    let value = plain(value);
-    TESTS.into_iter().find(|test| plain(test) == value)
-}
-
-/// What AdvantageKit programs call the end of an entry, for each kind, with its unit.
-const ENDINGS: [(&str, &str, &str); 7] = [
-    ("voltage", "appliedvolts", "V"),
-    ("voltage", "appliedvoltage", "V"),
-    ("position", "positionrad", "rad"),
-    ("position", "positionrads", "rad"),
-    ("position", "positionrotations", "rev"),
-    ("velocity", "velocityradpersec", "rad"),
-    ("velocity", "velocityrotationspersec", "rev"),
-];
-
-/// `voltage-left-drive` and `NT:/x/voltage-left-drive` are of the motor `left-drive`; `/Drive/LeftAppliedVolts` of `left`.
-fn motor_of(name: &str, kind: &str) -> Option<String> {
-    Some(motor_and_unit(name, kind)?.0)
-}
-
-/// The motor whose `kind` the entry holds, and `rad` or `rev` (which SysId takes where the name does not say).
-fn motor_and_unit(name: &str, kind: &str) -> Option<(String, &'static str)> {
-    let last = name.rsplit(['/', ':']).next()?;
-    if let Some(motor) = last.strip_prefix(kind).and_then(|rest| rest.strip_prefix('-')) {
-        return Some((motor.to_owned(), "rev"));
-    }
-    let lower = last.to_ascii_lowercase();
-    let (ending, unit) = ENDINGS
-        .iter()
-        .filter(|(of, ..)| *of == kind)
-        .find_map(|(_, ending, unit)| lower.ends_with(ending).then_some((*ending, *unit)))?;
-    let path = name[..name.len() - last.len()].trim_matches('/');
-    let motor = lower[..lower.len() - ending.len()].trim_matches('-');
-    Some((if motor.is_empty() { path.to_owned() } else { motor.to_owned() }, unit))
-}
-
-/// What an entry belongs to: the motor, by SysId's and AdvantageKit's names, or else all that stands before the last part of its name.
-pub fn group_of(name: &str) -> String {
-    let motor = ["voltage", "position", "velocity"].iter().find_map(|kind| motor_of(name, kind));
-    let path = name.rsplit_once(['/', '.']).map_or("", |(path, _)| path);
-    motor.map_or_else(|| path.to_owned(), |motor| format!("{path}/{motor}"))
-}
-
 fn one(
     path: &Path,
     entries: &Entries,
@@ -288,28 +206,19 @@ fn one(
             (of == motor).then_some((values.as_slice(), unit))
         })
     };
-    let factor = |quantity, usual| {
-        let source = options.map.as_ref().and_then(|map| map.source(quantity));
-        source.map_or(usual, |source| source.unit.factor)
-    };
     let (Some((voltage, _)), position, velocity) = (entry("voltage"), entry("position"), entry("velocity"))
     else {
         return Ok(None);
     };
     let Some((_, unit)) = position.or(velocity) else { return Ok(None) };
-    if unit == "m" && !options.map.as_ref().is_some_and(Mapping::names_motion) {
-        let why = format!("position and velocity of {motor} are in metres, and a motor turns");
-        let remedy = "give the radius of the wheel or drum in metres: --map angle=position:rad/0.0762,speed=velocity:rad/s/0.0762";
-        return Err(BadInput::new(path, why, remedy).into());
+    let factor = |quantity, own: &str| sysid_units::factor(path, quantity, own, options);
+    let mut kinds = vec![("voltage", voltage, factor(Quantity::Voltage, "V")?)];
+    if let Some((values, unit)) = position {
+        kinds.push(("position", values, factor(Quantity::Angle, unit)?));
     }
-    let usual = |unit: &str| match unit {
-        "rad" | "m" => 1.0,
-        "deg" => TAU / 360.0,
-        _ => TAU,
-    };
-    let mut kinds = vec![("voltage", voltage, factor(Quantity::Voltage, 1.0))];
-    kinds.extend(position.map(|(values, unit)| ("position", values, factor(Quantity::Angle, usual(unit)))));
-    kinds.extend(velocity.map(|(values, unit)| ("velocity", values, factor(Quantity::Speed, usual(unit)))));
+    if let Some((values, unit)) = velocity {
+        kinds.push(("velocity", values, factor(Quantity::Speed, &format!("{unit}/s"))?));
+    }
 
     let headers = ["timestamp"].into_iter().chain(kinds.iter().map(|(kind, ..)| *kind));
     let mut samples = Samples::new(path, headers.map(|kind| format!("{kind}-{motor}")).collect());
@@ -351,29 +260,6 @@ fn one(
         ..Record::default()
     };
     Ok(Some(record))
-}
-
-/// One turn of the robot's loop logs its entries within this share of the turn, and within so many seconds.
-const TURN_SHARE: f64 = 0.1;
-const LONGEST_TURN_S: f64 = 2e-3;
-
-/// Of several series the one that was logged most often (the first of equals): it has the most turns of the loop, where others are
-/// logged only when they change.
-pub fn clock<'v, T>(all: impl Iterator<Item = &'v [T]>) -> Option<&'v [T]> {
-    all.fold(None, |best: Option<&[T]>, next| match best {
-        Some(best) if best.len() >= next.len() => Some(best),
-        _ => Some(next),
-    })
-}
-
-/// How far behind the first entry of a turn of the loop its others may be logged, s.
-pub fn turn_s(times: &[f64]) -> f64 {
-    (TURN_SHARE * super::timing::median_interval(times)).min(LONGEST_TURN_S)
-}
-
-/// Where the last of `times` up to `time_s` stands, whose value holds until the next.
-pub fn held_at(times: &[f64], time_s: f64) -> Option<usize> {
-    times.partition_point(|time| *time <= time_s).checked_sub(1)
 }
 
 /// The last value logged by `time_s`, which holds until the next; values are in the order of their times.

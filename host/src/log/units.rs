@@ -137,6 +137,26 @@ pub enum PerTurn {
     Metres,
 }
 
+impl PerTurn {
+    /// Why a column in such a unit cannot be read where nobody told what one turn is, and what to do.
+    pub fn unknown(self, quantity: Quantity, column: &str) -> (&'static str, String) {
+        match self {
+            PerTurn::Counts => (
+                "encoder counts need the counts of one turn of the output shaft",
+                format!(
+                    "say --counts-per-rev 1400, put counts_per_rev into motor.toml, or write --map {quantity}={column}:rev/1400"
+                ),
+            ),
+            PerTurn::Metres => (
+                "the way of a linear axis needs the metres of one turn of the output shaft",
+                "say --metres-per-rev 0.008 (the lead of the screw, or the circumference of the wheel), or put metres_per_rev into \
+                 motor.toml"
+                    .into(),
+            ),
+        }
+    }
+}
+
 impl Unit {
     /// The number is in SI already.
     pub const SI: Unit = Unit { factor: 1.0, per_turn: None };

@@ -7,6 +7,7 @@ use super::motion::{alignment, correlation, low_pass, peak, slope, span, speed};
 use super::quantum::quantum;
 use super::remap::{Change, remapped};
 use super::units::Quantity;
+use super::weak::Weak;
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Result};
 
@@ -136,7 +137,8 @@ fn no_motion(record: &Record) -> Option<Fault> {
     })
 }
 
-/// Compares motion and voltage by correlation after several smoothings, so that neither delay nor inertia matters.
+/// Compares motion and voltage by correlation after several smoothings, so that neither delay nor inertia matters; a record that looks
+/// reversed so is fitted with friction, a load and a pendulum beside the motor, which may drive it backwards.
 fn reversed(record: &Record) -> Option<Fault> {
     if let (Some(angle), Some(measured)) = (&record.angle_rad, &record.speed_rad_s)
         && correlation(&slope(&record.time_s, angle), measured) < -0.5
@@ -156,8 +158,9 @@ fn reversed(record: &Record) -> Option<Fault> {
     let together = smoothed.iter().map(|voltage| correlation(voltage, &motion));
     let (lowest, highest) = together.fold((0.0, 0.0), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));
     let same_sign = smoothed.iter().map(|voltage| alignment(voltage, &motion)).fold(1.0, f64::min);
-    let flipped = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
-    flipped.then(|| {
+    let opposed = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
+    let driven = || Weak::new(record).and_then(|weak| weak.gain_under_load()).is_some_and(|gain| gain > 0.0);
+    (opposed && !driven()).then(|| {
         let present = [
             (Quantity::Angle, "angle_rad", record.angle_rad.is_some()),
             (Quantity::Speed, "speed_rad_s", record.speed_rad_s.is_some()),
@@ -272,6 +275,31 @@ pub(in crate::log) mod tests {
         record.speed_rad_s.as_mut().unwrap().iter_mut().for_each(|speed| *speed = -*speed);
         record.angle_rad = motor().angle_rad;
         assert_eq!(content_faults(&record)[0].name, "angle_against_speed");
+    }
+
+    /// A servo that lets a pendulum down: its voltage holds against the motion nearly all the time.
+    #[test]
+    fn a_pendulum_that_is_lowered_is_no_flipped_encoder_and_a_flipped_one_is_found() {
+        let mut record = motor();
+        let (mut angle, mut speed) = (2.5_f64, 0.0);
+        let mut angles = Vec::new();
+        for (k, v) in record.voltage_v.iter_mut().enumerate() {
+            angles.push(angle);
+            let target = 1.4 + 1.2 * (0.4 * 0.01 * k as f64).cos();
+            let falling = 6.0 * angle.sin();
+            *v = 8.0 * (target - angle) + falling - 0.4 * speed;
+            speed += 0.1 * (0.6 * (*v - falling) - speed);
+            angle += 0.01 * speed;
+        }
+        let lowered = Record { angle_rad: Some(angles.clone()), ..record.clone() };
+        assert_eq!(content_faults(&lowered), []);
+        let flipped: Vec<f64> = angles.iter().map(|angle| -angle).collect();
+        let gain = |angles: &[f64]| {
+            let record = Record { angle_rad: Some(angles.to_vec()), ..record.clone() };
+            Weak::new(&record).and_then(|weak| weak.gain_under_load())
+        };
+        assert!((gain(&angles).unwrap() / 0.6 - 1.0).abs() < 0.2, "{:?}", gain(&angles));
+        assert!((gain(&flipped).unwrap() / 0.6 + 1.0).abs() < 0.2, "{:?}", gain(&flipped));
     }
 
     #[test]

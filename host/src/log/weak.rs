@@ -32,6 +32,8 @@ struct Window {
     centre: f64,
     /// Speed, acceleration, direction and one under the bump.
     motion: [f64; 4],
+    /// Sine and cosine of the angle there, where it is known.
+    gravity: [f64; 2],
     area: f64,
 }
 
@@ -63,6 +65,7 @@ impl<'a> Weak<'a> {
             .map(|k| {
                 let centre = first + half_s + span * k as f64 / (count - 1) as f64;
                 let mut motion = [0.0; 4];
+                let mut gravity = [0.0; 2];
                 let inside = around(time_s, centre, half_s);
                 // Sums over samples are integrals but for rounding, which a large angle would multiply.
                 let origin =
@@ -75,6 +78,8 @@ impl<'a> Weak<'a> {
                         (Some(x), _) => {
                             motion[0] -= (x[i] - origin) * slope * dt;
                             motion[1] += (x[i] - origin) * curve * dt;
+                            gravity[0] += x[i].sin() * bump * dt;
+                            gravity[1] += x[i].cos() * bump * dt;
                         }
                         (None, Some(w)) => {
                             motion[0] += w[i] * bump * dt;
@@ -87,7 +92,7 @@ impl<'a> Weak<'a> {
                     }
                     motion[3] += bump * dt;
                 }
-                Window { centre, motion, area: motion[3] }
+                Window { centre, motion, gravity, area: motion[3] }
             })
             .filter(|w| w.area > 0.3 * half_s)
             .collect::<Vec<_>>();
@@ -119,28 +124,48 @@ impl<'a> Weak<'a> {
         self.windows.iter().map(row).collect()
     }
 
+    /// The output speed per volt, rad/s/V, that explains the voltage best beside friction, a constant load and a pendulum, of a latency
+    /// up to a tenth of a second; none where that explains hardly anything. Negative where the motor turns against its voltage.
+    pub fn gain_under_load(&self) -> Option<f64> {
+        const LATE_S: [f64; 5] = [0.0, 0.02, 0.04, 0.07, 0.1];
+        const HARDLY: f64 = 0.7;
+        let fitted = LATE_S.into_iter().filter_map(|late_s| {
+            let rows = self.rows_of(late_s, |v| v);
+            let full = rows.iter().zip(&self.windows).map(|((row, v), window)| {
+                let gravity = window.gravity.map(|g| g / window.area);
+                ([row[0], row[1], row[2], row[3], gravity[0], gravity[1]], *v)
+            });
+            solved(&full.collect::<Vec<_>>())
+        });
+        let best = fitted.min_by(|a, b| a.left.total_cmp(&b.left))?;
+        (best.left < HARDLY).then_some(best.gain)
+    }
+
     /// Regresses the voltage, `late_s` seconds later than logged and changed by `law`, on the motion.
     pub fn regress(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Option<Regression> {
-        let rows = self.rows_of(late_s, law);
-        let mut h = SMatrix::<f64, 4, 4>::zeros();
-        let mut g = SVector::<f64, 4>::zeros();
-        let (mut vv, mut v1) = (0.0, 0.0);
-        for (row, v) in &rows {
-            let row = SVector::<f64, 4>::from(*row);
-            h += row * row.transpose();
-            g += row * *v;
-            (vv, v1) = (vv + v * v, v1 + v);
-        }
-        for k in 0..4 {
-            h[(k, k)] *= 1.0 + 1e-9;
-            h[(k, k)] += 1e-12;
-        }
-        let x = h.cholesky()?.solve(&g);
-        let left: f64 = rows.iter().map(|(row, v)| (v - SVector::<f64, 4>::from(*row).dot(&x)).powi(2)).sum();
-        let variation = vv - v1 * v1 / rows.len() as f64;
-        (variation > 0.0 && x[0] != 0.0)
-            .then(|| Regression { gain: 1.0 / x[0], left: (left / variation).sqrt() })
+        solved(&self.rows_of(late_s, law))
     }
+}
+
+/// Least squares of the voltages of `rows` on what stands before them, of which the first is the speed.
+fn solved<const N: usize>(rows: &[([f64; N], f64)]) -> Option<Regression> {
+    let mut h = SMatrix::<f64, N, N>::zeros();
+    let mut g = SVector::<f64, N>::zeros();
+    let (mut vv, mut v1) = (0.0, 0.0);
+    for (row, v) in rows {
+        let row = SVector::<f64, N>::from(*row);
+        h += row * row.transpose();
+        g += row * *v;
+        (vv, v1) = (vv + v * v, v1 + v);
+    }
+    for k in 0..N {
+        h[(k, k)] *= 1.0 + 1e-9;
+        h[(k, k)] += 1e-12;
+    }
+    let x = h.cholesky()?.solve(&g);
+    let left: f64 = rows.iter().map(|(row, v)| (v - SVector::<f64, N>::from(*row).dot(&x)).powi(2)).sum();
+    let variation = vv - v1 * v1 / rows.len() as f64;
+    (variation > 0.0 && x[0] != 0.0).then(|| Regression { gain: 1.0 / x[0], left: (left / variation).sqrt() })
 }
 
 /// Time that sample `i` stands for, s.

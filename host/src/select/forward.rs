@@ -11,15 +11,15 @@ use crate::fit::cost::Objective;
 use crate::fit::layout::Layout;
 
 /// Effects of which more than the trial evaluations is seen.
-const TRIALS: usize = 10;
+const TRIALS: usize = 14;
 /// Starts of an effect that are searched.
 const STARTS: usize = 2;
 /// Steps of the first screening round, for every effect.
 const FIRST: usize = 2;
 /// Effects in the second round, and its steps.
-const SECOND: (usize, usize) = (7, 3);
+const SECOND: (usize, usize) = (8, 4);
 /// Effects that are fitted on all records, rounds of weighing and steps of each.
-const FULL: (usize, usize, usize) = (5, 1, 5);
+const FULL: (usize, usize, usize) = (5, 2, 6);
 
 /// Whether `kind` may join a model of `kinds`: it is not covered by them, and two effects do not stand between rotor and load.
 pub fn lacks(kinds: &[Kind], kind: Kind) -> bool {
@@ -74,11 +74,11 @@ pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
     forward(data, model, &[kind], &mut |_| ()).into_iter().next().map(|found| found.settled(data))
 }
 
-/// Of `fitted`, best score first, the one to believe: of those that the best does not beat the smallest, and of equally small ones the law
+/// Of `fitted`, best score first, the one to believe: of those that do as well as the best the smallest, and of equally small ones the law
 /// on which most others of the library build: it is the usual one.
 pub fn simplest(data: &Evidence, fitted: &[Fitted], base: &Fitted) -> Option<usize> {
     let best = fitted.first()?;
-    let near = (0..fitted.len()).filter(|k| *k == 0 || !best.beats(&fitted[*k], data, base));
+    let near = (0..fitted.len()).filter(|k| *k == 0 || fitted[*k].is_as_good_as(best, data, base));
     let built_on = |model: &Fitted| {
         let name = model.kinds().last().map_or("", |kind| kind.name());
         Kind::ALL.iter().filter(|kind| kind.spec().contains.iter().any(|(part, _)| *part == name)).count()

@@ -8,7 +8,7 @@ use super::limits::detection_limits;
 use super::run::run;
 use super::starts::straightened;
 use crate::diagnose::discover::{Discovery, Options, Progress, Verdict, noise_floor};
-use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::{EXPLAINS, Evidence};
 use crate::diagnose::ladder::{rank, rung};
 use crate::fit::layout::Values;
 use crate::log::Record;
@@ -57,10 +57,16 @@ pub fn discovery(
     };
     let (base, model) = (&selected.steps[0], selected.model());
     let values = model.values();
+    // The accepted model was corrected once more.
+    let last = rung(&evidence, &values);
+    ladder.truncate(selected.steps.len() - 1);
+    ladder.push(last.clone());
+    let noise_floor = noise_floor(records, validation, &evidence.whole);
+    let explained = evidence.is_explained_by(model) || last.train.rmse < EXPLAINS * noise_floor;
     Discovery {
-        verdict: if evidence.is_explained_by(model) { Verdict::Explained } else { Verdict::Unexplained },
+        verdict: if explained { Verdict::Explained } else { Verdict::Unexplained },
         effects: values.kinds(),
-        noise_floor: noise_floor(records, validation, &evidence.whole),
+        noise_floor,
         ladder,
         candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
         limits: detection_limits(&evidence, base, model, &options.library, evidence.highest_voltage()),

@@ -70,6 +70,9 @@ pub fn run(
         step(&next);
         steps.push(next);
     }
+    if let Some(last) = steps.pop() {
+        steps.push(last.simulating(data));
+    }
     let rivals = rivals(data, &steps, &first, library, &given);
     Selected { steps, first, rivals }
 }
@@ -84,11 +87,11 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
     worth.take(TRIED).map(|c| c.clone().settled(data)).find(|c| c.beats(model, data, base))
 }
 
-/// `accepted`, and those of the models `tried` in its place that it does not beat; none where it beats all.
+/// `accepted`, and those of the models `tried` in its place that do as well; none where none does.
 pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitted) -> Option<Rivals> {
     let other = |c: &Fitted| !c.kinds().iter().all(|k| covers(accepted.kinds(), *k));
     let near: Vec<Fitted> =
-        tried.into_iter().filter(|c| other(c) && !accepted.beats(c, data, base)).collect();
+        tried.into_iter().filter(|c| other(c) && c.is_as_good_as(accepted, data, base)).collect();
     (!near.is_empty()).then(|| Rivals { models: std::iter::once(accepted.clone()).chain(near).collect() })
 }
 
@@ -103,7 +106,7 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
                 continue;
             }
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
-            if !model.beats(&poor, data, base) {
+            if poor.is_as_good_as(&model, data, base) {
                 return simpler(data, poor, base);
             }
         }
@@ -123,7 +126,7 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
             continue;
         }
         let fewer = Fitted::of(data, &model.values().without(kind), 2, 8);
-        if !model.beats(&fewer, data, base) {
+        if fewer.is_as_good_as(&model, data, base) {
             model = fewer;
         }
     }

@@ -137,3 +137,12 @@ fn router(session: Session, port: u16) -> Router {
         .layer(middleware::from_fn_with_state(port, guard::same_page_only))
         .with_state(app)
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_page_refuses_by_itself_what_the_server_would_not_take() {
+        let script = include_str!("assets/log.js");
+        assert!(script.contains(&format!("const LARGEST = {};", super::LARGEST_UPLOAD)));
+    }
+}

@@ -9,7 +9,7 @@ use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
 use crate::compare::rise::Rise;
 use crate::diagnose::discover::{self, prepare};
-use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::{EXPLAINS, Evidence};
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::estimate::feedforward;
@@ -208,7 +208,8 @@ impl Session {
             faults: self.faults.clone(),
             model: self.model(),
             doubt: self.doubt,
-            explained: self.evidence.is_explained_by(&self.current),
+            explained: self.evidence.is_explained_by(&self.current)
+                || self.ladder.last().is_some_and(|rung| rung.train.rmse < EXPLAINS * self.floor),
             title: self.title.clone(),
         }
     }

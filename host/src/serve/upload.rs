@@ -84,11 +84,11 @@ pub struct Named {
     name: String,
 }
 
-/// The guess at the columns of a table, from its beginning: the same that the command line proposes.
+/// The guess at the columns of a file: the same that the command line proposes. Of a text its beginning is enough.
 pub async fn guess(Query(named): Query<Named>, body: Bytes) -> Answer {
     let looked = tokio::task::block_in_place(|| {
-        let (_directory, path, _) = kept(&named.name, &body)?;
-        look(&path)
+        let (_directory, path, name) = kept(&named.name, &body)?;
+        look(&path).map_err(|error| called(error, &name))
     });
     let looked = looked.map_err(|error| (StatusCode::UNPROCESSABLE_ENTITY, Json(error.to_json())))?;
     Ok(Json(json!(looked)))
@@ -158,23 +158,27 @@ fn kept(name: &str, content: &[u8]) -> Result<(tempfile::TempDir, PathBuf, PathB
     Ok((directory, path, name))
 }
 
+/// The error with the file called as it was dropped, not as it was kept.
+fn called(error: Error, name: &Path) -> Error {
+    match error {
+        Error::BadInput(mut fault) => {
+            name.clone_into(&mut fault.file);
+            Error::BadInput(fault)
+        }
+        other => other,
+    }
+}
+
 /// The records in `content`, judged.
 fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
     let (_directory, path, name) = kept(&dropped.name, content)?;
     let map = if dropped.map.is_empty() { None } else { Some(dropped.map.parse()) };
     let map = map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
-    let shorter = |error: Error| match error {
-        Error::BadInput(mut fault) => {
-            fault.file.clone_from(&name);
-            Error::BadInput(fault)
-        }
-        other => other,
-    };
     let supply_volts = Rig::number(&dropped.rig.supply_v, "supply")?;
     let rate_hz = Rig::number(&dropped.rig.rate_hz, "samples per second")?;
     let motor = dropped.rig.motor()?;
     let options = ReadOptions { map, motor, supply_volts, rate_hz, ..ReadOptions::default() };
-    let mut records = read(&path, &options).map_err(shorter)?;
+    let mut records = read(&path, &options).map_err(|error| called(error, &name))?;
     for record in &mut records {
         record.path.clone_from(&name);
         check_usable(record)?;

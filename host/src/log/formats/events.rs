@@ -6,9 +6,11 @@ use super::Fault;
 use super::table::{Column, Table, Values};
 use crate::log::guess::{self, words};
 use crate::log::mapping::Mapping;
+use crate::log::robot_loop::{clock, held_at, turn_s};
 use crate::log::samples::Place;
 use crate::log::structure;
-use crate::log::sysid_entries::{Entries, Value, clock, group_of, held_at, turn_s};
+use crate::log::sysid_entries::{Entries, Value};
+use crate::log::sysid_names::group_of;
 use crate::log::units::Quantity;
 
 /// Columns that a mapping is guessed from where no group of them makes sense.
@@ -67,13 +69,16 @@ impl Events {
         events
     }
 
-    /// Whether `map` names entries of this file: the way round SysId's own names.
+    /// Whether `map` names entries of this file, or numbers of its columns: the way round SysId's own names.
     pub fn are_mapped(&self, map: Option<&Mapping>) -> bool {
-        map.is_some_and(|map| {
-            let named = |quantity: &Quantity| map.source(*quantity).map(|source| source.column.as_str());
-            let motion = [Quantity::Angle, Quantity::Speed];
-            motion.iter().filter_map(named).any(|column| self.series.contains_key(column))
-        })
+        let motion = [Quantity::Angle, Quantity::Speed];
+        let mut sources = motion.iter().filter_map(|quantity| map?.source(*quantity));
+        sources.any(|source| self.series.contains_key(&source.column) || self.is_number(&source.column))
+    }
+
+    /// Whether a mapping means a column by its number.
+    fn is_number(&self, column: &str) -> bool {
+        !self.series.contains_key(column) && column.parse::<usize>().is_ok()
     }
 
     /// The entries as SysId's routines log them.
@@ -95,27 +100,26 @@ impl Events {
     }
 
     /// The columns that `map` names, or those of the first group that has all that a fit needs, on the clock of the one that was
-    /// logged most often.
+    /// logged most often. Numbers of columns count in the table without a mapping, which is the one that a guess is made from.
     ///
     /// # Errors
     /// A fault where no value was logged.
     pub fn table(&self, map: Option<&Mapping>) -> Result<Table, Fault> {
         let mut hint = String::new();
-        let chosen: Vec<&str> = match map {
-            Some(map) => {
-                let sources = Quantity::ALL.iter().filter_map(|quantity| map.source(*quantity));
-                let named: BTreeSet<&str> = sources.map(|source| source.column.as_str()).collect();
-                self.series.keys().map(String::as_str).filter(|name| named.contains(name)).collect()
+        let sources = || Quantity::ALL.iter().filter_map(|quantity| map?.source(*quantity));
+        let by_number =
+            sources().any(|source| source.column.split('+').any(|column| self.is_number(column.trim())));
+        let chosen: Vec<&str> = if map.is_some() && !by_number {
+            let named: BTreeSet<&str> = sources().map(|source| source.column.as_str()).collect();
+            self.series.keys().map(String::as_str).filter(|name| named.contains(name)).collect()
+        } else {
+            let mut groups = self.groups();
+            let first = if groups.is_empty() { self.telling() } else { groups.remove(0).1 };
+            if !groups.is_empty() {
+                let others: Vec<&str> = groups.iter().take(12).map(|(name, _)| name.as_str()).collect();
+                hint = format!("other motors of this file: {}", others.join(", "));
             }
-            None => {
-                let mut groups = self.groups();
-                let first = if groups.is_empty() { self.telling() } else { groups.remove(0).1 };
-                if !groups.is_empty() {
-                    let others: Vec<&str> = groups.iter().take(12).map(|(name, _)| name.as_str()).collect();
-                    hint = format!("other motors of this file: {}", others.join(", "));
-                }
-                first
-            }
+            first
         };
         let chosen = if chosen.is_empty() { self.telling() } else { chosen };
         let left_out = self.left_out.iter().cloned();
@@ -204,6 +208,22 @@ mod tests {
             Table::of(columns, vec![]).unwrap()
         };
         assert_eq!(table, column(&[0.1, 0.2, 0.4, 0.6], &[1.0, 1.0, 1.0, 2.0], &[1.0, 2.0, 4.0, 6.0]));
+    }
+
+    #[test]
+    fn numbers_of_columns_count_in_the_table_that_the_guess_is_made_from() {
+        let times = [0.0, 0.1, 0.2];
+        let names = ["/a/Temperature", "/arm/Velocity", "/arm/Voltage", "/wrist/Velocity", "/wrist/Voltage"];
+        let all = names.map(|name| (name.to_owned(), series(&times, &[1.0, 2.0, 3.0])));
+        let events = Events::new(all.into_iter().collect(), BTreeSet::new());
+        let guessed = events.table(None).unwrap();
+        let by_number: Mapping = "time=0:s,speed=1:rad/s,voltage=2:V".parse().unwrap();
+        assert_eq!(events.table(Some(&by_number)).unwrap(), guessed);
+        let mixed: Mapping = "time=time_s:s,speed=1:rad/s,voltage=/arm/Voltage:V".parse().unwrap();
+        assert_eq!(events.table(Some(&mixed)).unwrap(), guessed);
+        assert!(events.are_mapped(Some(&by_number)));
+        let named: Mapping = "speed=/wrist/Velocity,voltage=/wrist/Voltage".parse().unwrap();
+        assert_ne!(events.table(Some(&named)).unwrap(), guessed);
     }
 
     #[test]

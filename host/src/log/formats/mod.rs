@@ -34,8 +34,9 @@ pub use convert::named;
 use events::Events;
 use table::Table;
 
+use super::sysid_entries::{self, Entries};
 use super::text::cannot_read;
-use super::{Format, ReadOptions, Record, sysid_entries};
+use super::{Format, ReadOptions, Record};
 use crate::error::{BadInput, Error, Result};
 
 /// No log of a motor is larger, B; what a file says of its own sizes is believed up to here.
@@ -184,6 +185,37 @@ pub fn extensions() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// Bad input where the file is damaged, is of a format that another program has to convert, or its columns are not understood.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Option<Vec<Record>>> {
+    content(path)?.map(|content| records(path, content, options)).transpose()
+}
+
+/// A file as it can be shown before anybody says what its columns are.
+pub enum Shown {
+    /// The columns that a guess is made from.
+    Table(Table),
+    /// The tests of SysId's routines, which need no mapping.
+    Tests(Entries),
+}
+
+/// Opens the file at `path` to show it, or `None` where it is not of a binary format.
+///
+/// # Errors
+/// Bad input where the file is damaged, or is of a format that another program has to convert.
+pub fn look(path: &Path) -> Result<Option<Shown>> {
+    let Some(content) = content(path)? else { return Ok(None) };
+    let events = match content {
+        Content::Table(table) => return Ok(Some(Shown::Table(table))),
+        Content::Events(events) => events,
+    };
+    let entries = events.sysid();
+    if entries.are_complete() {
+        return Ok(Some(Shown::Tests(entries)));
+    }
+    let table = events.table(None).map_err(|fault| BadInput::new(path, fault.why, fault.remedy))?;
+    Ok(Some(Shown::Table(table)))
+}
+
+/// What is in the file at `path`, or `None` where it is not of a binary format.
+fn content(path: &Path) -> Result<Option<Content>> {
     let file = File::open(path).map_err(|error| cannot_read(path, &error))?;
     let about = file.metadata().map_err(|error| cannot_read(path, &error))?;
     if about.is_dir() {
@@ -214,8 +246,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Option<Vec<Record>>> {
         fault.why = format!("{}: {}", format.name, fault.why);
         bad(fault)
     })?;
-    drop(bytes);
-    records(path, content, options).map(Some)
+    Ok(Some(content))
 }
 
 /// Runs a reader. The crates behind some of them are not made for hostile files: what they take for impossible is a damaged file, not

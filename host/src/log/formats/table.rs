@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::Fault;
@@ -102,14 +102,17 @@ impl Table {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
+    /// The table as the CSV that it would be.
+    pub fn text(&self) -> impl BufRead {
+        BufReader::with_capacity(1 << 16, Text { table: self, row: None, line: Vec::new(), at: 0 })
+    }
+
     /// The records in it.
     ///
     /// # Errors
     /// Those of a CSV with these columns; places are rows, from 1.
     pub fn records(self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
-        let text =
-            BufReader::with_capacity(1 << 16, Text { table: &self, row: None, line: Vec::new(), at: 0 });
-        let mut records = table::read(path, text, options).map_err(|error| self.in_rows(error))?;
+        let mut records = table::read(path, self.text(), options).map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
         Ok(read::finished(records))
     }

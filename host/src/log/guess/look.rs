@@ -1,9 +1,11 @@
 //! The guess as a dialogue shows it: what is in the file, and for every column what it would be read as.
 
+use std::io::BufRead;
 use std::path::Path;
 
 use serde::Serialize;
 
+use super::super::formats::{self, Shown};
 use super::super::preamble;
 use super::super::table;
 use super::super::text;
@@ -15,7 +17,7 @@ use crate::error::Result;
 const SHOWN: usize = 1000;
 
 /// The beginning of a table, and what its columns look like.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Look {
     /// Names of the columns; their numbers where the file has no header.
     pub names: Vec<String>,
@@ -28,14 +30,29 @@ pub struct Look {
     pub canonical: bool,
     /// What the command line would propose; none where the columns are canonical or too little is recognised.
     pub proposal: Option<Proposal>,
+    /// What a file that needs no mapping tells of its content, in a sentence; it has no columns to choose from.
+    pub told: Option<String>,
+    /// The motors of such a file of which one has to be chosen, by `voltage=voltage-MOTOR`; empty where there is no choice.
+    pub motors: Vec<String>,
 }
 
-/// Looks at the table at `path`.
+/// Looks at the file at `path`, whether it is a text or of a binary format.
 ///
 /// # Errors
-/// Bad input where the file is no text or no table.
+/// Bad input where the file is no table, is damaged, or is of a format that another program has to convert.
 pub fn look(path: &Path) -> Result<Look> {
-    let mut input = text::open(path)?;
+    match formats::look(path)? {
+        None => table_in(path, text::open(path)?),
+        Some(Shown::Table(table)) => table_in(path, table.text()),
+        Some(Shown::Tests(entries)) => {
+            let (told, motors) = (Some(entries.sentence()), entries.choices());
+            Ok(Look { canonical: true, told, motors, ..Look::default() })
+        }
+    }
+}
+
+/// Looks at a table written as text.
+fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let head = preamble::read(path, &mut input, true)?;
     let sample = table::sample(path, &mut input, &head, SHOWN)?;
     let width = sample.texts.first().map_or(0, Vec::len).max(sample.names.len());
@@ -63,12 +80,13 @@ pub fn look(path: &Path) -> Result<Look> {
     }
     let proposal = if canonical { None } else { propose_for(&sample) };
     let names = (0..width).map(|k| sample.names.get(k).cloned().unwrap_or_else(|| k.to_string())).collect();
-    Ok(Look { names, rows: sample.texts, kinds, canonical, proposal })
+    Ok(Look { names, rows: sample.texts, kinds, canonical, proposal, ..Look::default() })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::read_tests::file;
+    use super::super::super::{ReadOptions, read};
     use super::*;
 
     fn looked(text: &str) -> Look {
@@ -104,5 +122,109 @@ mod tests {
             (0..300).map(|k| format!("{},{},{},{}\n", k / 100, k % 100 * 10_000_000, k % 5, k)).collect();
         let look = looked(&format!("sec,nanosec,u,theta\n{rows}"));
         assert_eq!(look.kinds, ["time:s", "time+:ns", "voltage:V", "angle:deg"]);
+    }
+
+    /// A NumPy array of `rows` with these fields, all of them doubles.
+    fn npy(fields: &[&str], rows: &[Vec<f64>]) -> Vec<u8> {
+        let fields: Vec<String> = fields.iter().map(|name| format!("('{name}', '<f8')")).collect();
+        let header = format!(
+            "{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}\n",
+            fields.join(", "),
+            rows.len()
+        );
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(rows.iter().flatten().flat_map(|value| value.to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn a_binary_table_is_shown_and_guessed_at_like_its_csv() {
+        let rows: Vec<Vec<f64>> =
+            (0..60).map(|k| vec![10.0 * f64::from(k), f64::from(k % 7 * 30), f64::from(k * k)]).collect();
+        let names = ["t_ms", "pwm", "enc"];
+        let (_directory, path) = file(&npy(&names, &rows));
+        let look = look(&path).unwrap();
+        let text: String =
+            rows.iter().map(|row| format!("{:?},{:?},{:?}\n", row[0], row[1], row[2])).collect();
+        let csv = looked(&format!("t_ms,pwm,enc\n{text}"));
+        assert_eq!((look.names, look.kinds, look.rows), (csv.names, csv.kinds, csv.rows));
+        assert_eq!(look.proposal.unwrap(), csv.proposal.unwrap());
+        assert!(look.told.is_none() && !look.canonical);
+    }
+
+    #[test]
+    fn canonical_fields_of_a_binary_table_need_no_mapping() {
+        let rows: Vec<Vec<f64>> = (0..30).map(|k| vec![0.01 * f64::from(k), 1.0, f64::from(k)]).collect();
+        let (_directory, path) = file(&npy(&["time_s", "voltage_v", "angle_rad"], &rows));
+        let look = look(&path).unwrap();
+        assert!(look.canonical);
+        assert_eq!((look.kinds[2].as_str(), look.rows[1][0].as_str()), ("angle:rad", "0.01"));
+    }
+
+    #[test]
+    fn a_binary_file_that_is_cut_off_says_so_and_one_of_another_program_names_it() {
+        let whole = npy(&["t", "u", "w"], &vec![vec![0.0, 1.0, 2.0]; 30]);
+        let cut = &whole[..whole.len() - 9];
+        for (content, told) in [(cut, "cut off or damaged"), (&b"ULog\x01\x12\x35\x00"[..], "ulog2csv")] {
+            let (_directory, path) = file(content);
+            let refused = look(&path).unwrap_err().to_string();
+            assert!(refused.contains(told), "{refused}");
+        }
+    }
+
+    /// A WPILib data log in which two mechanisms ran a test each; `unit` is what the entries say of themselves.
+    fn routines(unit: &str) -> Vec<u8> {
+        let mut bytes = b"WPILOG\x00\x01\x00\x00\x00\x00".to_vec();
+        let mut record = |entry: u8, time_s: f64, payload: &[u8]| {
+            bytes.extend([0b0100_0100, entry]);
+            bytes.extend(u16::try_from(payload.len()).unwrap().to_le_bytes());
+            bytes.extend(&((time_s * 1e6) as u64).to_le_bytes()[..5]);
+            bytes.extend(payload);
+        };
+        for (of, (mechanism, motor)) in
+            [("arm", "joint-arm"), ("drive", "left-drive")].into_iter().enumerate()
+        {
+            let first = 1 + 4 * u8::try_from(of).unwrap();
+            let state = (format!("sysid-test-state-{mechanism}"), "string", "");
+            let numbers =
+                ["voltage", "position", "velocity"].map(|k| (format!("{k}-{motor}"), "double", unit));
+            for (k, (name, kind, about)) in (0..).zip([state].into_iter().chain(numbers)) {
+                let mut start = vec![0, first + k, 0, 0, 0];
+                for text in [name.as_str(), kind, about] {
+                    start.extend(u32::try_from(text.len()).unwrap().to_le_bytes());
+                    start.extend(text.as_bytes());
+                }
+                record(0, 0.0, &start);
+            }
+            for k in 0..60 {
+                let t = 10.0 * of as f64 + 0.02 * f64::from(k);
+                record(first, t, b"dynamic-forward");
+                for (entry, value) in (first + 1..).zip([6.0, 0.1 * t, 0.1]) {
+                    record(entry, t, &f64::to_le_bytes(value));
+                }
+            }
+            record(first, 10.0 * of as f64 + 2.0, b"none");
+        }
+        bytes
+    }
+
+    #[test]
+    fn tests_of_sysid_need_no_columns_but_perhaps_a_motor_and_the_metres_of_a_turn() {
+        let (_directory, path) = file(&routines("Meter"));
+        let seen = look(&path).unwrap();
+        let told = seen.told.unwrap();
+        assert!(told.starts_with("2 tests of SysId") && told.contains("metres per output turn"), "{told}");
+        assert!(seen.names.is_empty() && seen.canonical);
+        assert_eq!(seen.motors, ["joint-arm", "left-drive"]);
+        // With both of them told, the file is read.
+        let map = Some("voltage=voltage-left-drive:V".parse().unwrap());
+        let mut options = ReadOptions { map, ..ReadOptions::default() };
+        assert!(read(&path, &options).unwrap_err().to_string().contains("--metres-per-rev"));
+        options.motor.metres_per_rev = Some(0.5);
+        let records = read(&path, &options).unwrap();
+        assert_eq!(records.len(), 1);
+        assert!((records[0].speed_rad_s.as_ref().unwrap()[9] - 0.4 * std::f64::consts::PI).abs() < 1e-12);
     }
 }

@@ -4,12 +4,24 @@ let queue = [], dropped = null, sent = [];
 const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
 const kindWords = (kind) => (kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time") : "not used");
 
-// Files whose layout only the reader knows are not shown as tables.
+// Texts whose layout only the reader knows are not shown as tables.
 const TABLE = /\.(csv|txt|tsv|log|dat)$/i;
-// The server looks at the beginning of the file: the same guess that the command line proposes.
+// The server takes no more at once, bytes.
+const LARGEST = 200000000;
+const tooLarge = (file) => ({ file: file.name, why: "the page takes files up to 200 MB, and this is larger", remedy: "give the file on the command line, motorlens serve FILE, or export the minutes that show the motor" });
+const NOTHING = { names: [], rows: [], kinds: [], motors: [] };
+// What is no text has zero bytes near its beginning; UTF-16 has them too, and says first that it is a text.
+async function isBinary(file) {
+  const start = new Uint8Array(await file.slice(0, 4096).arrayBuffer()), mark = start[0] + 256 * start[1];
+  return start.includes(0) && mark !== 0xfeff && mark !== 0xfffe;
+}
+// The server looks at the file, of a text at its beginning: the same guess that the command line proposes.
 async function looked(file) {
-  const reply = await fetch(`/api/guess?${new URLSearchParams({ name: file.name })}`, { method: "POST", body: file.slice(0, 200000) });
-  return reply.ok ? reply.json() : { names: [], rows: [], kinds: [], fault: await reply.json() };
+  const binary = await isBinary(file);
+  if (!binary && !TABLE.test(file.name)) return NOTHING;
+  if (binary && file.size > LARGEST) return { ...NOTHING, fault: tooLarge(file) };
+  const reply = await fetch(`/api/guess?${new URLSearchParams({ name: file.name })}`, { method: "POST", body: binary ? file : file.slice(0, 200000) });
+  return reply.ok ? reply.json() : { ...NOTHING, fault: await reply.json() };
 }
 // What a person said of columns with these names is said again.
 const memoryOf = (names) => "columns " + names.join("|");
@@ -39,9 +51,11 @@ async function openNext() {
   $("log-fault").hidden = true;
   $("log-alike").hidden = !queue.length;
   $("log-records").hidden = sent.length > 0;
-  const table = TABLE.test(dropped.name) ? await looked(dropped) : { names: [], rows: [], kinds: [] };
+  const table = await looked(dropped);
   dropped.table = table;
-  const guess = table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : "This format tells itself what its columns are." };
+  const guess = table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : table.told || "This format tells itself what its columns are." };
+  $("log-motors").hidden = !table.motors.length;
+  $("log-motor").replaceChildren(...table.motors.map((name) => element("option", { value: name, textContent: name })));
   $("log-words").textContent = guess.words;
   const rig = guess.rig || {};
   for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || $(id).value || "";
@@ -79,13 +93,15 @@ function showRaw() {
 
 const RIG = [["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["metres_per_rev", "log-metres"], ["rate_hz", "log-rate"], ["gear_ratio", "log-gear"], ["encoder_shaft", "log-shaft"]];
 const rigChosen = () => Object.fromEntries(RIG.map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
-function mapOf({ kinds: before, canonical }, kinds) {
+function mapOf({ kinds: before, canonical, motors }, kinds) {
+  if (motors.length) return `voltage=voltage-${$("log-motor").value}:V`;
   if (canonical && kinds.every((kind, k) => kind === before[k])) return "";
   const parts = kinds.map((kind, k) => [kind.slice(0, kind.indexOf(":")), k, kind.slice(kind.indexOf(":") + 1)]).filter(([quantity]) => quantity);
   const fraction = parts.find(([quantity]) => quantity === "time+");
   return parts.filter((part) => part !== fraction).map(([quantity, k, unit]) => quantity === "time" && fraction ? `time=${k}+${fraction[1]}:${fraction[2]}` : `${quantity}=${k}:${unit}`).join(",");
 }
 async function send(file, table, kinds) {
+  if (file.size > LARGEST) throw tooLarge(file);
   const asked = { name: file.name, role: new FormData($("mapping")).get("role"), map: mapOf(table, kinds), ...rigChosen() };
   const reply = await fetch(`/api/upload?${new URLSearchParams(asked)}`, { method: "POST", body: file });
   const answer = await reply.json();

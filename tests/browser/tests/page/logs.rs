@@ -8,6 +8,51 @@ use motorlens_browser_tests::{Server, run};
 use super::{FRESH, alone, diagnosed, opened};
 
 #[test]
+fn a_binary_log_larger_than_a_beginning_is_shown_with_its_columns_and_taken() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    // A NumPy array of records. What the page sends of a text would not hold all of it.
+    let mut w = 0.0;
+    let row = |k: u32| {
+        let t = f64::from(k) * 0.01;
+        let v = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();
+        let row = [f64::from(10 * k), v, w];
+        w += 0.01 * (0.9 * v - w) / 0.06;
+        row
+    };
+    let rows: Vec<[f64; 3]> = (0..800).map(row).collect();
+    let filler = 300_000 / (8 * rows.len());
+    let names: Vec<String> =
+        ["t", "u", "w"].map(String::from).into_iter().chain((0..filler).map(|k| format!("x{k}"))).collect();
+    let fields: Vec<String> = names.iter().map(|name| format!("('{name}', '<f8')")).collect();
+    let shape = rows.len();
+    let header =
+        format!("{{'descr': [{}], 'fortran_order': False, 'shape': ({shape},), }}\n", fields.join(", "));
+    let mut array = b"\x93NUMPY\x01\x00".to_vec();
+    array.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
+    array.extend(header.as_bytes());
+    for row in &rows {
+        array.extend(row.iter().copied().chain((0..filler).map(|_| 0.0)).flat_map(f64::to_le_bytes));
+    }
+    assert!(array.len() > 200_000);
+    let log = directory.path().join("array.npy");
+    std::fs::write(&log, array).unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+
+    browser.give_file("#file", &log);
+    browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
+    let kinds =
+        "[...document.querySelectorAll('#preview select')].slice(0, 4).map((select) => select.value).join()";
+    assert_eq!(browser.value(kinds), "time:ms,voltage:V,speed:rad/s,");
+    browser.click("#use");
+    browser.wait(&format!(
+        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'array' && {FRESH}"
+    ));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
 fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
