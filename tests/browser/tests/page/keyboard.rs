@@ -89,13 +89,16 @@ fn a_log_is_mapped_and_a_puzzle_set_and_revealed_by_keyboard() {
     std::fs::write(&log, "t,u,w\n".to_owned() + &rows.collect::<String>()).unwrap();
     browser.give_file("#file", &log);
     browser.wait("document.querySelector('#dialog').open");
-    // The arrow keys choose among what a column can be.
-    let kinds = browser.value("KINDS");
+    browser.wait("document.querySelectorAll('#preview select').length == 3");
+    // The arrow keys choose among what a column can be, from what was guessed.
     for (column, kind) in ["time:ms", "voltage:V", "speed:rad/s"].iter().enumerate() {
         tab_to(&mut browser, &format!("#preview td:nth-child({}) select", column + 1));
-        let place = kinds.as_array().unwrap().iter().position(|k| k == kind).unwrap();
-        for _ in 0..place {
-            browser.key("ArrowDown", None);
+        let place = format!("[...document.activeElement.options].findIndex((o) => o.value == '{kind}')");
+        let steps =
+            browser.value(&format!("{place} - document.activeElement.selectedIndex")).as_i64().unwrap();
+        let key = if steps < 0 { "ArrowUp" } else { "ArrowDown" };
+        for _ in 0..steps.abs() {
+            browser.key(key, None);
         }
         assert_eq!(browser.value("document.activeElement.value"), *kind);
     }
