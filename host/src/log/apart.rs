@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::clock::Clock;
 use super::table::{self, Read};
 use super::units::Quantity;
-use super::{ReadOptions, Record, Warning, guess, preamble, text};
+use super::{ReadOptions, Record, Warning, guess, preamble, sample, text};
 use crate::error::{BadInput, Error, Result};
 
 /// What belongs to the input of a motor.
@@ -45,10 +45,10 @@ pub(super) fn read(path: &Path, input: &Path, output: &Path, options: &ReadOptio
 
 /// The fault with the mapping that both files look like, where none was given.
 fn proposing(error: Error, input: &Path, output: &Path, options: &ReadOptions) -> Error {
-    let sample = |path: &Path| -> Result<table::Sample> {
+    let sample = |path: &Path| -> Result<sample::Sample> {
         let mut lines = text::open(path)?;
         let head = preamble::read(path, &mut lines, true)?;
-        table::sample(path, lines, &head, 0)
+        sample::read(path, lines, &head, 0)
     };
     match error {
         Error::BadInput(mut fault) if options.map.is_none() => {
@@ -138,7 +138,15 @@ fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<
         // What was checked once fits again.
         let _ = meta.insert(key, value);
     }
-    Ok(Read { time_s, values, meta, structure: super::structure::Structure::default(), warnings })
+    let structure = super::structure::Structure::default();
+    // Units that either header says.
+    let other = |quantity| moved.map.as_ref().and_then(|map| map.source(quantity));
+    let map = driven.map.as_ref().map(|map| {
+        map.with_units(|source| {
+            other(source.quantity).map(|other| other.written.clone()).filter(|unit| !unit.is_empty())
+        })
+    });
+    Ok(Read { time_s, values, meta, map, structure, warnings })
 }
 
 fn ends(time_s: &[f64]) -> (f64, f64) {

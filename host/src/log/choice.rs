@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::guess::{self, words};
+use super::guess::words;
 use super::mapping::{Mapping, Source};
+use super::sample::Guess;
 use super::units::{PerTurn, Quantity, Unit};
 use super::{Metadata, ReadOptions};
 use crate::error::{BadInput, Result};
@@ -138,6 +139,23 @@ impl Choice<'_> {
         (here || !self.partial).then_some(source)
     }
 
+    /// The mapping with the units that the header, or the row below it, says of columns whose unit the mapping leaves open.
+    pub fn with_units(&self, map: &Mapping) -> Mapping {
+        map.with_units(|source| {
+            let index = self.index_of(&source.column)?;
+            let below = self.units.get(index).and_then(|unit| words::unit_named(unit));
+            let name = || words::told(self.names.get(index)?);
+            let (of, unit) = below.or_else(name)?;
+            let like = match source.quantity {
+                Quantity::Supply => Quantity::Voltage,
+                Quantity::Interval => Quantity::Time,
+                Quantity::Target => Quantity::Angle,
+                own => own,
+            };
+            (of == like).then(|| unit.to_owned())
+        })
+    }
+
     fn mapped(&self, source: &Source) -> Result<Wanted> {
         self.named(source.quantity, &source.column, source.unit)
     }
@@ -216,18 +234,20 @@ impl Choice<'_> {
     }
 
     /// The refusal where a column is absent, with what the table looks like.
-    pub fn refusal(&self, missing: &Missing, proposal: Option<guess::Proposal>) -> crate::error::Error {
-        let remedy = match &proposal {
-            Some(proposal) => {
+    pub fn refusal(&self, missing: &Missing, guess: Guess) -> crate::error::Error {
+        let remedy = match &guess {
+            Guess::Proposed(proposal) => {
                 let assumptions = proposal.assumptions();
                 let assumptions =
                     if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
                 format!("say which column is what and in which unit; it looks like {}{assumptions}", proposal.options())
             }
-            None => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
+            Guess::Open(Some(question)) => question.clone(),
+            Guess::Open(None) => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
                      or --map duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
                 .into(),
         };
+        let proposal = if let Guess::Proposed(proposal) = guess { Some(proposal) } else { None };
         BadInput::new(self.path, format!("{}; the columns are {}", missing.why, self.listed()), remedy)
             .at_line(self.line)
             .in_column(missing.header)

@@ -1,7 +1,8 @@
 //! `--map time=t:ms,voltage=u,speed=y:deg/s`: which column of a foreign file is what, and in which unit.
 //!
 //! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, interval (the time since the row before), voltage, duty,
-//! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns. COLUMN is a header or a 0-based number. UNIT is a unit of the quantity (SI if left out), then any number of
+//! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns. COLUMN is a header or a
+//! 0-based number. UNIT is a unit of the quantity (if left out, that which the header says, or SI), then any number of
 //! `*factor` or `/divisor`; for duty it is the number that means full duty. Where duty is given instead of voltage, the
 //! voltage is duty times the supply column, or times `--supply-volts`.
 
@@ -46,6 +47,21 @@ impl Mapping {
                 .sources
                 .iter()
                 .all(|source| source.column.split('+').all(|column| column.trim().parse::<usize>().is_ok()))
+    }
+}
+
+impl Mapping {
+    /// This mapping with the units that `told` knows of a column where none was written.
+    pub(super) fn with_units(&self, told: impl Fn(&Source) -> Option<String>) -> Mapping {
+        let mut mapping = self.clone();
+        for source in mapping.sources.iter_mut().filter(|source| source.written.is_empty()) {
+            if let Some(written) = told(source)
+                && let Ok(unit) = Unit::parse(source.quantity, &written)
+            {
+                (source.unit, source.written) = (unit, written);
+            }
+        }
+        mapping
     }
 }
 

@@ -5,17 +5,17 @@ use std::path::Path;
 
 use super::mapping::Mapping;
 use super::text::cannot_read;
-use super::{Hold, Metadata, Record, apart, bam, formats, repair, servo, sysid, sysid_list, table, text};
-use crate::error::{BadInput, Result};
+use super::{Hold, Metadata, Record, apart, bam, formats, preamble, repair, servo, sysid, table, text};
+use crate::error::{BadInput, Error, Result};
 use crate::motor_file::MotorFile;
 
 /// The layout of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Format {
-    /// A table with a header; the canonical log, or any other with `--map`.
+    /// What the content tells: a table with a header (the canonical log, or any other with `--map`), or one of those below.
     #[default]
     Csv,
-    /// WPILib's SysId: its JSON, or its data log exported as a CSV list; each test is a record of its own.
+    /// WPILib's SysId: its JSON, or its data log, or that exported as a CSV list; each test is a record of its own.
     WpilibSysid,
     /// The JSON of Rhoban's BAM: a position servo, its voltage inferred from its loop.
     BamJson,
@@ -76,18 +76,26 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     }
     let mut input = text::open(path)?;
     let start = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
-    match options.format {
-        Format::WpilibSysid if start.trim_ascii_start().starts_with(b"{") => {
+    let json = Json::of(start);
+    match (options.format, json) {
+        (Format::WpilibSysid, Some(_)) | (Format::Csv, Some(Json::Sysid)) => {
             sysid::read(path, input, options)
         }
-        Format::WpilibSysid => sysid_list::read(path, input, options),
-        Format::BamJson => Ok(vec![bam::read(path, input, options)?]),
-        Format::Csv if start.trim_ascii_start().starts_with(b"{") => {
-            let (why, remedy) = json_kind(start);
-            Err(BadInput::new(path, why, remedy).at_line(1).into())
-        }
-        Format::Csv => Ok(finished(table::read(path, input, options)?)),
+        (Format::BamJson, _) | (Format::Csv, Some(Json::Bam)) => Ok(vec![bam::read(path, input, options)?]),
+        (Format::WpilibSysid, None) => Err(no_list(path, input)?),
+        (Format::Csv, Some(other)) => Err(other.refused(path)),
+        (Format::Csv, None) => Ok(finished(table::read(path, input, options)?)),
     }
+}
+
+/// The refusal of a table that should be a list of SysId's.
+fn no_list(path: &Path, mut input: impl BufRead) -> Result<Error> {
+    let head = preamble::read(path, &mut input, false)?;
+    let names = head.headers.unwrap_or_default().join(", ");
+    let why = format!("the columns are {names}, not Timestamp, Name, Value");
+    let remedy =
+        "export the data log as a CSV list; a table with one column per signal is read with --map alone";
+    Ok(BadInput::new(path, why, remedy).at_line(head.line).into())
 }
 
 /// The tests of a table, mended and with the controller of a servo found.
@@ -97,21 +105,53 @@ pub(super) fn finished(tests: Vec<Record>) -> Vec<Record> {
     records
 }
 
-/// What the JSON file given as a table most likely is.
-fn json_kind(start: &[u8]) -> (&'static str, &'static str) {
-    let has = |key: &str| memchr::memmem::find(start, key.as_bytes()).is_some();
-    if has("\"slow-forward\"")
-        || has("\"fast-forward\"")
-        || has("\"slow-backward\"")
-        || has("\"fast-backward\"")
-    {
-        ("this is a SysId file, not a table", "add --format wpilib-sysid")
-    } else if has("\"entries\"") && has("\"kp\"") {
-        ("this is a BAM log, not a table", "add --format bam-json")
-    } else if has("\"schema\"") {
-        ("this is a model or a result, not a log", "give the model first and the logs after it")
-    } else {
-        ("this is JSON, not a table", "convert it to CSV, or name its layout with --format")
+/// What a JSON file is, by what its beginning holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Json {
+    /// Tests of WPILib's SysId.
+    Sysid,
+    /// A log of BAM.
+    Bam,
+    /// What this program writes.
+    Own,
+    /// Something else.
+    Other,
+}
+
+impl Json {
+    /// The kind of the file that begins so; none where it is no JSON.
+    pub fn of(start: &[u8]) -> Option<Json> {
+        let has = |key: &str| memchr::memmem::find(start, key.as_bytes()).is_some();
+        let tests = ["\"slow-forward\"", "\"fast-forward\"", "\"slow-backward\"", "\"fast-backward\""];
+        let known = [
+            (tests.into_iter().any(has), Json::Sysid),
+            (has("\"entries\"") && has("\"kp\""), Json::Bam),
+            (has("\"schema\""), Json::Own),
+        ];
+        let kind = known.into_iter().find_map(|(is, kind)| is.then_some(kind));
+        start.trim_ascii_start().starts_with(b"{").then_some(kind.unwrap_or(Json::Other))
+    }
+
+    /// What the file is, where it needs no mapping.
+    pub fn told(self) -> Option<&'static str> {
+        match self {
+            Json::Sysid => Some(
+                "a file of SysId: each of its tests becomes a record; positions in rotations of the output shaft",
+            ),
+            Json::Bam => Some("a log of a position servo in the layout of BAM, which becomes one record"),
+            Json::Own | Json::Other => None,
+        }
+    }
+
+    /// The refusal of what is no log.
+    pub fn refused(self, path: &Path) -> Error {
+        let (why, remedy) = match self {
+            Json::Own => {
+                ("this is a model or a result, not a log", "give the model first and the logs after it")
+            }
+            _ => ("this is JSON, not a table", "convert it to CSV, or name its layout with --format"),
+        };
+        BadInput::new(path, why, remedy).at_line(1).into()
     }
 }
 
@@ -121,15 +161,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn json_given_as_a_table_is_recognised_and_the_remedy_fits() {
+    fn json_is_told_by_its_content_and_the_remedy_fits() {
         for (content, cause, remedy) in [
-            ("{\"fast-forward\": []}", "SysId", "wpilib-sysid"),
-            ("{\"kp\": 1, \"entries\": []}", "BAM", "bam-json"),
+            ("{\"fast-forward\": []}", "none of slow-forward", "raw data of SysId"),
+            ("{\"kp\": 0, \"entries\": []}", "kp = 0", "gain of the servo"),
             ("{\"schema\": 1}", "model", "model first"),
             ("  {}", "JSON", "CSV"),
         ] {
             let (_directory, path) = file(content.as_bytes());
-            assert_bad(&read(&path, &ReadOptions::default()).unwrap_err(), "line 1", cause, remedy);
+            let error = read(&path, &ReadOptions::default()).unwrap_err();
+            assert_bad(&error, "", cause, remedy);
         }
+    }
+
+    #[test]
+    fn a_table_is_no_list_of_sysid() {
+        let (_directory, path) = file(b"time_s,voltage_v,angle_rad\n1,2,3\n");
+        let options = ReadOptions { format: Format::WpilibSysid, ..ReadOptions::default() };
+        assert_bad(&read(&path, &options).unwrap_err(), "line 1", "not Timestamp, Name, Value", "--map");
+    }
+
+    #[test]
+    fn tests_of_sysid_in_json_need_no_format() {
+        let rows: Vec<[f64; 4]> =
+            (0..40).map(|k| [0.02 * f64::from(k), 6.0, 0.1 * f64::from(k), 5.0]).collect();
+        let (_directory, path) = file(serde_json::json!({ "fast-forward": rows }).to_string().as_bytes());
+        let by_content = read(&path, &ReadOptions::default()).unwrap();
+        let asked = ReadOptions { format: Format::WpilibSysid, ..ReadOptions::default() };
+        assert_eq!(by_content, read(&path, &asked).unwrap());
+        assert_eq!(by_content.len(), 1);
     }
 }

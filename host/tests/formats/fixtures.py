@@ -1,4 +1,4 @@
-# Makes the files of other programs that the tests of host/tests/formats.rs read: python fixtures.py, with numpy, scipy and h5py.
+# Makes the files of other programs that the tests of host/tests/formats/main.rs read: python fixtures.py, with numpy, scipy and h5py.
 import os
 
 import h5py

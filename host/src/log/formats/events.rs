@@ -137,7 +137,7 @@ impl Events {
         }
         groups.retain(|_, names| {
             let plain: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-            guess::propose(&plain, &[]).is_some()
+            guess::may_suffice(&plain)
         });
         groups.into_iter().collect()
     }

@@ -11,6 +11,7 @@ mod convert;
 mod events;
 #[cfg(feature = "log-mat")]
 mod hdf5;
+mod list;
 #[cfg(feature = "log-mat")]
 mod mat;
 #[cfg(feature = "log-mcap")]
@@ -109,12 +110,18 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 8] = [
+const FORMATS: [Known; 9] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
         is: |start| start.starts_with(b"WPILOG"),
         how: How::Read(wpilog::read),
+    },
+    Known {
+        name: "a data log written as a list",
+        extension: "csv",
+        is: list::is,
+        how: How::Read(list::read),
     },
     Known {
         name: "a NumPy array",

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use super::super::formats::{self, Shown};
 use super::super::preamble;
-use super::super::table;
+use super::super::read::Json;
+use super::super::sample;
 use super::super::text;
 use super::super::units::Quantity;
 use super::{Proposal, parts, propose_for};
@@ -42,7 +43,17 @@ pub struct Look {
 /// Bad input where the file is no table, is damaged, or is of a format that another program has to convert.
 pub fn look(path: &Path) -> Result<Look> {
     match formats::look(path)? {
-        None => table_in(path, text::open(path)?),
+        None => {
+            let mut input = text::open(path)?;
+            let start = input.fill_buf().map_err(|error| text::cannot_read(path, &error))?;
+            match Json::of(start) {
+                Some(json) => {
+                    let told = json.told().ok_or_else(|| json.refused(path))?;
+                    Ok(Look { canonical: true, told: Some(told.into()), ..Look::default() })
+                }
+                None => table_in(path, input),
+            }
+        }
         Some(Shown::Table(table)) => table_in(path, table.text()),
         Some(Shown::Tests(entries)) => {
             let (told, motors) = (Some(entries.sentence()), entries.choices());
@@ -54,7 +65,7 @@ pub fn look(path: &Path) -> Result<Look> {
 /// Looks at a table written as text.
 fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let head = preamble::read(path, &mut input, true)?;
-    let sample = table::sample(path, &mut input, &head, SHOWN)?;
+    let sample = sample::read(path, &mut input, &head, SHOWN)?;
     let width = sample.texts.first().map_or(0, Vec::len).max(sample.names.len());
     let mut kinds = vec![String::new(); width];
     let place =

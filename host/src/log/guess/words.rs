@@ -9,16 +9,20 @@ pub struct Said {
     pub quantity: Option<(Quantity, u8)>,
     /// Its unit as `--map` writes it.
     pub unit: Option<&'static str>,
+    /// The unit stands there in so many words: `t_ms`, `rpm`, `Angle [deg]`; `enc` only suggests one.
+    pub told: bool,
     /// It is what somebody wanted, a setpoint or an error: never a measurement.
     pub wanted: bool,
     /// It is where a servo was told to go.
     pub target: bool,
+    /// It is an effort, which robots' messages have as a torque and drives as whatever they are commanded.
+    pub effort: bool,
 }
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 24] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 25] = [
     (Time, 3, None, &["time", "zeit", "timestamp", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"]),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
@@ -29,13 +33,24 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 24] = [
         Duty,
         2,
         None,
-        &["cmd", "command", "output", "out", "effort", "power", "control", "ctrl", "stellgroesse"],
+        &["cmd", "command", "output", "out", "power", "control", "ctrl", "stellgroesse", "stellgröße"],
     ),
     (
         Voltage,
         4,
         None,
-        &["voltage", "spannung", "tension", "vmotor", "umotor", "motorvoltage", "appliedvolts"],
+        &[
+            "voltage",
+            "spannung",
+            "motorspannung",
+            "tension",
+            "voltaje",
+            "tensión",
+            "vmotor",
+            "umotor",
+            "motorvoltage",
+            "appliedvolts",
+        ],
     ),
     (Voltage, 3, Some("V"), &["volts", "volt"]),
     (Voltage, 2, None, &["u", "v", "vm", "um", "va", "input", "in"]),
@@ -49,7 +64,7 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 24] = [
         Angle,
         4,
         None,
-        &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "rotation", "shaft", "q"],
+        &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "posición", "rotation", "shaft", "q"],
     ),
     (
         Angle,
@@ -65,9 +80,26 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 24] = [
         Speed,
         5,
         None,
-        &["speed", "velocity", "vel", "omega", "geschwindigkeit", "qd", "dtheta", "thetadot", "w", "y"],
+        &[
+            "speed",
+            "velocity",
+            "vel",
+            "omega",
+            "geschwindigkeit",
+            "drehgeschwindigkeit",
+            "vitesse",
+            "velocidad",
+            "velocità",
+            "qd",
+            "dtheta",
+            "thetadot",
+            "posdot",
+            "w",
+            "y",
+        ],
     ),
-    (Speed, 5, Some("rpm"), &["rpm", "drehzahl", "upm", "umin"]),
+    (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
+    (Speed, 5, Some("rpm"), &["drehzahl"]),
     (Speed, 4, Some("rev/s"), &["rps"]),
     (Speed, 4, Some("deg/s"), &["dps"]),
     (Speed, 4, Some("rad/s"), &["rads", "radps"]),
@@ -97,12 +129,22 @@ const ACTION: &str = "action";
 /// ... and one with one of these is of what was wanted otherwise, or made of it.
 const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
 
+/// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
+const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
+
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 45] = [
+const UNITS: [(&str, Quantity, &str); 87] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
+    ("second", Time, "s"),
+    ("secs", Time, "s"),
     ("sec", Time, "s"),
+    ("millis", Time, "ms"),
+    ("msec", Time, "ms"),
+    ("micros", Time, "us"),
+    ("usec", Time, "us"),
+    ("nanoseconds", Time, "ns"),
     ("ns", Time, "ns"),
     ("us", Time, "us"),
     ("µs", Time, "us"),
@@ -110,6 +152,7 @@ const UNITS: [(&str, Quantity, &str); 45] = [
     ("ms", Time, "ms"),
     ("s", Time, "s"),
     ("mv", Voltage, "mV"),
+    ("millivolts", Voltage, "mV"),
     ("volts", Voltage, "V"),
     ("volt", Voltage, "V"),
     ("v", Voltage, "V"),
@@ -121,21 +164,55 @@ const UNITS: [(&str, Quantity, &str); 45] = [
     ("rad s-1", Speed, "rad/s"),
     ("rad_s", Speed, "rad/s"),
     ("rad_per_s", Speed, "rad/s"),
+    ("rad_per_sec", Speed, "rad/s"),
+    ("rad/sec", Speed, "rad/s"),
+    ("rad per sec", Speed, "rad/s"),
+    ("rad·s⁻¹", Speed, "rad/s"),
+    ("rad*s^-1", Speed, "rad/s"),
+    ("radians/s", Speed, "rad/s"),
+    ("radians per second", Speed, "rad/s"),
     ("radps", Speed, "rad/s"),
     ("deg/s", Speed, "deg/s"),
     ("°/s", Speed, "deg/s"),
     ("deg_s", Speed, "deg/s"),
+    ("deg/sec", Speed, "deg/s"),
+    ("deg_per_s", Speed, "deg/s"),
+    ("degrees/s", Speed, "deg/s"),
+    ("degrees per second", Speed, "deg/s"),
     ("dps", Speed, "deg/s"),
     ("rpm", Speed, "rpm"),
     ("1/min", Speed, "rpm"),
+    ("u/min", Speed, "rpm"),
+    ("r/min", Speed, "rpm"),
+    ("rev/min", Speed, "rpm"),
+    ("tr/min", Speed, "rpm"),
+    ("min-1", Speed, "rpm"),
+    ("min^-1", Speed, "rpm"),
     ("rps", Speed, "rev/s"),
     ("rev/s", Speed, "rev/s"),
+    ("r/s", Speed, "rev/s"),
+    ("rot_s", Speed, "rev/s"),
+    ("rot/s", Speed, "rev/s"),
+    ("turns_s", Speed, "rev/s"),
+    ("turns/s", Speed, "rev/s"),
+    ("rotations/s", Speed, "rev/s"),
+    ("rotations per second", Speed, "rev/s"),
     ("counts/s", Speed, "counts/s"),
+    ("ticks/s", Speed, "counts/s"),
+    ("counts_s", Speed, "counts/s"),
     ("rad", Angle, "rad"),
+    ("radians", Angle, "rad"),
     ("deg", Angle, "deg"),
+    ("degrees", Angle, "deg"),
     ("°", Angle, "deg"),
     ("rev", Angle, "rev"),
+    ("revs", Angle, "rev"),
+    ("rot", Angle, "rev"),
+    ("rotations", Angle, "rev"),
+    ("revolutions", Angle, "rev"),
+    ("turns", Angle, "rev"),
     ("counts", Angle, "counts"),
+    ("ticks", Angle, "counts"),
     ("m/s", Speed, "m/s"),
     ("mm/s", Speed, "mm/s"),
     ("cm/s", Speed, "cm/s"),
@@ -163,6 +240,7 @@ pub fn said(name: &str) -> Said {
         });
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
+    let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let wanted = any_of(&TARGETS) || any_of(&WANTED);
     let target = any_of(&TARGETS) || any_of(&[ACTION]);
@@ -197,7 +275,22 @@ pub fn said(name: &str) -> Said {
         (Some((Speed, _)), Some("counts")) => Some("counts/s"),
         (_, implied) => implied,
     };
-    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), wanted, target }
+    // Names of the unit itself, and not of what is usually measured in it.
+    const SUGGESTED: [&str; 3] = ["counts", "counts/s", "m"];
+    let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&["drehzahl"]);
+    let told = unit.is_some() || by_itself;
+    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, effort }
+}
+
+/// The unit that a name says in so many words, and of what it is one.
+pub fn told(name: &str) -> Option<(Quantity, &'static str)> {
+    let said = said(name);
+    let of = match said.quantity?.0 {
+        Supply => Voltage,
+        Interval => Time,
+        of => of,
+    };
+    said.unit.filter(|_| said.told).map(|unit| (of, unit))
 }
 
 /// The name without what stands in its brackets, and that.

@@ -5,7 +5,7 @@ const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "inter
 const kindWords = (kind) => (kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time") : "not used");
 
 // Texts whose layout only the reader knows are not shown as tables.
-const TABLE = /\.(csv|txt|tsv|log|dat)$/i;
+const TABLE = /\.(csv|txt|tsv|log|dat|json)$/i;
 // The server takes no more at once, bytes.
 const LARGEST = 200000000;
 const tooLarge = (file) => ({ file: file.name, why: "the page takes files up to 200 MB, and this is larger", remedy: "give the file on the command line, motorlens serve FILE, or export the minutes that show the motor" });
@@ -20,7 +20,7 @@ async function looked(file) {
   const binary = await isBinary(file);
   if (!binary && !TABLE.test(file.name)) return NOTHING;
   if (binary && file.size > LARGEST) return { ...NOTHING, fault: tooLarge(file) };
-  const reply = await fetch(`/api/guess?${new URLSearchParams({ name: file.name })}`, { method: "POST", body: binary ? file : file.slice(0, 200000) });
+  const reply = await fetch(`/api/guess?${new URLSearchParams({ name: file.name })}`, { method: "POST", body: binary ? file : file.slice(0, 4000000) });
   return reply.ok ? reply.json() : { ...NOTHING, fault: await reply.json() };
 }
 // What a person said of columns with these names is said again.

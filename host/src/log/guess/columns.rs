@@ -1,0 +1,219 @@
+//! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
+
+use super::words;
+use crate::log::timing;
+use crate::log::units::Quantity;
+
+/// One column of the proposal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Its place, from 0.
+    pub index: usize,
+    /// Of a time in two columns, the place of the one that adds the fraction of a second, whose unit `unit` is.
+    pub rest: Option<usize>,
+    /// Its unit as `--map` writes it.
+    pub unit: String,
+}
+
+/// The column for each quantity, in the order of [`Quantity::ALL`].
+pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
+    let said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
+    let values =
+        |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
+    let useful = |index: usize| rows.is_empty() || values(index).next().is_some();
+    let mut quantities: Vec<Option<(Quantity, u8)>> = said
+        .iter()
+        .enumerate()
+        .map(|(index, said)| said.quantity.filter(|_| !said.wanted && useful(index)))
+        .collect();
+    // A voltage that hardly changes beside a duty or a target is the supply's; whole numbers far beyond any supply are a duty.
+    let driven = quantities.iter().any(|q| q.is_some_and(|(q, _)| q == Quantity::Duty))
+        || said.iter().any(|said| said.target);
+    for (index, guess) in quantities.iter_mut().enumerate() {
+        let Some((quantity, plain)) = *guess else { continue };
+        let range = Range::of(values(index));
+        if quantity == Quantity::Voltage {
+            if driven && range.low > 0.0 && range.high - range.low < 0.4 * range.high {
+                *guess = Some((Quantity::Supply, plain));
+            } else if range.whole && range.peak() > 60.0 && said[index].unit.is_none() {
+                *guess = Some((Quantity::Duty, plain));
+            }
+        } else if quantity == Quantity::Duty
+            && plain == 2
+            && !range.whole
+            && range.peak() > 1.0
+            && range.peak() <= 60.0
+        {
+            // "command", "output": in volts by its size.
+            *guess = Some((Quantity::Voltage, plain));
+        }
+    }
+    let drives =
+        |q: &Option<(Quantity, u8)>| q.is_some_and(|(q, _)| [Quantity::Voltage, Quantity::Duty].contains(&q));
+    if !quantities.iter().any(drives) {
+        // What a servo was told is what drives it, where nothing nearer to the motor was logged.
+        for (guess, said) in quantities.iter_mut().zip(&said) {
+            if said.target && said.quantity.is_none_or(|(q, _)| q == Quantity::Angle) {
+                *guess = Some((Quantity::Target, 1));
+            }
+        }
+    }
+    let mut parts: Vec<Part> = Vec::new();
+    for quantity in Quantity::ALL {
+        // The plainest name; of equals the first, which moves.
+        let candidates = quantities.iter().enumerate().filter_map(|(index, guess)| {
+            let (_, plain) = guess.filter(|(q, _)| *q == quantity)?;
+            let range = Range::of(values(index));
+            let moves = rows.is_empty() || range.high > range.low;
+            Some((index, (moves || quantity == Quantity::Supply, plain)))
+        });
+        let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
+        let Some((index, _)) = best else { continue };
+        let unit = unit_of(quantity, said[index].unit, values(index).collect::<Vec<_>>().as_slice());
+        parts.push(Part { quantity, index, rest: None, unit });
+    }
+    add_fractions(&mut parts, names, rows);
+    // A clock adds up no errors.
+    if parts.iter().any(|part| part.quantity == Quantity::Time) {
+        parts.retain(|part| part.quantity != Quantity::Interval);
+    }
+    // What was measured nearer to the motor.
+    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
+    if let (Some(_), Some(duty)) = (place(Quantity::Voltage), place(Quantity::Duty)) {
+        parts.remove(duty);
+    }
+    // The supply is of use beside a duty; an angle that only counts is of use alone, where the speed is in plain units.
+    parts
+}
+
+/// The unit of a column whose name may say one.
+fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
+    let range = Range::of(values.iter().copied());
+    let unit = match (quantity, said) {
+        (Quantity::Duty, _) => return full_duty(&range, said),
+        (_, Some(unit)) => unit,
+        (Quantity::Time, None) => time_unit(values, &range),
+        (Quantity::Interval, None) if range.peak() < 1.0 => "s",
+        (Quantity::Interval, None) if range.peak() < 500.0 => "ms",
+        (Quantity::Interval, None) => "us",
+        (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
+        (Quantity::Voltage | Quantity::Supply, None) => "V",
+        (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
+        (Quantity::Angle | Quantity::Target, None) => "rad",
+        (Quantity::Speed, None) => "rad/s",
+        (Quantity::Current, None) if range.peak() > 60.0 => "mA",
+        (Quantity::Current, None) => "A",
+    };
+    unit.to_owned()
+}
+
+fn full_duty(range: &Range, said: Option<&'static str>) -> String {
+    let peak = range.peak();
+    let full = [255.0, 400.0, 511.0, 512.0, 1000.0, 1023.0, 2047.0, 4095.0, 10_000.0, 32_767.0, 65_535.0];
+    if let Some(unit) = said {
+        unit.to_owned()
+    } else if peak <= 1.0 {
+        "1".into()
+    } else if peak <= 100.0 && (range.has_round_tens || !range.whole) {
+        "100".into()
+    } else {
+        full.into_iter().find(|full| peak <= *full).unwrap_or(peak).to_string()
+    }
+}
+
+/// Seconds that stand still for many rows have their fraction in a column of its own: `sec,nanosec`.
+fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
+    const FRACTIONS: [(&str, &str); 8] = [
+        ("nanosec", "ns"),
+        ("nsec", "ns"),
+        ("nanos", "ns"),
+        ("_ns", "ns"),
+        ("usec", "us"),
+        ("microsec", "us"),
+        ("_us", "us"),
+        ("msec", "ms"),
+    ];
+    let Some(time) = parts.iter_mut().find(|part| part.quantity == Quantity::Time) else { return };
+    let values = |k: usize| rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
+    let seconds: Vec<f64> = values(time.index).collect();
+    let whole = seconds.iter().all(|v| v.fract() == 0.0);
+    let stands = seconds.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if !whole || 2 * stands < rows.len() {
+        return;
+    }
+    let found = names.iter().enumerate().find_map(|(k, name)| {
+        let name = name.to_lowercase();
+        let ends = |(end, _): &&(&str, &str)| {
+            name.ends_with(end) || name.trim_end_matches("onds").trim_end_matches('s').ends_with(end)
+        };
+        let (_, unit) = FRACTIONS.iter().find(ends)?;
+        (k != time.index).then_some((k, *unit))
+    });
+    if let Some((k, unit)) = found {
+        time.rest = Some(k);
+        unit.clone_into(&mut time.unit);
+    }
+}
+
+/// Whole steps are not seconds.
+fn time_unit(values: &[f64], range: &Range) -> &'static str {
+    let step = timing::median_interval(values);
+    match step {
+        _ if !range.whole || step < 1.0 => "s",
+        _ if step < 500.0 => "ms",
+        _ if step < 200_000.0 => "us",
+        _ => "ns",
+    }
+}
+
+/// What the values of a column span.
+pub(super) struct Range {
+    pub low: f64,
+    pub high: f64,
+    whole: bool,
+    /// It holds 100 itself, or nothing but tens: percent.
+    has_round_tens: bool,
+}
+
+impl Range {
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut range =
+            Self { low: f64::INFINITY, high: f64::NEG_INFINITY, whole: true, has_round_tens: true };
+        for value in values {
+            range.low = range.low.min(value);
+            range.high = range.high.max(value);
+            range.whole &= value.fract() == 0.0;
+            range.has_round_tens &= value % 10.0 == 0.0;
+        }
+        range.has_round_tens |= range.peak() == 100.0;
+        if range.low > range.high {
+            (range.low, range.high) = (0.0, 0.0);
+        }
+        range
+    }
+
+    pub fn peak(&self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_duty_follows_from_the_values() {
+        for (peak, step, full) in [
+            (0.75, 0.01, "1"),
+            (100.0, 1.0, "100"),
+            (60.0, 10.0, "100"),
+            (180.0, 1.0, "255"),
+            (900.0, 1.0, "1000"),
+        ] {
+            let range = Range::of((0..=100).map(|k| (f64::from(k) / 100.0 * peak / step).round() * step));
+            assert_eq!(full_duty(&range, None), full, "{peak}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! A proposal shown before it is used: what each column would be read as, in one line.
+
+use std::fmt::Write as _;
+
+use super::columns::{Part, Range};
+use super::per_turn_of;
+use crate::log::timing;
+use crate::log::units::{PerTurn, Quantity, Unit};
+
+/// Columns of a plot in the terminal.
+const WIDTH: usize = 32;
+
+/// A line that shows what a column would be read as: its range in its own unit and in SI, and its course.
+pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> String {
+    let mut values: Vec<f64> =
+        rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()).collect();
+    let mut name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
+    if let Some(rest) = part.rest {
+        // Shown in the unit of the fraction, as one number.
+        let unit = Unit::parse(Quantity::Time, &part.unit).map_or(1.0, |unit| unit.factor);
+        let sum = |row: &Vec<f64>| Some(row.get(part.index)? / unit + row.get(rest)?);
+        values = rows.iter().filter_map(sum).filter(|v| v.is_finite()).collect();
+        let _ = write!(name, " + {}", names.get(rest).map(String::as_str).unwrap_or_default());
+    }
+    let range = Range::of(values.iter().copied());
+    let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
+    let per_turn = per_turn_of(part);
+    let factor = Unit::parse(part.quantity, &part.unit).map_or(1.0, |unit| unit.factor);
+    let own = if part.quantity == Quantity::Duty { "" } else { part.unit.as_str() };
+    let mut text =
+        format!("{:<8} {name}: {} .. {} {own}", part.quantity.key(), short(range.low), short(range.high));
+    if let Some(per_turn) = per_turn {
+        text += match per_turn {
+            PerTurn::Counts => " (turns follow from the counts per turn)",
+            PerTurn::Metres => " (turns follow from the metres per turn)",
+        };
+    } else if factor != 1.0 {
+        let si = part.quantity.si();
+        let unit = if of.is_empty() { si } else { of };
+        let _ = write!(text, " = {} .. {} {unit}", short(range.low * factor), short(range.high * factor));
+    }
+    if part.quantity == Quantity::Time {
+        let rate = timing::rate(&values) / factor;
+        let _ = write!(text, ", {} samples a second", short(rate));
+    } else if range.high > range.low {
+        let _ = write!(text, "  {}", course(&values, range.low, range.high));
+    }
+    text
+}
+
+fn short(x: f64) -> String {
+    let digits = (3.0 - x.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A plot of one line.
+fn course(values: &[f64], low: f64, high: f64) -> String {
+    const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    let width = WIDTH.min(values.len());
+    (0..width)
+        .map(|k| {
+            let value = values[k * (values.len() - 1) / (width - 1).max(1)];
+            BARS[(((value - low) / (high - low) * 7.0).round() as usize).min(7)]
+        })
+        .collect()
+}

@@ -1,0 +1,199 @@
+//! Lines of a table on their way to samples.
+
+use std::path::Path;
+
+use super::choice::{Columns, TimeSource, Wanted};
+use super::clock::Clock;
+use super::fields::Splitter;
+use super::preamble::{self, Preamble};
+use super::samples::{Place, Samples};
+use super::structure::Structure;
+use super::units::Quantity;
+use crate::error::Result;
+
+/// Rows on their way from lines to samples.
+pub(super) struct Rows<'a> {
+    wanted: &'a Columns,
+    splitter: Splitter,
+    /// Number of columns, where a header tells.
+    width: Option<usize>,
+    clock: &'a mut Clock,
+    pub samples: Samples,
+    pub structure: Structure,
+    /// The row in SI, time first.
+    numbers: Vec<f64>,
+    /// The last value of each column, and how many blanks it stood for.
+    last: Vec<Option<f64>>,
+    pub held: Vec<usize>,
+    /// Rows so far, and the time that intervals add up to.
+    count: u64,
+    elapsed_s: f64,
+    interval_s: f64,
+}
+
+/// Why a row is no sample: a column, and what is wrong there.
+enum Unread<'w> {
+    /// Nothing is wrong: the column is logged less often.
+    Blank,
+    Bad(&'w str, String),
+}
+
+impl<'a> Rows<'a> {
+    pub fn new(path: &'a Path, wanted: &'a Columns, head: &Preamble, clock: &'a mut Clock) -> Self {
+        let headers = [wanted.time.header().to_owned()];
+        let headers = headers.into_iter().chain(wanted.values.iter().map(|column| column.header.clone()));
+        let count = wanted.values.len();
+        Rows {
+            wanted,
+            splitter: head.splitter(),
+            width: head.headers.as_ref().map(Vec::len),
+            clock,
+            samples: Samples::new(path, headers.collect()),
+            structure: Structure::default(),
+            numbers: vec![0.0; count + 1],
+            last: vec![None; count],
+            held: vec![0; count],
+            count: 0,
+            elapsed_s: 0.0,
+            interval_s: 0.0,
+        }
+    }
+
+    /// Takes a line.
+    pub fn take(&mut self, number: u64, line: &str, state: Option<usize>) -> Result<()> {
+        let place = Place::Line(number);
+        let text = line.trim();
+        if text.starts_with('#') || preamble::is_nothing(text) {
+            return Ok(());
+        }
+        let header = self.wanted.time.header();
+        if !self.splitter.split(text) {
+            self.samples.stray(place, header, "a quotation mark is not closed".into());
+            return Ok(());
+        }
+        let short = self.width.is_some_and(|width| self.splitter.len() < width);
+        match self.numbers() {
+            Ok(()) => {
+                self.samples.accept(place, &self.numbers)?;
+                if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
+                    self.structure.saw(self.samples.len().saturating_sub(1), state);
+                }
+            }
+            Err(Unread::Blank) => {}
+            Err(Unread::Bad(column, why)) if short => self.samples.stray(place, column, why),
+            Err(Unread::Bad(column, why)) => self.samples.reject(place, column, why),
+        }
+        Ok(())
+    }
+
+    /// Fills `self.numbers` from the line that was split.
+    fn numbers(&mut self) -> Result<(), Unread<'a>> {
+        let wanted = self.wanted;
+        if let Some(width) = self.width
+            && self.splitter.len() > width
+            && self.splitter.iter().skip(width).any(|extra| !extra.is_empty())
+        {
+            let why = format!("the row has {} fields under {width} headers", self.splitter.len());
+            return Err(Unread::Bad(wanted.time.header(), why));
+        }
+        if self.width.is_none_or(|width| self.splitter.len() >= width) {
+            self.count += 1;
+        }
+        self.numbers[0] = self.time().map_err(|(column, why)| Unread::Bad(column, why))?;
+        let mut blank = false;
+        for (k, column) in wanted.values.iter().enumerate() {
+            // A line that is shorter than a row has no blanks but ends too early.
+            let text = match self.splitter.get(column.index) {
+                Some("") if is_blank_permitted(&self.splitter, self.width) => {
+                    self.held[k] += 1;
+                    match self.last[k].filter(|_| is_held(column.quantity)) {
+                        Some(value) => self.numbers[k + 1] = value,
+                        None => blank = true,
+                    }
+                    continue;
+                }
+                text => text.unwrap_or_default(),
+            };
+            let value = field(text).map_err(|why| Unread::Bad(column.header.as_str(), why))? * column.factor;
+            self.last[k] = Some(value);
+            self.numbers[k + 1] = value;
+        }
+        if blank { Err(Unread::Blank) } else { Ok(()) }
+    }
+
+    /// The time of the line that was split, s, or the column to blame and why.
+    fn time(&mut self) -> Result<f64, (&'a str, String)> {
+        match &self.wanted.time {
+            TimeSource::Rate(rate) => Ok((self.count.saturating_sub(1)) as f64 / rate),
+            TimeSource::Stamps => {
+                let stamp = self.splitter.stamp().unwrap_or_default();
+                self.clock.read(stamp, 1.0, None).ok_or_else(|| {
+                    (self.wanted.time.header(), "no stamp tells when this line was received".into())
+                })
+            }
+            TimeSource::Column(column) => self.moment(column, column.factor),
+            TimeSource::Columns(seconds, rest) => {
+                let whole = self.moment(seconds, 1.0)?;
+                let text = self.splitter.get(rest.index).unwrap_or_default();
+                Ok(whole + field(text).map_err(|why| (rest.header.as_str(), why))? * rest.factor)
+            }
+            TimeSource::Intervals(column) => {
+                let text = self.splitter.get(column.index).unwrap_or_default();
+                let interval = field(text).and_then(|dt| {
+                    if dt < 0.0 {
+                        Err(format!("\"{text}\" is no time since the row before"))
+                    } else {
+                        Ok(dt * column.factor)
+                    }
+                });
+                // Of a row that cannot be read the time passes all the same.
+                self.interval_s = *interval.as_ref().unwrap_or(&self.interval_s);
+                self.elapsed_s += self.interval_s;
+                interval.map(|_| self.elapsed_s).map_err(|why| (column.header.as_str(), why))
+            }
+        }
+    }
+
+    fn moment(&mut self, column: &'a Wanted, unit_s: f64) -> Result<f64, (&'a str, String)> {
+        let text = self.splitter.get(column.index).unwrap_or_default();
+        let number = number(text);
+        if number.is_some_and(|value| value.is_finite())
+            && let Some(time) = self.clock.read(text, unit_s, number)
+        {
+            return Ok(time);
+        }
+        let time = if number.is_none() { self.clock.read(text, unit_s, None) } else { None };
+        time.ok_or_else(|| (column.header.as_str(), field(text).err().unwrap_or_default()))
+    }
+}
+
+/// Whether a quantity stays as it was while nothing new is logged of it; where the shaft is does not.
+pub(super) fn is_held(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Angle | Quantity::Speed)
+}
+
+/// A row of full width has blanks; of values with names those that are absent are blank.
+fn is_blank_permitted(splitter: &Splitter, width: Option<usize>) -> bool {
+    width.is_some_and(|width| splitter.len() >= width)
+}
+
+/// The finite number in a field, or why there is none.
+fn field(text: &str) -> Result<f64, String> {
+    match number(text) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(format!("\"{text}\" is not a number a fit can use")),
+        None if text.is_empty() => Err("the field is empty".into()),
+        None => {
+            let shown: String = text.chars().take(40).collect();
+            Err(format!("\"{shown}\" is not a number"))
+        }
+    }
+}
+
+/// The number in a field; a comma within a field is a decimal one, since it separates nothing.
+pub(super) fn number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().or_else(|| {
+        let decimal_comma = text.contains(',');
+        decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
+    })
+}

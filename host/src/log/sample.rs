@@ -1,0 +1,117 @@
+//! The beginning of a table, from which its columns are guessed.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use super::clock::Clock;
+use super::guess;
+use super::preamble::Preamble;
+use super::rows::number;
+use super::text::cannot_read;
+use crate::error::Result;
+
+/// Rows in succession from which a mapping is guessed.
+const GUESSED_FROM: usize = 2000;
+/// Rows from all over the rest of the table, at most: few enough that most steps are still those of the clock.
+const LATER: usize = 500;
+
+/// The first rows of a table and some of the later ones, for a guess at its columns: a duty that has only begun to rise looks like
+/// another.
+#[derive(Debug)]
+pub(super) struct Sample {
+    pub names: Vec<String>,
+    /// The names with the units of the row below them.
+    pub with_units: Vec<String>,
+    /// The numbers, times in seconds; NaN where a field is none.
+    pub rows: Vec<Vec<f64>>,
+    /// The fields as they stand there.
+    pub texts: Vec<Vec<String>>,
+    pub stamped: bool,
+}
+
+/// Reads on behind the head of a table; of the texts only the first `shown` rows are kept.
+///
+/// # Errors
+/// What reading says.
+pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown: usize) -> Result<Sample> {
+    let mut splitter = head.splitter();
+    let names = head.headers.clone().unwrap_or_default();
+    let mut sample = Sample {
+        with_units: names.clone(),
+        names,
+        rows: Vec::new(),
+        texts: Vec::new(),
+        stamped: head.stamped,
+    };
+    let mut clocks: Vec<Clock> = Vec::new();
+    let mut clocked: Vec<bool> = Vec::new();
+    let mut take = |line: &str, sample: &mut Sample| {
+        let text = line.trim();
+        if text.is_empty() || text.starts_with('#') || !splitter.split(text) {
+            return;
+        }
+        clocks.resize(clocks.len().max(splitter.len()), Clock::default());
+        clocked.resize(clocked.len().max(splitter.len()), false);
+        let value = |(k, text): (usize, &str)| {
+            number(text)
+                .or_else(|| clocks[k].read(text, 1.0, None).inspect(|_| clocked[k] = true))
+                .unwrap_or(f64::NAN)
+        };
+        sample.rows.push(splitter.iter().enumerate().map(value).collect());
+        if sample.texts.len() < shown {
+            sample.texts.push(splitter.iter().map(str::to_owned).collect());
+        }
+    };
+    for (_, line) in &head.rows {
+        take(line, &mut sample);
+    }
+    let (mut line, mut beyond, mut stride) = (String::new(), 0, 1);
+    while input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
+        if sample.rows.len() < GUESSED_FROM {
+            take(&line, &mut sample);
+        } else {
+            if beyond % stride == 0 {
+                take(&line, &mut sample);
+            }
+            beyond += 1;
+            if sample.rows.len() > GUESSED_FROM + LATER {
+                // Every second one goes.
+                let mut place = 0;
+                sample.rows.retain(|_| {
+                    place += 1;
+                    place <= GUESSED_FROM || place % 2 == 0
+                });
+                stride *= 2;
+            }
+        }
+        line.clear();
+    }
+    for (k, name) in sample.with_units.iter_mut().enumerate() {
+        let unit = head.units.get(k).map(String::as_str).filter(|unit| !unit.is_empty());
+        // A clock time tells its unit itself.
+        let unit = if clocked.get(k) == Some(&true) { Some("s") } else { unit };
+        if let Some(unit) = unit {
+            *name = format!("{name} [{unit}]");
+        }
+    }
+    Ok(sample)
+}
+
+/// What the beginning of a table proposes, or the question that it leaves open.
+///
+/// # Errors
+/// What reading says.
+pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Result<Guess> {
+    let sample = read(path, input, head, 0)?;
+    Ok(guess::propose_for(&sample)
+        .map_or_else(|| Guess::Open(guess::effort_question(&sample)), Guess::Proposed))
+}
+
+/// What a guess came to.
+#[derive(Debug)]
+pub(super) enum Guess {
+    /// Options that read the table.
+    Proposed(guess::Proposal),
+    /// No options; what else is known of the columns.
+    Open(Option<String>),
+}
