@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use motorlens::log::{ReadOptions, read};
+use motorlens::log::{ReadOptions, data_faults, read};
 
 #[test]
 fn a_hundred_megabytes_are_read_in_seconds() {
@@ -40,6 +40,37 @@ fn a_hundred_megabytes_are_read_in_seconds() {
         assert!(kilobytes < 90_000, "{kilobytes} kB");
     }
     assert!(seconds < 20.0, "{seconds} s on a shared machine");
+}
+
+/// Seconds of a clock for reading `rows` rows and looking for faults of the data, angle and speed beside each other.
+fn looked_through(rows: u32) -> f64 {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("rows.csv");
+    let mut file = BufWriter::new(std::fs::File::create(&path).unwrap());
+    writeln!(file, "time_s,voltage_v,angle_rad,speed_rad_s").unwrap();
+    let (mut speed, mut angle) = (0.0_f64, 0.0_f64);
+    for row in 0..rows {
+        let volts = f64::from((row / 700 * 7) % 13) - 6.0;
+        writeln!(file, "{:.3},{volts},{angle:.5},{speed:.4}", f64::from(row) * 1e-3).unwrap();
+        speed += (0.6 * volts - speed) / 50.0;
+        angle += 1e-3 * speed;
+    }
+    file.into_inner().unwrap();
+    let start = Instant::now();
+    let records = read(&path, &ReadOptions::default()).unwrap();
+    let faults = data_faults(&records);
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{rows} rows: {seconds:.2} s, {faults:?}");
+    seconds
+}
+
+#[test]
+fn a_million_rows_take_four_times_as_long_as_a_quarter_of_them() {
+    // The shorter of two each, on a shared machine; eight times would be far from linear.
+    let best = |rows| looked_through(rows).min(looked_through(rows));
+    let (quarter, all) = (best(250_000), best(1_000_000));
+    assert!(all < 8.0 * quarter, "{quarter} s, {all} s");
+    assert!(all < 6.0, "{all} s on a shared machine");
 }
 
 /// Status, standard error, seconds (of the processor, where the system tells) and the highest memory in kB (0 where not).

@@ -69,14 +69,14 @@ fn plain() -> String {
     lines(HEADER, |_, t, u, x| format!("{t:.4},{u:.4},{x:.4}"))
 }
 
-#[test]
-fn texts_of_any_encoding_and_line_end_are_read_alike() {
+/// The same rows in every encoding, with the mapping that names their columns.
+fn encoded() -> (Vec<(&'static str, Vec<u8>)>, &'static str) {
     let header = "Zeit [s],Spannung µ [V],Winkel für ° [rad]\n";
     let text = plain().replace(HEADER, header);
     let wide = |order: fn(u16) -> [u8; 2]| -> Vec<u8> { text.encode_utf16().flat_map(order).collect() };
     let (little, big) = (wide(u16::to_le_bytes), wide(u16::to_be_bytes));
     let map = "time=Zeit [s],voltage=Spannung µ [V],angle=Winkel für ° [rad]";
-    for (what, bytes) in [
+    let rows = vec![
         ("UTF-8", text.clone().into_bytes()),
         ("UTF-8 with its mark", [b"\xEF\xBB\xBF", text.as_bytes()].concat()),
         ("UTF-16 LE with its mark", [b"\xFF\xFE", little.as_slice()].concat()),
@@ -87,21 +87,19 @@ fn texts_of_any_encoding_and_line_end_are_read_alike() {
         ("CR LF", text.replace('\n', "\r\n").into_bytes()),
         ("CR", text.replace('\n', "\r").into_bytes()),
         ("a block of zeros behind", [text.as_bytes(), &[0; 900]].concat()),
-    ] {
-        let options = mapped(map);
-        assert_same(&read_bytes(&bytes, &options).unwrap_or_else(|e| panic!("{what}: {e}")), what, 0);
-    }
+    ];
+    (rows, map)
 }
 
-#[test]
-fn tables_of_any_separator_and_decimal_are_read_alike() {
+/// The same rows however their fields are separated and their numbers written, under canonical names.
+fn separated() -> Vec<(&'static str, String)> {
     let comma = |x: f64| format!("{x:.4}").replace('.', ",");
     let semicolons = |k: u32, t: f64, u: f64, x: f64| {
         let _ = k;
         format!("{};{};{}", comma(t), comma(u), comma(x))
     };
     let names = HEADER.replace(',', ";");
-    for (what, text) in [
+    vec![
         (
             "decimal commas between commas",
             lines(HEADER, |_, t, u, x| format!("{},{},{}", comma(t), comma(u), comma(x))),
@@ -129,9 +127,16 @@ fn tables_of_any_separator_and_decimal_are_read_alike() {
             format!("rst:0x1 (POWERON_RESET),boot:0x13\r\nentry 0x400805e4\r\nREADY\r\n{}", plain()),
         ),
         ("noise before the header", plain().replace(HEADER, &format!("\u{0}\u{0}{HEADER}"))),
-    ] {
-        let record =
-            read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|e| panic!("{what}: {e}"));
+    ]
+}
+
+#[test]
+fn texts_of_any_encoding_line_end_separator_and_decimal_are_read_alike() {
+    let (encoded, map) = encoded();
+    let encoded = encoded.into_iter().map(|(what, bytes)| (what, bytes, map));
+    let separated = separated().into_iter().map(|(what, text)| (what, text.into_bytes(), ""));
+    for (what, bytes, map) in encoded.chain(separated) {
+        let record = read_bytes(&bytes, &mapped(map)).unwrap_or_else(|e| panic!("{what}: {e}"));
         assert_same(&record, what, 0);
     }
 }
@@ -270,6 +275,21 @@ fn what_drives_the_motor_holds_through_blanks_and_motion_is_never_filled() {
     assert_eq!(record.len(), ROWS as usize);
     assert!((0..record.len()).all(|k| record.voltage_v[k] == row(k as u32 / 10 * 10).1));
     assert!(record.warnings.iter().any(|w| w.what.contains("180 blank fields")), "{:?}", record.warnings);
+    // What says that there is no value is a blank.
+    for nothing in ["NaN", "nan", "null", "None", "NA", "-"] {
+        let text =
+            lines(
+                HEADER,
+                |k, t, u, x| {
+                    if k % 10 == 0 { format!("{t},{u},{x}") } else { format!("{t},{nothing},{x}") }
+                },
+            );
+        let record = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+        assert!((0..record.len()).all(|k| record.voltage_v[k] == row(k as u32 / 10 * 10).1), "{nothing}");
+        assert!(record.warnings.iter().any(|w| w.what.contains("first in line 3")), "{:?}", record.warnings);
+    }
+    let empty = refusal(&lines(HEADER, |_, t, u, _| format!("{t},{u},nan"))).to_string();
+    assert!(empty.contains("angle_rad") && empty.contains("no row has a value here"), "{empty}");
     // Voltages and angles in rows of their own.
     let text = lines(HEADER, |_, t, u, x| format!("{t},{u},\n{:.4},,{x}", t + 0.001));
     let record = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
@@ -301,6 +321,18 @@ fn what_cannot_be_told_is_refused_with_what_to_do() {
             ["the columns are t, u, pos, pos", "angle=2:rad", "voltage=u:V"],
         ),
         (
+            lines("t,ch1,ch2\n", |_, t, u, x| format!("{t},{u},{x}")),
+            [
+                "the columns are t, ch1, ch2",
+                "time=t:s,voltage=ch1:V,speed=ch2:rad/s",
+                "time, voltage and speed",
+            ],
+        ),
+        (
+            lines("t,effort,position\n", |_, t, u, x| format!("{t},{u},{x}")),
+            ["torque in ROS", "--map time=t:s,voltage=effort:V,angle=position:rad", "duty=effort:100"],
+        ),
+        (
             lines(HEADER, |_, _, u, x| format!("0.01,{u},{x}")),
             ["repeat the time", "--map interval=time_s:s", "time since the row before"],
         ),
@@ -311,6 +343,22 @@ fn what_cannot_be_told_is_refused_with_what_to_do() {
     ] {
         let said = refusal(&text).to_string();
         assert!(words.iter().all(|word| said.contains(word)), "{words:?} in {said}");
+    }
+}
+
+/// A unit in the header, or in the row below it, holds where the mapping names none.
+#[test]
+fn the_unit_of_a_header_holds_where_the_mapping_leaves_it_open() {
+    let rows = |k: u32, u: f64, x: f64| format!("{},{},{}", 10 * k, 1e3 * u, x.to_degrees());
+    for (head, map) in [
+        ("t_ms,u_mV,pos_deg\n", "time=t_ms,voltage=u_mV,angle=pos_deg"),
+        ("Time [ms],U [mV],Angle (deg)\n", "time=Time [ms],voltage=U [mV],angle=Angle (deg)"),
+        ("Time,U,Angle\n(ms),(mV),(deg)\n", "time=0,voltage=1,angle=2"),
+        ("millis,mv,shaftAngleDegrees\n", "time=millis,voltage=mv,angle=shaftAngleDegrees"),
+        ("t_us,u,angle\n", "time=t_us:ms,voltage=u:mV,angle=angle:deg"),
+    ] {
+        let record = read_bytes(lines(head, |k, _, u, x| rows(k, u, x)).as_bytes(), &mapped(map)).unwrap();
+        assert_same(&record, head, 0);
     }
 }
 
@@ -362,6 +410,28 @@ fn every_proposal_reads_its_log() {
             "names",
             lines("", |k, _, u, x| format!("millis:{} u:{u} theta:{x}", 10 * k)),
             "--map time=millis:ms,voltage=u:V,angle=theta:rad",
+        ),
+        (
+            "a clock of no known name",
+            lines("frame;logged;u;theta\n", |k, t, u, x| format!("{k};{t};{u};{x}")),
+            "--map time=logged:s,voltage=u:V,angle=theta:rad",
+        ),
+        (
+            "names that are units",
+            lines("ms,V,deg\n", |k, _, u, x| format!("{},{u},{}", 10 * k, x.to_degrees())),
+            "--map time=ms:ms,voltage=V:V,angle=deg:deg",
+        ),
+        (
+            "names of AdvantageKit",
+            lines("time;LeftAppliedVolts;LeftPositionRotations\n", |_, t, u, x| {
+                format!("{t};{u};{}", x / std::f64::consts::TAU)
+            }),
+            "--map time=time:s,voltage=LeftAppliedVolts:V,angle=LeftPositionRotations:rev",
+        ),
+        (
+            "a column that never changes is no motion",
+            lines("time,x,y,voltage,angle\n", |_, t, u, x| format!("{t},1,2,{u},{x}")),
+            "--map time=time:s,voltage=voltage:V,angle=angle:rad",
         ),
         (
             "stamps",

@@ -16,7 +16,7 @@ use crate::motor_file::{self, MotorFile};
 pub struct ReadArgs {
     /// Columns of a foreign table, for example time=t:ms,voltage=u,speed=y:deg/s
     ///
-    /// Columns by header or by 0-based number. Units: s ms us ns, V mV, rad deg rev counts m mm, rad/s deg/s rev/s rpm counts/s m/s mm/s,
+    /// Columns by header or by 0-based number. A unit may be left out where the header says it, or it is SI. Units: s ms us ns, V mV, rad deg rev counts m mm, rad/s deg/s rev/s rpm counts/s m/s mm/s,
     /// A mA; a scale may follow: voltage=u:V*0.031, speed=y:rpm/-1. For a drive that logs its duty:
     /// duty=command:255,supply=battery:mV (or --supply-volts). For a position servo: target=goal:deg,angle=position:deg.
     /// Times may be clock times or dates with times; interval=dt:ms is the time since the row before, time=sec+nanosec:ns

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::guess::words;
+use super::guess::{self, words};
 use super::mapping::{Mapping, Source};
 use super::sample::Guess;
 use super::units::{PerTurn, Quantity, Unit};
@@ -240,12 +240,17 @@ impl Choice<'_> {
                 let assumptions = proposal.assumptions();
                 let assumptions =
                     if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
-                format!("say which column is what and in which unit; it looks like {}{assumptions}", proposal.options())
+                format!(
+                    "say which column is what and in which unit; it looks like {}{assumptions}",
+                    proposal.options()
+                )
             }
             Guess::Open(Some(question)) => question.clone(),
-            Guess::Open(None) => "say which column is what and in which unit, for example --map time=t:ms,voltage=u:V,speed=y:deg/s \
-                     or --map duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320"
-                .into(),
+            Guess::Open(None) => format!(
+                "say which column is what and in which unit; if they are time, voltage and speed: --map {}, and of a duty and encoder \
+                 counts: --map time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320",
+                guess::example(self.names)
+            ),
         };
         let proposal = if let Guess::Proposed(proposal) = guess { Some(proposal) } else { None };
         BadInput::new(self.path, format!("{}; the columns are {}", missing.why, self.listed()), remedy)

@@ -51,7 +51,9 @@ mod together;
 mod unit_check;
 pub mod units;
 mod usable;
+mod voltages;
 pub(crate) mod weak;
+mod wraps;
 mod write;
 
 use std::path::Path;

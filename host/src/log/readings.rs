@@ -1,7 +1,7 @@
 //! Speeds that are late, filtered, or blind near zero, and counters that lose edges beside them.
 
 use super::Record;
-use super::motion::peak;
+use super::motion::{low_pass, peak};
 use super::suspicion::Odd;
 use super::timing::median_interval;
 
@@ -15,11 +15,62 @@ const LATE_S: f64 = 0.02;
 /// ... where that explains all but this share of what parts it from the angle at once.
 const EXPLAINED: f64 = 0.5;
 
-/// What is left between speed and angle if the speed is `late_s` late and a mean over `mean_s`.
+/// How a speed may lag behind the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Lag {
+    /// By so many seconds.
+    Late(f64),
+    /// As its mean over the last seconds.
+    Mean(f64),
+    /// Behind a first-order filter of this time constant, s.
+    Filter(f64),
+}
+
+impl Lag {
+    fn seconds(self) -> f64 {
+        let (Lag::Late(seconds) | Lag::Mean(seconds) | Lag::Filter(seconds)) = self;
+        seconds
+    }
+
+    /// The angle whose slope the speed then is, at the samples `places`.
+    fn angle(self, time_s: &[f64], angle: &[f64], places: &[usize]) -> Vec<f64> {
+        let late = |late_s: f64| {
+            let mut after = 1;
+            places.iter().map(move |place| {
+                let t = time_s[*place] - late_s;
+                while after + 1 < time_s.len() && time_s[after] <= t {
+                    after += 1;
+                }
+                let part = ((t - time_s[after - 1]) / (time_s[after] - time_s[after - 1])).clamp(0.0, 1.0);
+                angle[after - 1] + part * (angle[after] - angle[after - 1])
+            })
+        };
+        match self {
+            Lag::Late(late_s) => late(late_s).collect(),
+            // The mean speed over a window ends with the window.
+            Lag::Mean(mean_s) => {
+                let mut sum = 0.0;
+                let (to, from): (Vec<f64>, Vec<f64>) = (late(0.0).collect(), late(mean_s).collect());
+                let mean = |k: usize| (to[k] - from[k]) / mean_s;
+                let passed = (0..to.len()).map(|k| {
+                    let before = k.saturating_sub(1);
+                    sum += 0.5 * (mean(k) + mean(before)) * (time_s[places[k]] - time_s[places[before]]);
+                    sum
+                });
+                passed.collect()
+            }
+            Lag::Filter(tau_s) => {
+                let filtered = low_pass(time_s, angle, tau_s);
+                places.iter().map(|place| filtered[*place]).collect()
+            }
+        }
+    }
+}
+
+/// What is left between speed and angle if the speed lags so.
 #[derive(Debug, Clone, Copy)]
 struct Trial {
-    late_s: f64,
-    mean_s: f64,
+    lag: Lag,
     way: f64,
     share: f64,
     left: f64,
@@ -29,40 +80,46 @@ struct Trial {
 pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
     let (angle, speed) = (record.angle_rad.as_ref()?, record.speed_rad_s.as_ref()?);
     let time = &record.time_s;
+    if time.len() < 2 {
+        return None;
+    }
     let step = median_interval(time).max(LATE_STEP_S);
-    let angle_at = |t: f64| {
-        let k = time.partition_point(|s| *s <= t).clamp(1, time.len() - 1);
-        let part = ((t - time[k - 1]) / (time[k] - time[k - 1])).clamp(0.0, 1.0);
-        angle[k - 1] + part * (angle[k] - angle[k - 1])
-    };
-    let trial = |late_s: f64, mean_s: f64| {
+    // The way by the speed, at all samples, and where it is compared: fast records at every few samples only.
+    let (mut places, mut ways, mut way) = (vec![0], vec![0.0], 0.0);
+    for k in 1..record.len() {
+        way += 0.5 * (speed[k] + speed[k - 1]) * (time[k] - time[k - 1]);
+        if time[k] - time[places[places.len() - 1]] > 0.4 * LATE_STEP_S {
+            places.push(k);
+            ways.push(way);
+        }
+    }
+    let trial = |lag: Lag| {
+        let lagging = lag.angle(time, angle, &places);
         let (mut way, mut lost, mut left) = (0.0, 0.0, 0.0);
-        for k in 1..record.len() {
-            let dt = time[k] - time[k - 1];
-            let (to, from) = (time[k] - late_s, time[k - 1] - late_s);
-            if from - mean_s < time[0] {
+        for k in 1..places.len() {
+            // Before that nothing tells what the speed was made of.
+            if time[places[k - 1]] - lag.seconds() < time[0] {
                 continue;
             }
-            let passed = 0.5 * (speed[k] + speed[k - 1]) * dt;
-            // The mean speed over a window ends with the window.
-            let turned = if mean_s > 0.0 {
-                let mean = |t: f64| (angle_at(t) - angle_at(t - mean_s)) / mean_s;
-                0.5 * (mean(to) + mean(from)) * dt
-            } else {
-                angle_at(to) - angle_at(from)
-            };
-            let missed = passed - turned;
+            let passed: f64 = ways[k] - ways[k - 1];
+            let missed = passed - (lagging[k] - lagging[k - 1]);
             way += passed.abs();
             lost += missed * passed.signum();
             left += missed * missed;
         }
-        Trial { late_s, mean_s, way, share: lost / way, left }
+        Trial { lag, way, share: lost / way, left }
     };
     let steps = (LATEST_S / step) as usize;
-    let late = (0..=steps).map(|k| trial(k as f64 * step, 0.0));
-    let means = (1..=steps).map(|k| trial(0.0, k as f64 * step));
-    let at_once = trial(0.0, 0.0);
-    let best = late.chain(means).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let seconds = || (1..=steps).map(|k| k as f64 * step);
+    let late = seconds().map(|s| trial(Lag::Late(s)));
+    let means = seconds().map(|s| trial(Lag::Mean(s)));
+    let filters = seconds().map(|s| trial(Lag::Filter(s)));
+    let at_once = trial(Lag::Late(0.0));
+    let best = std::iter::once(at_once)
+        .chain(late)
+        .chain(means)
+        .chain(filters)
+        .min_by(|a, b| a.left.total_cmp(&b.left))?;
     if best.way > 1.0 && best.share.abs() > DRIFT && best.share.abs() < 0.3 {
         // A whole factor is a matter of units, and told as such.
         return Some((
@@ -72,8 +129,12 @@ pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
             "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
         ));
     }
-    let ms = 1e3 * best.late_s.max(best.mean_s);
-    let how = if best.mean_s > 0.0 { "a mean over" } else { "late by" };
+    let ms = 1e3 * best.lag.seconds();
+    let how = match best.lag {
+        Lag::Late(_) => "late by",
+        Lag::Mean(_) => "a mean over",
+        Lag::Filter(_) => "behind a filter of",
+    };
     (1e-3 * ms > LATE_S && best.left < EXPLAINED * at_once.left && best.way > 1.0).then(|| {
         (
             "late_speed",
@@ -148,7 +209,14 @@ mod tests {
                 w[k] = before[k - 10..k].iter().sum::<f64>() / 10.0;
             }
         });
-        for record in [late, mean] {
+        let filtered = both(|w| {
+            let mut state = w[0];
+            for w in w.iter_mut() {
+                state += 0.1 * (*w - state);
+                *w = state;
+            }
+        });
+        for record in [late, mean, filtered] {
             let (name, _, why, _) = speed_beside_angle(&record).unwrap();
             assert_eq!(name, "late_speed", "{why}");
         }

@@ -4,12 +4,10 @@
 //! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
 //! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
 
-use std::f64::consts::TAU;
-
 use super::motion::peak;
-use super::quantum::quantum;
 use super::samples::FEWEST_SAMPLES;
 use super::timing::median_interval;
+use super::wraps::{unwrap_angle, wrapped};
 use super::{Record, Warning};
 
 /// Steps this many times as large as the largest ordinary one are no motion.
@@ -20,6 +18,10 @@ const RARE: f64 = 0.2;
 const LONGEST_SPIKE: usize = 3;
 /// A spike of speed is this many times the fastest other reading.
 const SPIKE_SPEED: f64 = 3.0;
+/// ... or goes so many times as far at once as any two others lie apart.
+const SUDDEN: f64 = 8.0;
+/// More readings of a voltage than this share are no accident of a transmission.
+const MOST_GARBLED: f64 = 0.02;
 /// A record is cut at a pause of so many intervals and seconds.
 const PAUSE_INTERVALS: f64 = 10.0;
 const PAUSE_S: f64 = 0.25;
@@ -28,6 +30,7 @@ const NAMED: usize = 5;
 
 /// The parts of `record`, each without what no motor did.
 pub fn repaired(mut record: Record) -> Vec<Record> {
+    hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);
     let pauses = pauses(&record);
@@ -35,8 +38,8 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     cut(record, &pauses, &resets)
 }
 
-/// Steps (from sample k to k + 1) of `values` that stand apart from the motion, at most two in a row.
-fn far_steps(values: &[f64]) -> Vec<usize> {
+/// Steps (from sample k to k + 1) of `values` that stand apart from the motion, at most two in a row in one direction.
+pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
     let steps: Vec<f64> = values.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
     let mut sorted: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
@@ -53,8 +56,10 @@ fn far_steps(values: &[f64]) -> Vec<usize> {
         return Vec::new();
     };
     let far: Vec<usize> = (0..steps.len()).filter(|&k| steps[k] > limit).collect();
-    // A burst of fast motion in a still record is motion.
-    if far.windows(3).any(|f| f[2] - f[0] == 2) { Vec::new() } else { far }
+    // A burst of fast motion in a still record is motion: it goes on in its direction. Garbled readings go there and back.
+    let goes_on = |k: usize| (values[k + 1] - values[k]) * (values[k + 2] - values[k + 1]) > 0.0;
+    let burst = |f: &[usize]| f[2] - f[0] == 2 && (goes_on(f[0]) || goes_on(f[1]));
+    if far.windows(3).any(burst) { Vec::new() } else { far }
 }
 
 /// Samples between two far steps, there and back.
@@ -77,7 +82,7 @@ fn spikes(values: &[f64]) -> Vec<usize> {
 }
 
 fn leave_out_spikes(record: &mut Record) {
-    let angle = record.angle_rad.as_deref().filter(|x| modulus(x).is_none()).map(spikes).unwrap_or_default();
+    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none()).map(spikes).unwrap_or_default();
     let speed = record.speed_rad_s.as_deref().map(speed_spikes).unwrap_or_default();
     for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
         if samples.is_empty() {
@@ -94,7 +99,7 @@ fn leave_out_spikes(record: &mut Record) {
             fix: "check the sensor's cable and the transmission of the log".into(),
         });
     }
-    let bad = |k: usize| angle.contains(&k) || speed.contains(&k);
+    let bad = |k: usize| angle.binary_search(&k).is_ok() || speed.binary_search(&k).is_ok();
     if !angle.is_empty() || !speed.is_empty() {
         let keep: Vec<bool> = (0..record.len()).map(|k| !bad(k)).collect();
         for column in columns(record) {
@@ -104,60 +109,43 @@ fn leave_out_spikes(record: &mut Record) {
     }
 }
 
+/// Spikes far beyond all other readings, or that no inertia allows: many times the largest step between any two others.
 fn speed_spikes(speed: &[f64]) -> Vec<usize> {
     let found = spikes(speed);
-    let rest = (0..speed.len()).filter(|k| !found.contains(k)).fold(0.0, |p: f64, k| p.max(speed[k].abs()));
-    found.into_iter().filter(|&k| speed[k].abs() > SPIKE_SPEED * rest).collect()
+    let rest: Vec<f64> =
+        (0..speed.len()).filter(|k| found.binary_search(k).is_err()).map(|k| speed[k]).collect();
+    let (fastest, step) = (peak(&rest), rest.windows(2).fold(0.0, |s: f64, p| s.max((p[1] - p[0]).abs())));
+    let height = |k: usize| {
+        let before = (0..k).rev().find(|before| found.binary_search(before).is_err());
+        (speed[k] - before.map_or(0.0, |before| speed[before])).abs()
+    };
+    let is_beyond = |k: usize| speed[k].abs() > SPIKE_SPEED * fastest;
+    let is_sudden = |k: usize| height(k) > SUDDEN * step && height(k) > 0.5 * fastest;
+    found.iter().copied().filter(|&k| is_beyond(k) || is_sudden(k)).collect()
 }
 
-/// The full turn of a wrapped angle, in its unit: all its jumps have this size, and its values span no more.
-fn modulus(angle: &[f64]) -> Option<f64> {
-    let far = far_steps(angle);
-    let step = |k: usize| angle.get(k + 1).zip(angle.get(k)).map_or(0.0, |(b, a)| b - a);
-    // The motion goes on while the counter wraps.
-    let around = |k: usize| 0.5 * (k.checked_sub(1).map_or(0.0, step) + step(k + 1));
-    let mut sizes: Vec<f64> = far.iter().map(|&k| (step(k) - around(k)).abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let size = *sizes.get(sizes.len() / 2)?;
-    let motion = (0..angle.len() - 1).filter(|k| !far.contains(k)).map(|k| step(k).abs()).fold(0.0, f64::max);
-    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-    let same = |size: f64| sizes.iter().all(|s| (s - size).abs() < motion + 0.01 * size);
-    // The motion always goes on in the direction opposite to the jump.
-    let onwards = far.iter().filter(|&&k| step(k) * around(k) <= 0.0).count();
-    let spans = |size: f64| high - low < 1.01 * size && high - low > size - 2.0 * motion - 0.01 * size;
-    if !same(size) || onwards < far.len() || !spans(size) {
-        return None;
+/// Readings of a voltage that no drive gives for so short: single ones far beyond all others. The value before them holds.
+fn hold_voltage_spikes(record: &mut Record) {
+    let volts = &mut record.voltage_v;
+    let found = spikes(volts);
+    let rest = (0..volts.len()).filter(|k| found.binary_search(k).is_err());
+    let highest = rest.fold(0.0, |highest: f64, k| highest.max(volts[k].abs()));
+    let garbled: Vec<usize> = found.into_iter().filter(|&k| volts[k].abs() > SPIKE_SPEED * highest).collect();
+    if garbled.is_empty() || highest == 0.0 || garbled.len() as f64 > MOST_GARBLED * volts.len() as f64 {
+        return;
     }
-    // A turn in radians, degrees or revolutions, or a whole number of bits of the counter.
-    let count = quantum(angle);
-    let bits = count.map(|count| count * (size / count).log2().round().exp2());
-    let turns = [TAU, 360.0, 1.0, TAU * 360.0, TAU * TAU];
-    let known =
-        turns.into_iter().chain(bits).filter(|m| (m / size - 1.0).abs() < 0.02 && spans(*m) && same(*m));
-    let known = known.min_by(|a, b| (a - size).abs().total_cmp(&(b - size).abs()));
-    known.or((far.len() >= 3).then_some(size))
-}
-
-fn unwrap_angle(record: &mut Record) {
-    let Some(angle) = &mut record.angle_rad else { return };
-    let Some(turn) = modulus(angle) else { return };
-    let far = far_steps(angle);
-    let (mut offset, mut next) = (0.0, 0);
-    for k in 0..angle.len() {
-        let jumped = k > 0 && far.get(next) == Some(&(k - 1));
-        if jumped {
-            // The value before carries the offset already.
-            offset -= turn * (angle[k] + offset - angle[k - 1]).signum();
-            next += 1;
-        }
-        angle[k] += offset;
+    for &k in &garbled {
+        volts[k] = volts[k - 1];
     }
     record.warnings.push(Warning {
-        place: format!("{}, column angle_rad", record.path.display()),
-        what: format!("wrapped_angle: the angle wraps at {turn:.6} rad, {} times, and was unwrapped", far.len()),
-        fix: "log the angle unwrapped, if the motor can make more than half a turn of it between two samples; if the unit is \
-              not the radian, say so with --map"
-            .into(),
+        place: format!("{}, column voltage_v", record.path.display()),
+        what: format!(
+            "garbled_readings: {} readings stand at more than {SPIKE_SPEED} times every other voltage, for a moment each; the value before \
+             them holds: {}",
+            garbled.len(),
+            named(&garbled, &record.time_s)
+        ),
+        fix: "check the transmission of the log; if the drive did give these, log the voltage more often".into(),
     });
 }
 
@@ -244,6 +232,8 @@ fn named(samples: &[usize], time_s: &[f64]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn moving(angle: impl Fn(f64) -> f64) -> Record {
@@ -277,7 +267,52 @@ mod tests {
     }
 
     #[test]
+    fn a_wrapped_angle_that_goes_far_between_two_samples_is_unwrapped_too() {
+        let fast = |t: f64| 90.0 * swing(t) / 20.0;
+        for (turn, low) in [(TAU, 0.0), (TAU, -TAU / 2.0)] {
+            let parts = repaired(moving(|t| (fast(t) - low).rem_euclid(turn) + low));
+            let angle = parts[0].angle_rad.as_ref().unwrap();
+            let step =
+                parts[0].time_s.windows(2).map(|p| (fast(p[1]) - fast(p[0])).abs()).fold(0.0, f64::max);
+            assert!(parts.len() == 1 && step > 0.25 * turn, "{step} {:?}", parts[0].warnings);
+            for (t, x) in parts[0].time_s.iter().zip(angle) {
+                assert!(((x - angle[0]) - (fast(*t) - fast(0.0))).abs() < 0.02, "{turn}: at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_garbled_voltage_is_held_and_a_programme_of_pulses_is_left_alone() {
+        let mut record = moving(swing);
+        record.voltage_v = record.time_s.iter().map(|t| 6.0 * (3.0 * t).sin()).collect();
+        let clean = record.voltage_v.clone();
+        (record.voltage_v[300], record.voltage_v[600]) = (999.0, -999.0);
+        let parts = repaired(record.clone());
+        assert_eq!((parts[0].voltage_v[300], parts[0].voltage_v[600]), (clean[299], clean[599]));
+        assert!(parts[0].warnings[0].what.contains("sample 301"), "{:?}", parts[0].warnings);
+        record.voltage_v = (0..800).map(|k| if k % 20 == 0 { 12.0 } else { 0.0 }).collect();
+        assert_eq!(repaired(record.clone()), [record]);
+    }
+
+    #[test]
+    fn sudden_readings_of_a_speed_are_left_out_though_the_motor_goes_nearly_as_fast_at_times() {
+        let mut record = moving(swing);
+        let mut speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
+        for k in [77, 277, 278, 477] {
+            speed[k] += 60.0;
+        }
+        (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
+        assert_eq!(repaired(record)[0].len(), 796);
+    }
+
+    #[test]
     fn garbled_readings_are_left_out_few_or_many() {
+        // Readings next to each other but one.
+        let mut record = moving(swing);
+        for k in (30..800).step_by(40).flat_map(|k| [k, k + 2]) {
+            record.angle_rad.as_mut().unwrap()[k] += 150.0;
+        }
+        assert_eq!(repaired(record)[0].len(), 800 - 2 * (30..800).step_by(40).count());
         for every in [50, 400] {
             let mut record = moving(swing);
             for k in (30..800).step_by(every) {

@@ -24,11 +24,30 @@ pub(super) struct Rows<'a> {
     numbers: Vec<f64>,
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
-    pub held: Vec<usize>,
+    pub held: Vec<Blanks>,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
     interval_s: f64,
+}
+
+/// The blanks of a column.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Blanks {
+    /// How many.
+    pub count: usize,
+    /// The line of the first.
+    pub first: Option<u64>,
+}
+
+/// Whether a field is blank, or says that it has no value.
+fn means_nothing(text: &str) -> bool {
+    const WORDS: [&str; 9] = ["nan", "null", "none", "na", "n/a", "nil", "-", "--", "#n/a"];
+    match text.as_bytes() {
+        [] => true,
+        [b'0'..=b'9' | b'.', ..] | [b'-' | b'+', b'0'..=b'9', ..] => false,
+        _ => WORDS.iter().any(|word| word.eq_ignore_ascii_case(text)),
+    }
 }
 
 /// Why a row is no sample: a column, and what is wrong there.
@@ -52,7 +71,7 @@ impl<'a> Rows<'a> {
             structure: Structure::default(),
             numbers: vec![0.0; count + 1],
             last: vec![None; count],
-            held: vec![0; count],
+            held: vec![Blanks::default(); count],
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -72,7 +91,7 @@ impl<'a> Rows<'a> {
             return Ok(());
         }
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
-        match self.numbers() {
+        match self.numbers(number) {
             Ok(()) => {
                 self.samples.accept(place, &self.numbers)?;
                 if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
@@ -87,7 +106,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Fills `self.numbers` from the line that was split.
-    fn numbers(&mut self) -> Result<(), Unread<'a>> {
+    fn numbers(&mut self, number: u64) -> Result<(), Unread<'a>> {
         let wanted = self.wanted;
         if let Some(width) = self.width
             && self.splitter.len() > width
@@ -104,8 +123,9 @@ impl<'a> Rows<'a> {
         for (k, column) in wanted.values.iter().enumerate() {
             // A line that is shorter than a row has no blanks but ends too early.
             let text = match self.splitter.get(column.index) {
-                Some("") if is_blank_permitted(&self.splitter, self.width) => {
-                    self.held[k] += 1;
+                Some(text) if means_nothing(text) && is_blank_permitted(&self.splitter, self.width) => {
+                    self.held[k].count += 1;
+                    self.held[k].first.get_or_insert(number);
                     match self.last[k].filter(|_| is_held(column.quantity)) {
                         Some(value) => self.numbers[k + 1] = value,
                         None => blank = true,

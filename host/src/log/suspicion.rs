@@ -12,6 +12,7 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
+use super::voltages::{duty, is_level, one_level, unsigned};
 use super::weak::Weak;
 use super::{Record, Warning, faults, together};
 
@@ -40,6 +41,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         hard_stop,
         speed_beside_angle,
         blind_near_zero,
+        unsigned,
     ];
     let regressed = [clipped, wrong_gear];
     let seen: Vec<Seen> =
@@ -53,12 +55,13 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
     }
     found.extend(shifted(&seen));
     found.extend(disagreeing(&seen));
-    found.extend(duty(&seen));
-    found.extend(one_level(&seen));
+    let all: Vec<&Record> = seen.iter().map(|one| one.record).collect();
+    found.extend(duty(&all));
+    found.extend(one_level(&all));
     found
 }
 
-fn place_of(record: &Record, column: &str) -> String {
+pub(super) fn place_of(record: &Record, column: &str) -> String {
     let file = record.path.display().to_string();
     format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
@@ -144,7 +147,8 @@ fn lively(record: &Record) -> bool {
         change += (v[later] - v[k]).powi(2);
         all += (v[k] - mean).powi(2);
     }
-    change > LIVELY * LIVELY * all
+    // The scatter of a meter about one level is none of its changes.
+    !is_level(record) && change > LIVELY * LIVELY * all
 }
 
 /// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
@@ -285,64 +289,6 @@ const TOGETHER: f64 = 1.2;
 const APART: f64 = 1.5;
 /// A record whose regression leaves more than this says nothing about the gain.
 const UNCLEAR: f64 = 0.3;
-
-/// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
-fn duty(seen: &[Seen]) -> Option<Warning> {
-    let records =
-        || seen.iter().map(|s| s.record).filter(|r| r.supply_v.is_none() && r.meta.get("voltage").is_none());
-    let highest = records().map(|r| peak(&r.voltage_v)).fold(0.0, f64::max);
-    let first = records().next()?;
-    let (looks, full) = if highest > 0.0 && highest <= 1.0 {
-        ("a duty from -1 to 1", "1")
-    } else if highest > 60.0 && highest <= 100.0 {
-        ("a duty in percent", "100")
-    } else {
-        return None;
-    };
-    Some(Warning {
-        place: place_of(first, "voltage_v"),
-        what: format!(
-            "perhaps_duty: the voltage never passes {highest:.3}, as {looks} does; then every gain is wrong by the supply's voltage"
-        ),
-        fix: format!(
-            "if it is a duty, say {} --supply-volts 12 (with the voltage of this drive's supply)",
-            remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)])
-        ),
-    })
-}
-
-/// Share of the highest voltage within which two voltages are one level.
-const SAME_LEVEL: f64 = 0.02;
-
-/// At one voltage friction and gain are one number.
-fn one_level(seen: &[Seen]) -> Option<Warning> {
-    let highest = seen.iter().map(|s| peak(&s.record.voltage_v)).fold(0.0, f64::max);
-    let near = SAME_LEVEL * highest;
-    let mut levels = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut coasting, mut all) = (0, 0);
-    for s in seen {
-        // What stands before the step is rest.
-        let driven = s.record.voltage_v.iter().skip_while(|v| v.abs() <= near);
-        for v in driven {
-            all += 1;
-            if v.abs() <= near {
-                coasting += 1;
-            } else {
-                levels = (levels.0.min(*v), levels.1.max(*v));
-            }
-        }
-    }
-    let alone = levels.1 - levels.0 <= near && 50 * coasting < all;
-    (highest > 0.0 && alone).then(|| Warning {
-        place: place_of(seen[0].record, "voltage_v"),
-        what: format!(
-            "one_level: the only voltage that drives the motor is {:.3} V, at which friction cannot be told from the gain: \
-             the gain found is that of this one voltage",
-            levels.1
-        ),
-        fix: "add records at other voltages, or one in which the motor runs out (motorlens plan writes a programme)".into(),
-    })
-}
 
 /// One record in other volts, or of another motor.
 fn disagreeing(seen: &[Seen]) -> Vec<Warning> {

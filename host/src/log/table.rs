@@ -7,7 +7,7 @@ use super::choice::{Choice, TimeSource};
 use super::clock::Clock;
 use super::mapping::Mapping;
 use super::preamble;
-use super::rows::{Rows, is_held};
+use super::rows::{Blanks, Rows, is_held};
 use super::sample::proposal;
 use super::samples::Place;
 use super::servo::Servo;
@@ -15,7 +15,7 @@ use super::structure::{self, Structure};
 use super::text::cannot_read;
 use super::units::Quantity;
 use super::{Metadata, ReadOptions, Record, Warning};
-use crate::error::Result;
+use crate::error::{BadInput, Result};
 
 /// The columns of a table that are wanted.
 #[derive(Debug)]
@@ -86,6 +86,14 @@ pub(super) fn columns(
     }
     let Rows { samples, mut structure, held, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
+    let blank = wanted.values.iter().zip(&held).find(|(_, blanks)| blanks.count > 0);
+    if samples.len() == 0
+        && let Some((column, _)) = blank
+    {
+        let why = "no row has a value here together with the others";
+        let fix = "say with --map which columns are to be read, without this one where it is empty";
+        return Err(BadInput::new(path, why, fix).in_column(&column.header).into());
+    }
     let (mut columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
     let file = path.display();
     let mut say =
@@ -97,16 +105,17 @@ pub(super) fn columns(
             "nothing, if the header is right",
         );
     }
-    for (column, count) in wanted.values.iter().zip(held).filter(|(_, count)| *count > 0) {
+    for (column, Blanks { count, first }) in wanted.values.iter().zip(held) {
+        let Some(first) = first else { continue };
         let (what, fix) = if is_held(column.quantity) {
             (
-                format!("{count} blank fields hold the value before them"),
+                format!("{count} blank fields hold the value before them, first in line {first}"),
                 "nothing, if this is logged when it changes or less often",
             )
         } else {
             (
                 format!(
-                    "{count} rows with a blank here were left out; what drives the motor holds through them"
+                    "{count} rows with a blank here were left out, first in line {first}; what drives the motor holds through them"
                 ),
                 "nothing, if this is logged less often",
             )

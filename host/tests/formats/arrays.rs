@@ -3,7 +3,7 @@
 use motorlens::log::Record;
 
 use super::formats_support::{canonical_columns, fixture, npy, zip_of};
-use super::{as_csv, records, refusal, same};
+use super::{as_csv, fixed, records, refusal, same};
 
 #[test]
 fn numpy_arrays_are_columns_by_number_or_by_field() {
@@ -47,19 +47,6 @@ fn arrays_of_an_npz_are_columns_by_their_names_packed_or_not() {
         assert!(refused.contains("gains (3 values)") && refused.contains("notes"), "{refused}");
         let cut = refusal("log.npz", &content[..content.len() - 200], "");
         assert!(cut.contains("archive is damaged"), "{cut}");
-    }
-}
-
-/// The motion that `fixtures.py` writes.
-fn fixed() -> Record {
-    let time_s: Vec<f64> = (0..60).map(|k| f64::from(k) / 100.0).collect();
-    let round = |x: f64, scale: f64| (x * scale).round() / scale;
-    Record {
-        voltage_v: (0..60).map(|k| if k / 15 % 2 == 0 { 4.5 } else { -3.25 }).collect(),
-        angle_rad: Some(time_s.iter().map(|t| round(1.5 - 1.5 * (4.0 * t).cos(), 1e4)).collect()),
-        speed_rad_s: Some(time_s.iter().map(|t| round(6.0 * (4.0 * t).sin(), 1e3)).collect()),
-        time_s,
-        ..Record::default()
     }
 }
 

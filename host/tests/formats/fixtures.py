@@ -1,9 +1,15 @@
-# Makes the files of other programs that the tests of host/tests/formats/main.rs read: python fixtures.py, with numpy, scipy and h5py.
+# Makes the files of other programs that the tests of host/tests/formats/main.rs read: python fixtures.py, with the packages of the README.
 import os
 
 import h5py
 import numpy as np
+import pyarrow
+import pyarrow.parquet
 import scipy.io
+import xlwt
+from odf.opendocument import OpenDocumentSpreadsheet
+from odf.table import Table, TableCell, TableRow
+from odf.text import P
 
 here = os.path.dirname(os.path.abspath(__file__))
 time = np.arange(60) / 100.0
@@ -36,3 +42,40 @@ with h5py.File(os.path.join(here, "groups.h5"), "w") as file:
     rows = np.zeros(60, dtype=[("q", "<f8"), ("n", "<i2")])
     rows["q"] = angle
     file["table"] = rows
+
+# Spreadsheets of other programs, with a title above the names.
+names = ["time_s", "voltage_v", "angle_rad", "speed_rad_s"]
+rows = list(zip(time, voltage, angle, speed))
+book = xlwt.Workbook()
+sheet = book.add_sheet("run")
+sheet.write(0, 0, "a run of the motor")
+for column, name in enumerate(names):
+    sheet.write(2, column, name)
+    for row, values in enumerate(rows):
+        sheet.write(3 + row, column, float(values[column]))
+book.save(os.path.join(here, "sheet.xls"))
+
+document = OpenDocumentSpreadsheet()
+table = Table(name="run")
+for values in [names, *rows]:
+    row = TableRow()
+    for value in values:
+        is_text = isinstance(value, str)
+        cell = TableCell(valuetype="string") if is_text else TableCell(valuetype="float", value=repr(float(value)))
+        cell.addElement(P(text=str(value)))
+        row.addElement(cell)
+    table.addElement(row)
+document.spreadsheet.addElement(table)
+document.save(os.path.join(here, "sheet.ods"))
+
+# As LeRobot stores an episode: lists with a value per joint.
+pyarrow.parquet.write_table(
+    pyarrow.table(
+        {
+            "timestamp": time,
+            "action": [[float(v), 0.0] for v in voltage],
+            "observation.state": [[float(a), float(s)] for a, s in zip(angle, speed)],
+        }
+    ),
+    os.path.join(here, "lists.parquet"),
+)

@@ -54,6 +54,19 @@ fn same(found: &Record, expected: &Record, within: f64) {
     }
 }
 
+/// The motion that `fixtures.py` writes.
+fn fixed() -> Record {
+    let time_s: Vec<f64> = (0..60).map(|k| f64::from(k) / 100.0).collect();
+    let round = |x: f64, scale: f64| (x * scale).round() / scale;
+    Record {
+        voltage_v: (0..60).map(|k| if k / 15 % 2 == 0 { 4.5 } else { -3.25 }).collect(),
+        angle_rad: Some(time_s.iter().map(|t| round(1.5 - 1.5 * (4.0 * t).cos(), 1e4)).collect()),
+        speed_rad_s: Some(time_s.iter().map(|t| round(6.0 * (4.0 * t).sin(), 1e3)).collect()),
+        time_s,
+        ..Record::default()
+    }
+}
+
 #[test]
 fn what_only_another_program_reads_is_answered_with_that_program() {
     let directory = tempfile::tempdir().unwrap();

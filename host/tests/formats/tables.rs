@@ -2,8 +2,8 @@
 
 use motorlens::log::Record;
 
-use super::formats_support::{canonical_columns, mcap_of, parquet_of, sheet};
-use super::{as_csv, records, refusal, same};
+use super::formats_support::{canonical_columns, fixture, mcap_of, parquet_of, sheet};
+use super::{as_csv, fixed, records, refusal, same};
 
 #[test]
 fn the_sheet_of_a_workbook_that_is_a_table_is_read_below_its_title() {
@@ -23,6 +23,24 @@ fn the_sheet_of_a_workbook_that_is_a_table_is_read_below_its_title() {
     assert!(refused.contains("time=Zeit [s]:s,voltage=U (V):V,angle=Winkel (rad):rad"), "{refused}");
     let cut = refusal("log.xlsx", &content[..content.len() / 2], "");
     assert!(cut.contains("spreadsheet is damaged"), "{cut}");
+}
+
+#[test]
+fn spreadsheets_of_other_programs_are_read_as_they_are() {
+    for name in ["sheet.xls", "sheet.ods"] {
+        same(&records(name, &fixture(name), "").unwrap()[0], &fixed(), 1e-9);
+        let cut = refusal(name, &fixture(name)[..2000], "");
+        assert!(cut.contains("damaged") && cut.contains("save it anew"), "{cut}");
+    }
+}
+
+#[test]
+fn lists_of_one_length_are_a_column_for_each_place() {
+    let content = fixture("lists.parquet");
+    let map = "time=timestamp,voltage=action[0],angle=observation.state[0],speed=observation.state[1]";
+    same(&records("episode.parquet", &content, map).unwrap()[0], &fixed(), 1e-9);
+    let proposed = refusal("episode.parquet", &content, "");
+    assert!(proposed.contains("action[0]") && proposed.contains("observation.state[1]"), "{proposed}");
 }
 
 #[test]

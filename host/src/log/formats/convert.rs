@@ -34,7 +34,7 @@ const PANDAS: &str =
 const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
                        python -c \"from asammdf import MDF; MDF('OLD').export('csv', 'NEW.csv', single_time_base=True)\"";
 
-const FOREIGN: [Foreign; 31] = [
+const FOREIGN: [Foreign; 30] = [
     content("a ROS 1 bag", b"#ROSBAG V", MCAP),
     content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
     content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),
@@ -62,11 +62,6 @@ const FOREIGN: [Foreign; 31] = [
         "a Python pickle",
         b"\x80\x04\x95",
         "write it as CSV: python -c \"import pandas; pandas.read_pickle('OLD').to_csv('NEW.csv', index=False)\"",
-    ),
-    content(
-        "an Excel 97 workbook (.xls) or another document of its time",
-        b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1",
-        "save it as .xlsx or as CSV (UTF-8)",
     ),
     content("compressed with gzip", b"\x1F\x8B", "unpack it with gunzip"),
     content("compressed with bzip2", b"BZh91AY&SY", "unpack it with bunzip2"),

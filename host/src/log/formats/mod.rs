@@ -21,6 +21,8 @@ mod npy;
 mod npz;
 #[cfg(feature = "log-parquet")]
 mod parquet;
+#[cfg(feature = "log-xlsx")]
+mod sheets;
 mod table;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
@@ -97,9 +99,12 @@ struct Known {
 
 /// A row's reader, or that it is left out of this build.
 macro_rules! reader {
-    ($feature:literal, $module:ident) => {{
+    ($feature:literal, $module:ident) => {
+        reader!($feature, $module::read)
+    };
+    ($feature:literal, $module:ident :: $read:ident) => {{
         #[cfg(feature = $feature)]
-        let how = How::Read($module::read);
+        let how = How::Read($module::$read);
         #[cfg(not(feature = $feature))]
         let how = How::Without($feature);
         how
@@ -110,7 +115,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 9] = [
+const FORMATS: [Known; 11] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -157,6 +162,21 @@ const FORMATS: [Known; 9] = [
             ["[Content_Types].xml", "xl/", "_rels/.rels", "docProps/"].iter().any(|name| in_zip(start, name))
         },
         how: reader!("log-xlsx", xlsx),
+    },
+    Known {
+        name: "an Excel 97 workbook",
+        extension: "xls",
+        is: |start| start.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"),
+        how: reader!("log-xlsx", sheets::xls),
+    },
+    Known {
+        name: "an OpenDocument spreadsheet",
+        extension: "ods",
+        is: |start| {
+            let kind = b"application/vnd.oasis.opendocument.spreadsheet";
+            in_zip(start, "mimetype") && start.get(38..).is_some_and(|rest| rest.starts_with(kind))
+        },
+        how: reader!("log-xlsx", sheets::ods),
     },
     Known {
         name: "a Parquet table",

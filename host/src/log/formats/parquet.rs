@@ -1,4 +1,5 @@
-//! Parquet, as pandas, polars and DuckDB write tables: numbers and times by name; fields of structures as `struct.field`.
+//! Parquet, as pandas, polars, DuckDB and LeRobot write tables: numbers and times by name; fields of structures as `struct.field`, lists of
+//! one length (a value per joint) as `name[0]`.
 
 use ::bytes::Bytes;
 use ::parquet::basic::{LogicalType, TimeUnit};
@@ -13,7 +14,7 @@ use super::{Content, Fault, LARGEST};
 /// Rows that are read at once.
 const BATCH: usize = 1 << 16;
 
-/// Reads all flat columns.
+/// Reads all columns of numbers, texts and lists of numbers.
 ///
 /// # Errors
 /// A fault where the file is damaged, packed in a way that is not read, or unpacked larger than any log.
@@ -33,7 +34,25 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         let description = schema.column(index);
         let name = description.path().parts().join(".");
         if description.max_rep_level() > 0 {
-            left_out.push(format!("{name} (a list)"));
+            let name = [".list.element", ".list.item", ".array"]
+                .iter()
+                .find_map(|end| name.strip_suffix(end))
+                .unwrap_or(&name);
+            let mut lists = Lists::default();
+            for group in 0..file.num_row_groups() {
+                let group = file.get_row_group(group).map_err(|why| damaged(&why))?;
+                let reader = group.get_column_reader(index).map_err(|why| damaged(&why))?;
+                lists
+                    .take(reader, &description)
+                    .map_err(|why| damaged(&format!("in the column {name}: {why}")))?;
+            }
+            match lists.columns(rows as usize) {
+                Some(parts) => columns.extend(parts.into_iter().enumerate().map(|(joint, numbers)| Column {
+                    name: format!("{name}[{joint}]"),
+                    values: Values::Numbers(numbers),
+                })),
+                None => left_out.push(format!("{name} (lists of different lengths, or of no numbers)")),
+            }
             continue;
         }
         let mut numbers = Vec::new();
@@ -109,6 +128,73 @@ fn values(
             })
         }
         ColumnReader::FixedLenByteArrayColumnReader(_) => Ok(()),
+    }
+}
+
+/// Joints that a list may have.
+const LONGEST_LIST: usize = 64;
+
+/// The lists of a column, one per row, end to end.
+#[derive(Default)]
+struct Lists {
+    numbers: Vec<f64>,
+    /// Where each list begins.
+    begins: Vec<usize>,
+}
+
+impl Lists {
+    /// Appends the lists of one row group.
+    fn take(&mut self, reader: ColumnReader, description: &ColumnDescriptor) -> Result<(), String> {
+        let most = description.max_def_level();
+        macro_rules! all {
+            ($reader:expr, $value:expr) => {{
+                let mut reader = $reader;
+                loop {
+                    let (mut levels, mut repeats, mut values) = (Vec::new(), Vec::new(), Vec::new());
+                    let (records, ..) = reader
+                        .read_records(BATCH, Some(&mut levels), Some(&mut repeats), &mut values)
+                        .map_err(|why| why.to_string())?;
+                    if records == 0 {
+                        return Ok(());
+                    }
+                    if 8 * (self.numbers.len() + levels.len()) as u64 > LARGEST {
+                        return Err("its lists are larger than 1 GiB".into());
+                    }
+                    let mut values = values.into_iter();
+                    for (level, repeat) in levels.iter().zip(&repeats) {
+                        if *repeat == 0 {
+                            self.begins.push(self.numbers.len());
+                        }
+                        // Levels below that of a blank number are lists without any.
+                        if *level == most {
+                            self.numbers.push(values.next().map_or(f64::NAN, $value));
+                        } else if *level + 1 == most {
+                            self.numbers.push(f64::NAN);
+                        }
+                    }
+                }
+            }};
+        }
+        match reader {
+            ColumnReader::Int32ColumnReader(reader) => all!(reader, f64::from),
+            ColumnReader::Int64ColumnReader(reader) => all!(reader, |v| v as f64),
+            ColumnReader::FloatColumnReader(reader) => all!(reader, f64::from),
+            ColumnReader::DoubleColumnReader(reader) => all!(reader, |v| v),
+            _ => Ok(()),
+        }
+    }
+
+    /// A column for every place of the list, where all `rows` lists are of one length.
+    fn columns(&self, rows: usize) -> Option<Vec<Vec<f64>>> {
+        let length =
+            self.numbers.len().checked_div(rows).filter(|length| (1..=LONGEST_LIST).contains(length))?;
+        let even = self.begins.len() == rows
+            && self.begins.iter().enumerate().all(|(row, begin)| *begin == row * length);
+        even.then(|| {
+            (0..length)
+                .map(|place| self.numbers.iter().skip(place).step_by(length).copied().collect())
+                .collect()
+        })
     }
 }
 

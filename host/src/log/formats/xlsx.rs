@@ -19,7 +19,7 @@ const DAY_S: f64 = 86_400.0;
 
 /// A cell as a log needs it.
 #[derive(Debug, Clone, PartialEq)]
-enum Cell {
+pub(super) enum Cell {
     Nothing,
     Number(f64),
     /// Days.
@@ -46,10 +46,20 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     }
     let mut book = Xlsx::new(Cursor::new(all)).map_err(|why| damaged(&why))?;
     let sheets = book.sheet_names();
+    first_table(&sheets, |sheet| rows(&mut book, sheet))
+}
+
+/// The first sheet that is a table, where `rows` gives the rows of a sheet.
+///
+/// # Errors
+/// What `rows` says; a fault where no sheet is a table.
+pub(super) fn first_table(
+    sheets: &[String],
+    mut rows: impl FnMut(&str) -> Result<Vec<Vec<Cell>>, Fault>,
+) -> Result<Content, Fault> {
     let mut without = Vec::new();
     for (number, sheet) in sheets.iter().enumerate() {
-        let rows = rows(&mut book, sheet)?;
-        let Some(columns) = columns(&rows) else {
+        let Some(columns) = columns(&rows(sheet)?) else {
             without.push(sheet.clone());
             continue;
         };
@@ -61,7 +71,48 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     Err(Fault::new(why, "put the names of the columns above the numbers, a name for every column"))
 }
 
-/// The rows of a sheet; what is far from the others is not taken.
+/// The cells of a sheet, as far as they are near to each other.
+#[derive(Default)]
+pub(super) struct Grid {
+    rows: Vec<Vec<Cell>>,
+    count: usize,
+}
+
+impl Grid {
+    /// Puts a cell in its place; what is far from the others is not taken.
+    ///
+    /// # Errors
+    /// A fault where the sheet has more cells than a log.
+    pub fn put(&mut self, sheet: &str, row: usize, column: usize, value: Cell) -> Result<(), Fault> {
+        if row >= MOST_ROWS || column >= MOST_COLUMNS {
+            return Ok(());
+        }
+        self.count += 1
+            + row.saturating_sub(self.rows.len())
+            + column.saturating_sub(self.rows.get(row).map_or(0, Vec::len));
+        if self.count > MOST_CELLS {
+            return Err(Fault::new(
+                format!("the sheet {sheet} has more cells than a log"),
+                "save the columns that show the motor alone as CSV",
+            ));
+        }
+        if self.rows.len() <= row {
+            self.rows.resize(row + 1, Vec::new());
+        }
+        if self.rows[row].len() <= column {
+            self.rows[row].resize(column + 1, Cell::Nothing);
+        }
+        self.rows[row][column] = value;
+        Ok(())
+    }
+
+    /// The rows.
+    pub fn into_rows(self) -> Vec<Vec<Cell>> {
+        self.rows
+    }
+}
+
+/// The rows of a sheet.
 fn rows(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Vec<Vec<Cell>>, Fault> {
     let damaged = |why: &dyn std::fmt::Display| {
         Fault::new(format!("the sheet {sheet} is damaged: {why}"), "save it anew as .xlsx or as CSV (UTF-8)")
@@ -71,11 +122,9 @@ fn rows(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Vec<Vec<Cell>>, F
         // A sheet of nothing but a chart.
         Err(_) => return Ok(Vec::new()),
     };
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    let mut count = 0;
+    let mut grid = Grid::default();
     while let Some(cell) = cells.next_cell().map_err(|why| damaged(&why))? {
         let (row, column) = cell.get_position();
-        let (row, column) = (row as usize, column as usize);
         let value = match cell.get_value() {
             DataRef::Int(number) => Cell::Number(*number as f64),
             DataRef::Float(number) => Cell::Number(*number),
@@ -86,34 +135,26 @@ fn rows(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Vec<Vec<Cell>>, F
             DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => Cell::Text(text.clone()),
             DataRef::Error(_) | DataRef::Empty => continue,
         };
-        if row >= MOST_ROWS || column >= MOST_COLUMNS {
-            continue;
-        }
-        count +=
-            1 + row.saturating_sub(rows.len()) + column.saturating_sub(rows.get(row).map_or(0, Vec::len));
-        if count > MOST_CELLS {
-            return Err(Fault::new(
-                format!("the sheet {sheet} has more cells than a log"),
-                "save the columns that show the motor alone as CSV",
-            ));
-        }
-        if rows.len() <= row {
-            rows.resize(row + 1, Vec::new());
-        }
-        if rows[row].len() <= column {
-            rows[row].resize(column + 1, Cell::Nothing);
-        }
-        rows[row][column] = value;
+        grid.put(sheet, row as usize, column as usize, value)?;
     }
-    Ok(rows)
+    Ok(grid.into_rows())
+}
+
+/// A number that was typed as a text, with a comma perhaps.
+fn typed(text: &str) -> Option<f64> {
+    text.trim().replace(',', ".").parse().ok()
 }
 
 /// The columns below the header: the first row of two texts or more with numbers in the row below, or in the one below that, where units
 /// stand in between.
 fn columns(rows: &[Vec<Cell>]) -> Option<Vec<Column>> {
-    let is_text = |cell: &&Cell| matches!(cell, Cell::Text(text) if text.trim().parse::<f64>().is_err());
-    let numbers =
-        |row: &Vec<Cell>| row.iter().filter(|c| matches!(c, Cell::Number(_) | Cell::Date(_))).count();
+    let is_text = |cell: &&Cell| matches!(cell, Cell::Text(text) if typed(text).is_none());
+    let is_number = |cell: &&Cell| match cell {
+        Cell::Number(_) | Cell::Date(_) => true,
+        Cell::Text(text) => typed(text).is_some(),
+        Cell::Nothing => false,
+    };
+    let numbers = |row: &Vec<Cell>| row.iter().filter(is_number).count();
     let header = (0..rows.len().min(MOST_TITLES)).find(|&k| {
         let texts = rows[k].iter().filter(is_text).count();
         texts >= 2 && rows[k + 1..].iter().take(2).any(|below| 2 * numbers(below) >= texts)
@@ -142,8 +183,7 @@ fn columns(rows: &[Vec<Cell>]) -> Option<Vec<Column>> {
         let number = |value: &Cell| match value {
             Cell::Number(number) => *number,
             Cell::Date(days) => (days - first.unwrap_or(0.0)) * DAY_S,
-            // A number that was typed as a text, with a comma perhaps.
-            Cell::Text(text) => text.trim().replace(',', ".").parse().unwrap_or(f64::NAN),
+            Cell::Text(text) => typed(text).unwrap_or(f64::NAN),
             Cell::Nothing => f64::NAN,
         };
         let unit = units.map(|units| cell(units, index));

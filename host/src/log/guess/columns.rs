@@ -50,6 +50,16 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             *guess = Some((Quantity::Voltage, plain));
         }
     }
+    let is_timed = |q: &Option<(Quantity, u8)>| {
+        q.is_some_and(|(q, _)| [Quantity::Time, Quantity::Interval].contains(&q))
+    };
+    if !quantities.iter().any(is_timed) {
+        let unnamed =
+            |k: &usize| said[*k].quantity.is_none() && !said[*k].wanted && is_clock(&names[*k], rows, *k);
+        if let Some(clock) = (0..names.len()).find(unnamed) {
+            quantities[clock] = Some((Quantity::Time, 1));
+        }
+    }
     let drives =
         |q: &Option<(Quantity, u8)>| q.is_some_and(|(q, _)| [Quantity::Voltage, Quantity::Duty].contains(&q));
     if !quantities.iter().any(drives) {
@@ -80,12 +90,44 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         parts.retain(|part| part.quantity != Quantity::Interval);
     }
     // What was measured nearer to the motor.
-    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
-    if let (Some(_), Some(duty)) = (place(Quantity::Voltage), place(Quantity::Duty)) {
+    let duty = parts.iter().position(|part| part.quantity == Quantity::Duty);
+    if let (Some(duty), true) = (duty, parts.iter().any(|part| part.quantity == Quantity::Voltage)) {
         parts.remove(duty);
     }
-    // The supply is of use beside a duty; an angle that only counts is of use alone, where the speed is in plain units.
+    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
+    // Of two motions one that never changes is none.
+    let still = |part: &Part| {
+        let range = Range::of(values(part.index));
+        !rows.is_empty() && range.high <= range.low
+    };
+    if let (Some(angle), Some(speed)) = (place(Quantity::Angle), place(Quantity::Speed)) {
+        let is_still = [angle, speed].map(|k| still(&parts[k]));
+        if is_still != [true, true] {
+            let mut place = 0;
+            parts.retain(|_| {
+                place += 1;
+                !(place - 1 == angle && is_still[0] || place - 1 == speed && is_still[1])
+            });
+        }
+    }
     parts
+}
+
+/// Whole numbers that span more than two turns in degrees are counts.
+const MOST_DEGREES: f64 = 720.0;
+/// Rows from which a clock is told by its values.
+const FEWEST_TICKS: usize = 20;
+/// What counts rows and tells no time.
+const COUNTERS: [&str; 12] =
+    ["index", "idx", "frame", "sample", "row", "id", "n", "nr", "no", "number", "count", "seq"];
+
+/// Whether the column at `index` may be a clock though its name does not say so: it always rises, and not by one a row.
+fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
+    let value = |row: &Vec<f64>| row.get(index).copied().unwrap_or(f64::NAN);
+    let steps = || rows.windows(2).map(|pair| value(&pair[1]) - value(&pair[0]));
+    let counts = words::of(name).iter().any(|word| COUNTERS.contains(&word.as_str()));
+    let rises = rows.len() >= FEWEST_TICKS && steps().all(|step| step > 0.0);
+    rises && !counts && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
 /// The unit of a column whose name may say one.
@@ -100,6 +142,7 @@ fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> St
         (Quantity::Interval, None) => "us",
         (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
         (Quantity::Voltage | Quantity::Supply, None) => "V",
+        (Quantity::Angle, None) if range.whole && range.high - range.low > MOST_DEGREES => "counts",
         (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
         (Quantity::Angle | Quantity::Target, None) => "rad",
         (Quantity::Speed, None) => "rad/s",

@@ -57,6 +57,10 @@ impl Proposal {
         if let Some(volts) = &self.supply_volts {
             all.push(format!("put your supply's voltage in the place of {volts}"));
         }
+        let duty = self.map.split(',').find_map(|part| part.strip_prefix("duty=")?.rsplit_once(':'));
+        if let Some((_, full)) = duty.filter(|(_, full)| !["1", "100"].contains(full)) {
+            all.push(format!("put the number that is full duty in the place of {full}"));
+        }
         if let Some(counts) = &self.counts_per_rev {
             all.push(format!(
                 "put the encoder's counts per turn of the output shaft (after x4 and gearing) in the place of {counts}"
@@ -182,6 +186,17 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
 
 fn per_turn_of(part: &Part) -> Option<PerTurn> {
     Unit::parse(part.quantity, &part.unit).ok()?.per_turn
+}
+
+/// A mapping of the first columns, for an example where nothing tells what they are.
+pub(super) fn example(names: &[String]) -> String {
+    let part = |(quantity, unit): (Quantity, &str), index: usize| {
+        format!("{quantity}={}:{unit}", column(names, index))
+    };
+    let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
+    let parts: Vec<String> =
+        kinds.into_iter().zip(0..names.len()).map(|(kind, index)| part(kind, index)).collect();
+    quoted(&parts.join(","))
 }
 
 /// A column as a mapping names it: by its name where a shell and the mapping leave that alone, else by its number.

@@ -22,8 +22,13 @@ pub struct Said {
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 25] = [
-    (Time, 3, None, &["time", "zeit", "timestamp", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"]),
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 26] = [
+    (
+        Time,
+        3,
+        None,
+        &["time", "zeit", "timestamp", "ts", "tout", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"],
+    ),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
     (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec"]),
@@ -94,10 +99,9 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 25] = [
             "dtheta",
             "thetadot",
             "posdot",
-            "w",
-            "y",
         ],
     ),
+    (Speed, 2, None, &["w", "y"]),
     (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
     (Speed, 5, Some("rpm"), &["drehzahl"]),
     (Speed, 4, Some("rev/s"), &["rps"]),
@@ -132,8 +136,11 @@ const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki",
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
 const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 
+/// What makes a speed of an angle's name.
+const RATES: [&str; 3] = ["dot", "rate", "derivative"];
+
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 87] = [
+const UNITS: [(&str, Quantity, &str); 98] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -165,6 +172,8 @@ const UNITS: [(&str, Quantity, &str); 87] = [
     ("rad_s", Speed, "rad/s"),
     ("rad_per_s", Speed, "rad/s"),
     ("rad_per_sec", Speed, "rad/s"),
+    ("rads_per_sec", Speed, "rad/s"),
+    ("radians_per_second", Speed, "rad/s"),
     ("rad/sec", Speed, "rad/s"),
     ("rad per sec", Speed, "rad/s"),
     ("rad·s⁻¹", Speed, "rad/s"),
@@ -177,6 +186,8 @@ const UNITS: [(&str, Quantity, &str); 87] = [
     ("deg_s", Speed, "deg/s"),
     ("deg/sec", Speed, "deg/s"),
     ("deg_per_s", Speed, "deg/s"),
+    ("deg_per_sec", Speed, "deg/s"),
+    ("degrees_per_second", Speed, "deg/s"),
     ("degrees/s", Speed, "deg/s"),
     ("degrees per second", Speed, "deg/s"),
     ("dps", Speed, "deg/s"),
@@ -192,6 +203,11 @@ const UNITS: [(&str, Quantity, &str); 87] = [
     ("rev/s", Speed, "rev/s"),
     ("r/s", Speed, "rev/s"),
     ("rot_s", Speed, "rev/s"),
+    ("rot_per_sec", Speed, "rev/s"),
+    ("rotations_per_sec", Speed, "rev/s"),
+    ("rotations_per_second", Speed, "rev/s"),
+    ("meters_per_sec", Speed, "m/s"),
+    ("meters_per_second", Speed, "m/s"),
     ("rot/s", Speed, "rev/s"),
     ("turns_s", Speed, "rev/s"),
     ("turns/s", Speed, "rev/s"),
@@ -219,6 +235,8 @@ const UNITS: [(&str, Quantity, &str); 87] = [
     ("mm", Angle, "mm"),
     ("cm", Angle, "cm"),
     ("m", Angle, "m"),
+    ("meters", Angle, "m"),
+    ("metres", Angle, "m"),
     ("ma", Current, "mA"),
     ("a", Current, "A"),
 ];
@@ -230,13 +248,21 @@ const LINEAR: [&str; 8] = ["position", "pos", "x", "distance", "displacement", "
 pub fn said(name: &str) -> Said {
     let (bare, bracket) = bracketed(name);
     let lower = bare.to_lowercase();
-    let words = words(&bare);
+    let words = of(&bare);
+    // `PositionRotations`, `velocityRadPerSec`.
+    let snake = words.join("_");
     let unit = bracket.as_deref().and_then(unit_named).or_else(|| {
         // The longest unit that ends the name behind an underscore or a blank.
         let ends = UNITS.iter().filter(|(text, ..)| {
             // `theta_m` is a motor's angle, `position_m` a way.
             (*text != "m" || words.iter().any(|word| LINEAR.contains(&word.as_str())))
-                && lower.strip_suffix(text).is_some_and(|rest| rest.ends_with(['_', ' ', '-', '.']))
+                && [&lower, &snake].iter().any(|name| {
+                    // `ms` is the name of a time, `v` perhaps that of a speed.
+                    let ends = |before: &str| {
+                        before.is_empty() && text.len() > 1 || before.ends_with(['_', ' ', '-', '.'])
+                    };
+                    name.strip_suffix(text).is_some_and(ends)
+                })
         });
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
@@ -250,6 +276,12 @@ pub fn said(name: &str) -> Said {
         if here && best.is_none_or(|(_, before, _)| plain > before) {
             best = Some((quantity, plain, implied));
         }
+    }
+    // What changes an angle is a speed: `theta_dot`, `angle_rate`.
+    if let Some((Angle, plain, implied)) = best
+        && any_of(&RATES)
+    {
+        best = Some((Speed, plain, implied.filter(|unit| *unit == "counts")));
     }
     // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
     let quantity = match (best, unit) {
@@ -327,7 +359,7 @@ pub fn is_unit(text: &str) -> bool {
 }
 
 /// The words of a name in small letters: split at everything that is no letter, and where small letters turn large.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn of(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for c in name.chars() {
@@ -387,6 +419,15 @@ mod tests {
             ("dtheta", Speed, None),
             ("Spannung in V", Voltage, Some("V")),
             ("Zeit in ms", Time, Some("ms")),
+            ("theta_dot", Speed, None),
+            ("angle_rate [deg/s]", Speed, Some("deg/s")),
+            ("velocity_rot_s", Speed, Some("rev/s")),
+            ("velocityRadPerSec", Speed, Some("rad/s")),
+            ("PositionRotations", Angle, Some("rev")),
+            ("Velocity (rotations per second)", Speed, Some("rev/s")),
+            ("ms", Time, Some("ms")),
+            ("v", Voltage, None),
+            ("Velocidad", Speed, None),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");

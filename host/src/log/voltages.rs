@@ -1,0 +1,138 @@
+//! What is odd about a voltage: it is a duty, lacks its sign, or has one level only.
+
+use super::motion::{correlation, low_pass, peak, speed};
+use super::remap::remapped;
+use super::suspicion::{Odd, place_of};
+use super::units::Quantity;
+use super::{Record, Warning};
+
+/// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
+pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
+    let records =
+        || records.iter().copied().filter(|r| r.supply_v.is_none() && r.meta.get("voltage").is_none());
+    let highest = records().map(|r| peak(&r.voltage_v)).fold(0.0, f64::max);
+    let first = records().next()?;
+    let (looks, full) = if highest > 0.0 && highest <= 1.0 {
+        ("a duty from -1 to 1", "1")
+    } else if highest > 60.0 && highest <= 100.0 {
+        ("a duty in percent", "100")
+    } else {
+        return None;
+    };
+    Some(Warning {
+        place: place_of(first, "voltage_v"),
+        what: format!(
+            "perhaps_duty: the voltage never passes {highest:.3}, as {looks} does; then every gain is wrong by the supply's voltage"
+        ),
+        fix: format!(
+            "if it is a duty, say {} --supply-volts 12 (with the voltage of this drive's supply)",
+            remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)])
+        ),
+    })
+}
+
+/// Share of the highest voltage within which two voltages are one level: what a supply sags by and a meter scatters by.
+const SAME_LEVEL: f64 = 0.05;
+/// Share of the samples that may lie beyond: the edges of a step, single readings.
+const BEYOND: f64 = 0.02;
+
+/// Whether the voltage of `record` has one level from first to last, within the scatter of a measurement.
+pub(super) fn is_level(record: &Record) -> bool {
+    let mut volts = record.voltage_v.clone();
+    let near = SAME_LEVEL * peak(&volts);
+    let edge = (BEYOND * volts.len() as f64) as usize;
+    volts.sort_by(f64::total_cmp);
+    volts.get(volts.len() - 1 - edge).zip(volts.get(edge)).is_some_and(|(high, low)| high - low <= near)
+}
+
+/// At one voltage friction and gain are one number.
+pub(super) fn one_level(records: &[&Record]) -> Option<Warning> {
+    let highest = records.iter().map(|record| peak(&record.voltage_v)).fold(0.0, f64::max);
+    let near = SAME_LEVEL * highest;
+    let mut levels = Vec::new();
+    let (mut coasting, mut all) = (0, 0);
+    for record in records {
+        // What stands before the step is rest.
+        let driven = record.voltage_v.iter().skip_while(|v| v.abs() <= near);
+        for v in driven {
+            all += 1;
+            if v.abs() <= near {
+                coasting += 1;
+            } else {
+                levels.push(*v);
+            }
+        }
+    }
+    levels.sort_by(f64::total_cmp);
+    let edge = (BEYOND * levels.len() as f64) as usize;
+    let (low, high) = (*levels.get(edge)?, *levels.get(levels.len() - 1 - edge)?);
+    let alone = high - low <= near && 50 * coasting < all;
+    (highest > 0.0 && alone).then(|| Warning {
+        place: place_of(records[0], "voltage_v"),
+        what: format!(
+            "one_level: the only voltage that drives the motor is {:.3} V, at which friction cannot be told from the gain: \
+             the gain found is that of this one voltage",
+            levels[levels.len() / 2]
+        ),
+        fix: "add records at other voltages, or one in which the motor runs out (motorlens plan writes a programme)".into(),
+    })
+}
+
+/// Time constant by which a voltage is smoothed before the motion is compared with it, s.
+const SMOOTHING_S: f64 = 0.1;
+/// Share of its way that the motor makes in its less frequent direction, at least.
+const BOTH_WAYS: f64 = 0.1;
+/// Correlation of the voltage with the magnitude of the speed, at least, and how much more that is than with the speed.
+const FOLLOWS: f64 = 0.5;
+const MORE: f64 = 0.3;
+
+/// A voltage that is never negative drives a motor one way: where it runs both ways as fast as the voltage asks, the sign stands
+/// elsewhere.
+pub(super) fn unsigned(record: &Record) -> Option<Odd> {
+    let volts = &record.voltage_v;
+    if volts.iter().any(|v| *v < 0.0) || peak(volts) == 0.0 {
+        return None;
+    }
+    let motion = speed(record);
+    let (forth, back) =
+        motion.iter().fold((0.0, 0.0), |(forth, back), w| (forth + w.max(0.0), back - w.min(0.0)));
+    let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
+    let magnitude: Vec<f64> = motion.iter().map(|w| w.abs()).collect();
+    let with_magnitude = correlation(&smooth, &magnitude);
+    let follows = with_magnitude > FOLLOWS && with_magnitude > correlation(&smooth, &motion).abs() + MORE;
+    (forth.min(back) > BOTH_WAYS * (forth + back) && follows).then(|| {
+        (
+            "unsigned_voltage",
+            "voltage_v",
+            "the voltage is never negative, and the motor runs both ways as fast as it asks: its sign is not in this column".into(),
+            "log the voltage (or the duty) with its sign, or make it negative where the column of the direction says backwards".into(),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::usable::tests::motor;
+
+    #[test]
+    fn a_voltage_without_its_sign_is_told_and_a_load_that_turns_the_motor_back_is_not() {
+        let mut record = motor();
+        assert_eq!(unsigned(&record), None);
+        record.voltage_v.iter_mut().for_each(|v| *v = v.abs());
+        assert_eq!(unsigned(&record).unwrap().0, "unsigned_voltage");
+        let mut hoist = motor();
+        hoist.voltage_v.iter_mut().for_each(|v| *v += 7.0);
+        assert_eq!(unsigned(&hoist), None);
+    }
+
+    #[test]
+    fn one_level_that_was_measured_is_one_level() {
+        let mut record = motor();
+        assert_eq!(one_level(&[&record]), None);
+        record.voltage_v = (0..record.len())
+            .map(|k| 6.0 + 0.1 * ((k * k) as f64).sin() + if k < 10 { -3.0 } else { 0.0 })
+            .collect();
+        assert!(is_level(&record) && one_level(&[&record]).is_some());
+    }
+}

@@ -1,0 +1,100 @@
+//! Angles that wrap at a turn or at the width of a counter, unwrapped.
+
+use std::f64::consts::TAU;
+
+use super::quantum::quantum;
+use super::repair::far_steps;
+use super::{Record, Warning};
+
+/// Readings of a wrapped angle come this near to both ends of its turn, in shares of it,
+const FILLED: f64 = 0.05;
+/// cross it so often,
+const FEWEST_WRAPS: usize = 3;
+/// and leave so little of the change of their steps once they are unwrapped.
+const SMOOTHER: f64 = 0.2;
+
+/// A wrapped angle: its full turn in its unit, and the steps at which it wraps.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Wrapped {
+    turn: f64,
+    steps: Vec<usize>,
+}
+
+/// Whether, and how, an angle wraps.
+pub(super) fn wrapped(angle: &[f64]) -> Option<Wrapped> {
+    let apart = || Some(Wrapped { turn: modulus(angle)?, steps: far_steps(angle) });
+    apart().or_else(|| within_a_turn(angle))
+}
+
+/// A motion of up to half a turn between two samples hides its wraps among its steps. Where the readings fill a usual turn from its begin
+/// to its end and never leave it, steps of more than half of it are wraps if the motion is much smoother without them.
+fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {
+    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let count = quantum(angle).filter(|count| *count > 0.0);
+    let bits = count.map(|count| count * ((high - low) / count).log2().ceil().exp2());
+    let turn = [TAU, 360.0, 1.0].into_iter().chain(bits).find(|turn| {
+        let begins = [0.0, -0.5 * turn]
+            .into_iter()
+            .any(|begin| (low - begin).abs() < FILLED * turn && low >= begin - 1e-6 * turn);
+        begins && high - low <= turn * (1.0 + 1e-9) && high - low > (1.0 - FILLED) * turn
+    })?;
+    let step = |k: usize| angle[k + 1] - angle[k];
+    let steps: Vec<usize> = (0..angle.len() - 1).filter(|&k| step(k).abs() > 0.5 * turn).collect();
+    let short = |k: usize| step(k) - turn * (step(k) / turn).round();
+    let roughness = |step: &dyn Fn(usize) -> f64| -> f64 {
+        (1..angle.len() - 1).map(|k| (step(k) - step(k - 1)).powi(2)).sum()
+    };
+    let is_smoother = roughness(&short) < SMOOTHER * roughness(&step);
+    (steps.len() >= FEWEST_WRAPS && is_smoother).then_some(Wrapped { turn, steps })
+}
+
+/// The full turn of a wrapped angle, in its unit: all its jumps have this size, and its values span no more.
+fn modulus(angle: &[f64]) -> Option<f64> {
+    let far = far_steps(angle);
+    let step = |k: usize| angle.get(k + 1).zip(angle.get(k)).map_or(0.0, |(b, a)| b - a);
+    // The motion goes on while the counter wraps.
+    let around = |k: usize| 0.5 * (k.checked_sub(1).map_or(0.0, step) + step(k + 1));
+    let mut sizes: Vec<f64> = far.iter().map(|&k| (step(k) - around(k)).abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let size = *sizes.get(sizes.len() / 2)?;
+    let motion = (0..angle.len() - 1).filter(|k| !far.contains(k)).map(|k| step(k).abs()).fold(0.0, f64::max);
+    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let same = |size: f64| sizes.iter().all(|s| (s - size).abs() < motion + 0.01 * size);
+    // The motion always goes on in the direction opposite to the jump.
+    let onwards = far.iter().filter(|&&k| step(k) * around(k) <= 0.0).count();
+    let spans = |size: f64| high - low < 1.01 * size && high - low > size - 2.0 * motion - 0.01 * size;
+    if !same(size) || onwards < far.len() || !spans(size) {
+        return None;
+    }
+    // A turn in radians, degrees or revolutions, or a whole number of bits of the counter.
+    let count = quantum(angle);
+    let bits = count.map(|count| count * (size / count).log2().round().exp2());
+    let turns = [TAU, 360.0, 1.0, TAU * 360.0, TAU * TAU];
+    let known =
+        turns.into_iter().chain(bits).filter(|m| (m / size - 1.0).abs() < 0.02 && spans(*m) && same(*m));
+    let known = known.min_by(|a, b| (a - size).abs().total_cmp(&(b - size).abs()));
+    known.or((far.len() >= 3).then_some(size))
+}
+
+/// Unwraps the angle of `record` where it wraps, and says so.
+pub(super) fn unwrap_angle(record: &mut Record) {
+    let Some(angle) = &mut record.angle_rad else { return };
+    let Some(Wrapped { turn, steps: far }) = wrapped(angle) else { return };
+    let (mut offset, mut next) = (0.0, 0);
+    for k in 0..angle.len() {
+        let jumped = k > 0 && far.get(next) == Some(&(k - 1));
+        if jumped {
+            // The value before carries the offset already.
+            offset -= turn * (angle[k] + offset - angle[k - 1]).signum();
+            next += 1;
+        }
+        angle[k] += offset;
+    }
+    record.warnings.push(Warning {
+        place: format!("{}, column angle_rad", record.path.display()),
+        what: format!("wrapped_angle: the angle wraps at {turn:.6} rad, {} times, and was unwrapped", far.len()),
+        fix: "log the angle unwrapped, if the motor can make more than half a turn of it between two samples; if the unit is \
+              not the radian, say so with --map"
+            .into(),
+    });
+}
