@@ -25,6 +25,8 @@ pub(super) struct Rows<'a> {
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
+    /// Whether a column says so often that it has no value that this is no fault: it is logged less often.
+    often_nothing: Vec<bool>,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
@@ -50,6 +52,20 @@ fn means_nothing(text: &str) -> bool {
     }
 }
 
+/// For each column, whether most of the first rows say that it has no value.
+fn often_nothing(wanted: &Columns, head: &Preamble) -> Vec<bool> {
+    let mut counts = vec![0; wanted.values.len()];
+    let mut splitter = head.splitter();
+    for (_, line) in &head.rows {
+        if splitter.split(line) {
+            for (count, column) in counts.iter_mut().zip(&wanted.values) {
+                *count += usize::from(splitter.get(column.index).is_some_and(means_nothing));
+            }
+        }
+    }
+    counts.iter().map(|count| 2 * count > head.rows.len()).collect()
+}
+
 /// Why a row is no sample: a column, and what is wrong there.
 enum Unread<'w> {
     /// Nothing is wrong: the column is logged less often.
@@ -72,6 +88,7 @@ impl<'a> Rows<'a> {
             numbers: vec![0.0; count + 1],
             last: vec![None; count],
             held: vec![Blanks::default(); count],
+            often_nothing: often_nothing(wanted, head),
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -123,7 +140,10 @@ impl<'a> Rows<'a> {
         for (k, column) in wanted.values.iter().enumerate() {
             // A line that is shorter than a row has no blanks but ends too early.
             let text = match self.splitter.get(column.index) {
-                Some(text) if means_nothing(text) && is_blank_permitted(&self.splitter, self.width) => {
+                Some(text)
+                    if (text.is_empty() || self.often_nothing[k] && means_nothing(text))
+                        && is_blank_permitted(&self.splitter, self.width) =>
+                {
                     self.held[k].count += 1;
                     self.held[k].first.get_or_insert(number);
                     match self.last[k].filter(|_| is_held(column.quantity)) {
