@@ -141,6 +141,7 @@ fn valid() -> Vec<Vec<u8>> {
         mcap_of(&columns, false, ""),
     ];
     all.extend(["v6.mat", "v7.mat", "v73.mat", "struct.mat", "groups.h5"].map(fixture));
+    all.extend(["sheet.xls", "sheet.ods", "lists.parquet"].map(fixture));
     all
 }
 
