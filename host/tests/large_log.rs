@@ -70,7 +70,7 @@ fn a_million_rows_take_four_times_as_long_as_a_quarter_of_them() {
     let best = |rows| looked_through(rows).min(looked_through(rows));
     let (quarter, all) = (best(250_000), best(1_000_000));
     assert!(all < 8.0 * quarter, "{quarter} s, {all} s");
-    assert!(all < 6.0, "{all} s on a shared machine");
+    assert!(all < 20.0, "{all} s on a shared machine");
 }
 
 /// Status, standard error, seconds (of the processor, where the system tells) and the highest memory in kB (0 where not).
