@@ -98,7 +98,8 @@ impl<H: Hardware> Control<H> {
         // What is out of bounds is no supply: until the supervisor ends the run over it the stated one holds.
         let supply_mv = measured_mv.filter(|_| supply_good).unwrap_or(self.setup.supply_mv);
         let current_ma = analog.current_ma();
-        let top = self.hardware.pwm_top();
+        // Never zero, and the interrupt has no division that could panic.
+        let top = self.hardware.pwm_top().max(1);
         let look = Look {
             elapsed_us,
             silence_us: now.wrapping_sub(self.heard_us),
@@ -132,7 +133,7 @@ impl<H: Hardware> Control<H> {
 
     /// Marks the sampling instants that went by unused, and says how late this one is, us.
     fn skip_missed(&mut self, elapsed_us: u32) -> i16 {
-        let rate = u64::from(self.setup.rate_hz);
+        let rate = u64::from(self.setup.rate_hz.max(1));
         let due = |index: u32| u64::from(index) * 1_000_000 / rate;
         while due(self.log.next() + 1) <= u64::from(elapsed_us) {
             self.log.push(Sample::MISSED);

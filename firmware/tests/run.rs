@@ -1,6 +1,7 @@
 //! Runs, faults and the log, on the firmware's logic with the virtual motor.
 
 mod bench;
+mod day;
 
 use bench::{Bench, TOP};
 use motorlens_firmware::log::Log;

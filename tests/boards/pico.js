@@ -1,5 +1,6 @@
 // A Raspberry Pi Pico that runs the unmodified image from its UF2 file, wired to a driver, a motor and its encoder. What
-// goes over USB is a TCP port: `node pico.js image.uf2 [fault]` prints the port.
+// goes over USB is a TCP port: `node pico.js image.uf2 [fault [lines]]` prints the port. It ends when so many have called and gone, one
+// unless more are said; between them time stands still.
 //
 // Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
 // handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle), circle (it
@@ -22,7 +23,7 @@ const VECTORS = FLASH + 0x100; // behind the second boot stage
 const TIMER = 0x40054;
 const NANOS = 8; // a cycle at 125 MHz
 const TURNS = 24; // cycles of the PIO: two turns
-const [image, fault = "none"] = process.argv.slice(2);
+const [image, fault = "none", lines = "1"] = process.argv.slice(2);
 
 const simulator = new Simulator();
 const { rp2040, clock } = simulator;
@@ -157,6 +158,7 @@ function advance() {
 }
 
 let socket = null;
+let callers = Number(lines);
 function loop() {
   // The bus is there from the start, the line when somebody is on it.
   if (socket || clock.nanos < 0.2e9) {
@@ -176,6 +178,7 @@ const server = net.createServer((client) => {
   client.on("data", (bytes) => receiving.push(...bytes));
   client.on("error", () => {});
   client.on("close", () => {
+    if (--callers > 0) return (socket = null);
     const told = off === null ? "" : `, off ${(off * 1e3).toFixed(2)} ms after the fault`;
     console.log(`closed: driver ${volts() === null ? "off" : "driven"}${told}, ${resets} resets, ${clock.nanos / 1e9} s`);
     process.exit(0);

@@ -30,16 +30,20 @@ pub fn tests() -> Result<Count> {
     // As the host's own tests have built it already.
     process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
     let program = process::root().join("target/debug/motorlens");
-    process::run_tests(
-        bench_cargo("test").arg("--locked").env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program),
-    )
+    let mut tests = bench_cargo("test");
+    for (variable, board) in ["MOTORLENS_NUCLEO", "MOTORLENS_BLACKPILL"].iter().zip(&arm::BOARDS[1..]) {
+        tests.env(variable, arm::build_image_for(board, "")?);
+    }
+    tests.env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program).env("MOTORLENS_SINES", sines()?);
+    process::run_tests(tests.arg("--locked"))
 }
 
 /// Instructions on the emulated core, by name.
 pub fn instructions() -> Result<BTreeMap<String, f64>> {
     let image = arm::build_image()?;
-    let told =
-        process::output(bench_cargo("run").args(["--quiet", "--bin", "instructions", "--"]).arg(image))?;
+    let told = process::output(
+        bench_cargo("run").args(["--quiet", "--bin", "instructions", "--"]).arg(image).arg(sines()?),
+    )?;
     let count = |line: &str| {
         let (name, count) = line.rsplit_once(' ')?;
         Some((name.to_owned(), count.parse().ok()?))
@@ -47,6 +51,16 @@ pub fn instructions() -> Result<BTreeMap<String, f64>> {
     let counts: BTreeMap<_, _> = told.lines().filter_map(count).collect();
     ensure!(!counts.is_empty(), "the bench told no counts: {told}");
     Ok(counts)
+}
+
+/// Builds the program that counts what a sine costs on the boards' core, and returns its ELF.
+fn sines() -> Result<PathBuf> {
+    arm::build_program(arm::CORTEX_M4F, &sines_directory(), "motorlens-cortex-m4f")
+}
+
+/// The directory of that program's own workspace.
+pub fn sines_directory() -> PathBuf {
+    process::root().join("tests/cortex-m4f")
 }
 
 /// A cargo command in the bench's workspace. The emulator declares a newer compiler than it needs.

@@ -41,12 +41,12 @@ pub fn capture(
             None => Command::new(program()),
         };
         capture.args(["--json", "capture", "--port", port]).args(options).arg("--out").arg(out);
-        capture
+        Ok(capture)
     })
 }
 
-/// Starts the board in `script` and runs the command that `talk` makes of its port.
-pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Command) -> Result<Ended> {
+/// Starts the board in `script` and runs the command that `talk` makes of its port, after whatever it has run before.
+pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Result<Command>) -> Result<Ended> {
     prepare()?;
     let mut node = Command::new("node");
     node.current_dir(directory()).arg(script).args(arguments).stdout(Stdio::piped());
@@ -56,7 +56,7 @@ pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Comma
     lines.read_line(&mut first)?;
     let told = (|| {
         let port = first.trim().strip_prefix("port ").with_context(|| format!("{script} said {first:?}"))?;
-        talk(&format!("tcp://127.0.0.1:{port}")).output().context("cannot start motorlens")
+        talk(&format!("tcp://127.0.0.1:{port}"))?.output().context("cannot start motorlens")
     })();
     if told.is_err() {
         board.kill()?;
@@ -129,6 +129,13 @@ fn prepare() -> Result<()> {
         process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
     }
     Ok(())
+}
+
+/// The host's program with these arguments.
+pub fn motorlens(arguments: &[&str]) -> Command {
+    let mut command = Command::new(program());
+    command.args(arguments);
+    command
 }
 
 fn program() -> PathBuf {

@@ -9,6 +9,7 @@ mod browser;
 mod cortex_m0;
 mod emulated;
 mod exports;
+mod image;
 mod instructions;
 mod licences;
 mod peers;
@@ -37,8 +38,12 @@ struct Cli {
 enum Task {
     /// Run everything: format, lints, documents, licences, tests, the ARM image, the virtual bench.
     Test(test::Options),
-    /// Build the image for every board and print its use of flash and RAM against the limits.
-    Sizes,
+    /// Build the image for every board, print its use of flash and RAM against the limits, and prove on the linked image that no
+    /// interrupt's handler can panic and that the stack is large enough.
+    Sizes {
+        /// Images that are built already, instead of every board's
+        images: Vec<std::path::PathBuf>,
+    },
     /// Build the images for Raspberry Pi Pico and Pico 2 as UF2 files, which their boot loader takes by drag and drop.
     Uf2,
     /// Run the firmware image on the virtual bench and offer its UART on a TCP port.
@@ -58,7 +63,8 @@ enum Task {
 fn main() -> anyhow::Result<ExitCode> {
     match Cli::parse().task {
         Task::Test(options) => return Ok(test::run(&options)),
-        Task::Sizes => sizes::print()?,
+        Task::Sizes { images } if images.is_empty() => sizes::print()?,
+        Task::Sizes { images } => sizes::print_of(&images)?,
         Task::Uf2 => drop(uf2::write_all()?),
         Task::Bench(options) => bench::serve(&options)?,
         Task::Book => book::write()?,

@@ -1,15 +1,27 @@
 //! The Pico's unmodified image on an emulated RP2040, with the host's program at the other end of its USB line.
+//!
+//! The Pico 2's image is built, measured and proved ([`crate::sizes`]), and run nowhere: `rp2350-emu` 0.2.6 has the core, PIO, timers
+//! and watchdog of its chip, but neither the USB that the host talks through nor the masks that send an interrupt to the NMI.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use motorlens_shared::link::{Sample, Scaling};
+use motorlens_shared::quickfit::{Fixed, Keeper, QuickFit, Request, fit};
+use serde::Deserialize;
 
 use crate::report::Count;
-use crate::{arm, emulated, uf2};
+use crate::{arm, emulated, process, uf2};
 
 /// One short programme, so that an emulator that is slower than the chip ends soon.
 const PROGRAMME: [&str; 8] =
-    ["--programme", "multisine", "--seconds", "1", "--rate", "500", "--counts-per-rev", "1320"];
+    ["--programme", "multisine", "--seconds", "1", "--rate", "500", "--counts-per-rev", COUNTS];
+/// Counts of the encoder in a turn of the output shaft.
+const COUNTS: &str = "1320";
+/// Ticks of full voltage: the core's clock by the frequency of the PWM.
+const TOP: u16 = (125_000_000_u32 / 20_000) as u16;
+/// The stated supply, mV.
+const SUPPLY_MV: u16 = 12_000;
 /// Pins are off so soon after a fault, ms, at every sampling rate.
 const OFF_MS: f64 = 2.0;
 /// And so soon where the main loop alone stands, which the watchdog ends: until then every sample is supervised as ever.
@@ -47,6 +59,19 @@ pub fn tests() -> Result<Count> {
             Ok(())
         },
     );
+    emulated::case(&mut count, "the fit on the board is the host's of the same log, to the bit", || {
+        let out = out.join("fit");
+        let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref(), "2".as_ref()], |port| {
+            let mut capture =
+                emulated::motorlens(&["--quiet", "capture", "--keep-every", "1", "--port", port]);
+            process::run(capture.args(PROGRAMME).arg("--out").arg(&out))?;
+            let mut fit = emulated::motorlens(&["--json", "device", "fit", "--port", port]);
+            fit.args(["--counts-per-rev", COUNTS]);
+            Ok(fit)
+        })?;
+        ensure!(ended.success, "{ended:?}");
+        same_fit(&QuickFit::deserialize(&ended.document["fit"])?, &out)
+    });
     for (fault, name, limit) in [
         ("emergency", "the emergency contact takes the pins down", OFF_MS),
         ("bounce", "a contact that opens for an instant does too, and the motor stays off", OFF_MS),
@@ -68,6 +93,38 @@ pub fn tests() -> Result<Count> {
         });
     }
     Ok(count)
+}
+
+/// Fits the last of the logs in a directory as the board does, and fails where a bit differs.
+fn same_fit(board: &QuickFit, logs: &Path) -> Result<()> {
+    let mut last = None;
+    for entry in std::fs::read_dir(logs)? {
+        let entry = entry?;
+        let age = entry.metadata()?.modified()?;
+        if last.as_ref().is_none_or(|(latest, _)| age > *latest) {
+            last = Some((age, entry.path()));
+        }
+    }
+    let (_, log) = last.context("no logs")?;
+    let text = std::fs::read_to_string(&log)?;
+    ensure!(text.contains("# pwm_hz: 20000"), "another PWM: {}", log.display());
+    let rad_per_count = std::f64::consts::TAU / COUNTS.parse::<f64>()?;
+    let mut keeper = Keeper::new(Scaling { pwm_top: TOP, rate_hz: 500 }, 1);
+    for row in text.lines().skip_while(|line| !line.starts_with("time_s")).skip(1) {
+        let number = |place: usize| -> Result<f64> {
+            Ok(row.split(',').nth(place).with_context(|| format!("a short row: {row}"))?.parse()?)
+        };
+        // The log has volts and rad; the board has ticks and counts, which are whole.
+        let duty = (number(1)? * 1000.0 / f64::from(SUPPLY_MV) * f64::from(TOP)).round() as i16;
+        let count = (number(2)? / rad_per_count).round() as i32;
+        keeper.push(&Sample { duty, count, supply_mv: SUPPLY_MV, current_ma: 0, late_us: 0 });
+    }
+    let request = Request { rad_per_count: rad_per_count as f32, ..Request::default() };
+    let host = fit::<Fixed>(keeper.samples(), keeper.step_s(), &request, |_| ()).context("nothing to fit")?;
+    println!("{} samples in {} us on the board: {:?}", board.samples, board.micros, board.gain);
+    let board = QuickFit { micros: 0, micros_search: 0, ..*board };
+    ensure!(board == host && board.samples == 500, "the board {board:?}, the host {host:?}");
+    Ok(())
 }
 
 /// The angles of a log, rad.

@@ -1,15 +1,15 @@
-//! What the image takes of the chip.
+//! What the image takes of the chip, and what is proved of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSection, SectionFlags, elf};
 
-use crate::arm;
+use crate::{arm, image};
 
 /// Flash that the image may take, bytes.
 const FLASH_LIMIT: u64 = 128 * 1024;
-/// RAM that statics may take, bytes; the stack uses what is left of the chip's.
+/// RAM that statics may take, bytes; the stack has its own place below them.
 const RAM_LIMIT: u64 = 48 * 1024;
 
 /// Bytes of flash and RAM that an ELF takes.
@@ -19,7 +19,7 @@ struct Sizes {
     ram: u64,
 }
 
-/// Builds every board's image, prints its sizes, fails when one is over its limit.
+/// Builds every board's image, prints its sizes and proofs, fails when one is over its limit or has none.
 pub fn print() -> Result<()> {
     // Each as it is flashed without sensors, then with both.
     for board in &arm::BOARDS {
@@ -30,6 +30,11 @@ pub fn print() -> Result<()> {
         print_one(pico.feature, &arm::build_pico(pico)?)?;
     }
     Ok(())
+}
+
+/// The same for images that are built.
+pub fn print_of(images: &[PathBuf]) -> Result<()> {
+    images.iter().try_for_each(|image| print_one(&image.display().to_string(), image))
 }
 
 fn print_one(board: &str, elf: &Path) -> Result<()> {
@@ -45,6 +50,7 @@ fn print_one(board: &str, elf: &Path) -> Result<()> {
     );
     ensure!(flash <= FLASH_LIMIT, "the image for {} takes more flash than it may", board);
     ensure!(ram <= RAM_LIMIT, "the image for {} takes more RAM than it may", board);
+    println!("{:<22} {}", "", image::prove(&bytes).with_context(|| format!("the image for {board}"))?);
     Ok(())
 }
 

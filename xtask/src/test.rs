@@ -52,7 +52,7 @@ const PARTS: [Part; 18] = [
     ("no_std on Cortex-M4F", || one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))),
     ("no_std on Cortex-M0", || one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))),
     ("quick fit on an emulated Cortex-M0", || one(cortex_m0::run())),
-    ("images of all boards and their sizes", || one(sizes::print())),
+    ("images of all boards: sizes, stack, no panic in interrupts", || one(sizes::print())),
     ("instructions on the board", || {
         one(instructions::check(&instructions::Options { board: true, ..Default::default() }))
     }),
@@ -79,6 +79,7 @@ fn format() -> Result<()> {
         arm::image_directory(),
         arm::pico_directory(),
         bench::directory(),
+        bench::sines_directory(),
         browser::directory(),
         cortex_m0::directory(),
         python::directory(),

@@ -49,6 +49,24 @@ mod this {
         unsafe { (*pac::SYSCFG::ptr()).proc0_nmi_mask().write(|w| w.bits(1 << 1 | 1 << 13)) };
     }
 
+    /// Closes the last 256 bytes of the stack to every access, outside of the faults' handlers (ARMv6-M Architecture Reference Manual
+    /// B3.5, RP2040 data sheet 2.4.5): below them this chip answers some addresses instead of refusing them.
+    pub fn close_stack() {
+        unsafe extern "C" {
+            static _stack_end: u32;
+        }
+        // SAFETY: the address of a symbol alone; nothing else uses the protection unit. Region 0, valid; 2^8 bytes, no access, no
+        // execution; on, with the default map for all else.
+        unsafe {
+            let unit = &*cortex_m::peripheral::MPU::PTR;
+            unit.rbar.write((&raw const _stack_end) as u32 | 1 << 4);
+            unit.rasr.write(1 << 28 | 7 << 1 | 1);
+            unit.ctrl.write(0b101);
+        }
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+    }
+
     pub fn start_cycle_counter() {}
 
     /// This core has none.
@@ -100,6 +118,9 @@ mod this {
         // SAFETY: neither interrupt is enabled otherwise.
         unsafe { (*pac::EPPB::ptr()).nmi_mask0().write(|w| w.bits(1 << 1 | 1 << 21)) };
     }
+
+    /// The core compares the stack with its end by itself, from the start on.
+    pub fn close_stack() {}
 
     pub fn start_cycle_counter() {
         // SAFETY: nothing else uses the debug blocks of the core.

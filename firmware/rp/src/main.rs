@@ -40,6 +40,7 @@ use motorlens_firmware::control::Control;
 use motorlens_firmware::hardware::NoAnalog;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
+use motorlens_shared::link::Reset;
 use usb_device::class_prelude::UsbBusAllocator;
 
 #[cfg(feature = "pico2")]
@@ -68,6 +69,7 @@ static mut LOG: MaybeUninit<Log> = MaybeUninit::uninit();
 
 #[hal::entry]
 fn main() -> ! {
+    chip::close_stack();
     let mut device = pac::Peripherals::take().expect("taken once");
     let reset = platform::reset_cause(&device.WATCHDOG);
     let mut watchdog = Watchdog::new(device.WATCHDOG);
@@ -134,8 +136,11 @@ fn sample() {
         return;
     }
     critical_section::with(|section| {
-        if let Some(control) = CONTROL.borrow(section).get() {
-            control.borrow_ref_mut(section).tick();
+        let Some(control) = CONTROL.borrow(section).get() else { return };
+        match control.borrow(section).try_borrow_mut() {
+            Ok(mut control) => control.tick(),
+            // The main loop holds it only with this interrupt held off: the memory is damaged.
+            Err(_) => panic::stop_for_good(Reset::Panic),
         }
     });
 }

@@ -2,23 +2,35 @@
 
 use core::panic::PanicInfo;
 
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use motorlens_shared::link::Reset;
 
 use crate::hal::pac;
 use crate::platform::note;
-
-/// Both PWMs, direction forward, enable, direction backward.
-const BRIDGE: [usize; 5] = [6, 7, 8, 9, 11];
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
     stop_for_good(Reset::Panic)
 }
 
-/// An access without an address, an instruction without a meaning, a broken stack: nothing is trusted but the registers.
-#[exception]
-unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+// An access without an address, an instruction without a meaning, a stack that has run out of its memory: nothing is trusted but the
+// registers, and the stack begins anew, because nothing returns from here.
+core::arch::global_asm!(
+    ".section .HardFault.user, \"ax\", %progbits",
+    ".global HardFault",
+    ".type HardFault, %function",
+    ".thumb_func",
+    "HardFault:",
+    "ldr r0, =_stack_start",
+    "mov sp, r0",
+    "bl {fault}",
+    "udf #0",
+    ".ltorg",
+    ".size HardFault, . - HardFault",
+    fault = sym core_fault,
+);
+
+extern "C" fn core_fault() -> ! {
     bridge_off();
     note(Reset::CoreFault);
     wait_for_the_watchdog()
@@ -47,16 +59,21 @@ fn wait_for_the_watchdog() -> ! {
 /// Forces the bridge's pins low behind every peripheral (OUTOVER, RP2040 datasheet section 2.19.6.1): whatever the PWM
 /// and the port do from now on, the pins stay low until [`let_bridge`], or the reset, which lets go of them all.
 pub fn bridge_off() {
-    for pin in BRIDGE {
-        // SAFETY: writes that only take outputs low, of registers that exist from the start on.
-        unsafe { (*pac::IO_BANK0::ptr()).gpio(pin).gpio_ctrl().modify(|_, w| w.outover().low()) };
-    }
+    of_bridge(|pin| pin.gpio_ctrl().modify(|_, w| w.outover().low()));
 }
 
-/// Lets the peripherals have the bridge's pins again.
+/// Lets the peripherals have the bridge's pins again, which are set up by the time a run begins.
 pub fn let_bridge() {
-    for pin in BRIDGE {
-        // SAFETY: registers of the bridge's pins, whose peripherals are set up by the time a run begins.
-        unsafe { (*pac::IO_BANK0::ptr()).gpio(pin).gpio_ctrl().modify(|_, w| w.outover().normal()) };
+    of_bridge(|pin| pin.gpio_ctrl().modify(|_, w| w.outover().normal()));
+}
+
+/// Both PWMs, direction forward, enable, direction backward. By their numbers, so that none of them can be out of bounds: a look
+/// that panics would panic in the panic's own handler.
+#[inline(always)]
+fn of_bridge<R>(act: impl Fn(&pac::io_bank0::GPIO) -> R) {
+    // SAFETY: registers of the bridge's pins, which exist from the start on; what is written only takes outputs low or lets them go.
+    let bank = unsafe { &*pac::IO_BANK0::ptr() };
+    for pin in [bank.gpio(6), bank.gpio(7), bank.gpio(8), bank.gpio(9), bank.gpio(11)] {
+        act(pin);
     }
 }

@@ -16,6 +16,7 @@
 
 mod adc;
 mod deadman;
+mod diagnostics;
 mod line;
 mod panic;
 mod platform;
@@ -31,6 +32,7 @@ use cortex_m::singleton;
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use defmt_rtt as _;
+use diagnostics::Diagnostics;
 use motorlens_firmware::Shared;
 use motorlens_firmware::board::Parts;
 use motorlens_firmware::bridge::Bridge;
@@ -107,9 +109,10 @@ fn main() -> ! {
     unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
     wake_every_millisecond(&mut core.SYST);
     let mut platform = platform::Board::new(device.IWDG, control);
-    defmt::info!("motorlens {}: ready", env!("CARGO_PKG_VERSION"));
+    let mut diagnostics = Diagnostics::begin(reset, panic::last_place());
     loop {
         station.poll(&mut line, control, &mut platform);
+        diagnostics.look(control);
         cortex_m::asm::wfi();
     }
 }
@@ -138,8 +141,11 @@ fn TIM4() {
         return pwm::renew();
     }
     critical_section::with(|section| {
-        if let Some(control) = CONTROL.borrow(section).get() {
-            control.borrow_ref_mut(section).tick();
+        let Some(control) = CONTROL.borrow(section).get() else { return };
+        match control.borrow(section).try_borrow_mut() {
+            Ok(mut control) => control.tick(),
+            // The main loop holds it only with this interrupt held off: the memory is damaged.
+            Err(_) => panic::stop_for_good(Reset::Panic),
         }
     });
 }

@@ -1,15 +1,16 @@
 //! A panic or a fault of the core, from whatever place, must not leave the motor driven.
 
+use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use motorlens_shared::link::Reset;
 use stm32f4xx_hal::pac;
 
 use crate::platform::note;
 
-/// Takes the bridge down by registers alone (nothing that may itself be broken is called), says why over RTT, and
-/// waits for the watchdog to start the board anew.
+/// Takes the bridge down by registers alone (nothing that may itself be broken is called), notes the place, and waits for the
+/// watchdog to start the board anew, which then says why ([`crate::diagnostics`]).
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
@@ -17,14 +18,56 @@ fn panic(info: &PanicInfo) -> ! {
     note(Reset::Panic);
     // The place alone: the message would bring the whole of core's formatting into the image.
     if let Some(place) = info.location() {
-        defmt::error!("panic at {}:{}", place.file(), place.line());
+        note_place(place.file(), place.line());
     }
     wait_for_the_watchdog()
 }
 
-/// An access without an address, an instruction without a meaning, a broken stack: nothing is trusted but the registers.
-#[exception]
-unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+/// Bytes of a file's name that are kept, its last ones.
+const NAME: usize = 48;
+
+/// Where the last panic was. Not cleared at the start; "pani", the line, the name's length, the name.
+#[unsafe(link_section = ".uninit.PLACE")]
+static mut PLACE: MaybeUninit<(u32, u32, usize, [u8; NAME])> = MaybeUninit::uninit();
+const PLACED: u32 = 0x7061_6e69;
+
+fn note_place(file: &str, line: u32) {
+    let mut name = [0; NAME];
+    let mut length = 0;
+    for (place, byte) in name.iter_mut().zip(file.bytes().skip(file.len().saturating_sub(NAME))) {
+        *place = byte;
+        length += 1;
+    }
+    // SAFETY: memory that nothing else uses; interrupts are off.
+    unsafe { (&raw mut PLACE).cast::<(u32, u32, usize, [u8; NAME])>().write((PLACED, line, length, name)) };
+}
+
+/// The last bytes of the file's name and the line of the panic that was noted, if one was.
+pub fn last_place() -> Option<(&'static [u8], u32)> {
+    // SAFETY: written by a panic alone, which does not return; integers, so any bytes are a value.
+    let (mark, line, length, name) = unsafe { (*(&raw const PLACE)).assume_init_ref() };
+    let name = name.get(..*length)?;
+    (*mark == PLACED).then_some((name, *line))
+}
+
+// An access without an address, an instruction without a meaning, a stack that has run out of its memory: nothing is trusted but the
+// registers, and the stack begins anew, because nothing returns from here.
+core::arch::global_asm!(
+    ".section .HardFault.user, \"ax\", %progbits",
+    ".global HardFault",
+    ".type HardFault, %function",
+    ".thumb_func",
+    "HardFault:",
+    "ldr r0, =_stack_start",
+    "mov sp, r0",
+    "bl {fault}",
+    "udf #0",
+    ".ltorg",
+    ".size HardFault, . - HardFault",
+    fault = sym core_fault,
+);
+
+extern "C" fn core_fault() -> ! {
     bridge_off();
     note(Reset::CoreFault);
     wait_for_the_watchdog()
@@ -50,7 +93,6 @@ pub fn stop_for_good(reason: Reset) -> ! {
     cortex_m::interrupt::disable();
     bridge_off();
     note(reason);
-    defmt::error!("the program stops: {}", reason as u8);
     wait_for_the_watchdog()
 }
 

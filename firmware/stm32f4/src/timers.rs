@@ -47,6 +47,9 @@ impl Timers {
     pub fn new(sampling: pac::TIM4, clock: pac::TIM5, rcc: &mut Rcc) -> Self {
         let mut clock = clock.counter_us(rcc);
         clock.start(u32::MAX.micros()).expect("the clock's timer has 32 bits");
+        // The HAL takes one off, and the clock would be a microsecond fast after each wrap (RM0090 18.4.12).
+        // SAFETY: TIM5 is the clock's alone; no value of the reload is unsound.
+        unsafe { (*pac::TIM5::ptr()).arr().write(|w| w.bits(u32::MAX)) };
         let mut sampling = sampling.counter_us(rcc);
         sampling.listen(Event::Update);
         Timers { sampling, clock }

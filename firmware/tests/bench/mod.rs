@@ -146,8 +146,8 @@ impl Platform for Rest {
 }
 
 /// A board, its cable and a host's ear.
-pub struct Bench {
-    pub control: &'static Shared<Rig>,
+pub struct Bench<H: 'static = Rig> {
+    pub control: &'static Shared<H>,
     pub station: Box<Station>,
     pub cable: Cable,
     pub rest: Rest,
@@ -173,7 +173,30 @@ impl Bench {
             emergency: false,
             floating_mv: None,
         };
-        let control = Mutex::new(RefCell::new(Control::new(rig, log, reset)));
+        Self::of(rig, log, reset)
+    }
+
+    /// Lets time pass: the motor moves, the interrupt comes at its rate, the main loop turns after it.
+    pub fn pass(&mut self, seconds: f64) {
+        let rate = self.control(|control| control.setup().rate_hz);
+        let period_us = 1_000_000 / u32::from(rate);
+        for _ in 0..(seconds * f64::from(rate)).round() as u32 {
+            self.control(|control| {
+                let rig = control.hardware_mut();
+                let bridge = rig.bridge;
+                rig.motor.advance(f64::from(period_us) * 1e-6, bridge);
+                rig.now_us = rig.now_us.wrapping_add(period_us);
+                control.tick();
+            });
+            self.poll();
+        }
+    }
+}
+
+impl<H: Hardware> Bench<H> {
+    /// A board made of this hardware.
+    pub fn of(hardware: H, log: &'static mut Log, reset: Reset) -> Self {
+        let control = Mutex::new(RefCell::new(Control::new(hardware, log, reset)));
         Self {
             control: Box::leak(Box::new(control)),
             station: Box::default(),
@@ -186,13 +209,14 @@ impl Bench {
     }
 
     /// Does something to the control, as the interrupt would.
-    pub fn control<R>(&self, act: impl FnOnce(&mut Control<Rig>) -> R) -> R {
+    pub fn control<R>(&self, act: impl FnOnce(&mut Control<H>) -> R) -> R {
         critical_section::with(|section| act(&mut self.control.borrow_ref_mut(section)))
     }
 
     /// Sends a request and returns its number.
     pub fn send(&mut self, message: ToBoard) -> u16 {
-        self.id += 1;
+        // As the host counts: 0 is what the board says unasked.
+        self.id = self.id.wrapping_add(1).max(1);
         let mut frame = [0; MAX_ENCODED];
         self.cable.to_board.extend(encode(&Packet { id: self.id, message }, &mut frame).unwrap());
         self.id
@@ -218,22 +242,6 @@ impl Bench {
             if let Some(packet) = self.ear.push(byte) {
                 self.heard.push(packet.expect("the cable is sound"));
             }
-        }
-    }
-
-    /// Lets time pass: the motor moves, the interrupt comes at its rate, the main loop turns after it.
-    pub fn pass(&mut self, seconds: f64) {
-        let rate = self.control(|control| control.setup().rate_hz);
-        let period_us = 1_000_000 / u32::from(rate);
-        for _ in 0..(seconds * f64::from(rate)).round() as u32 {
-            self.control(|control| {
-                let rig = control.hardware_mut();
-                let bridge = rig.bridge;
-                rig.motor.advance(f64::from(period_us) * 1e-6, bridge);
-                rig.now_us = rig.now_us.wrapping_add(period_us);
-                control.tick();
-            });
-            self.poll();
         }
     }
 }

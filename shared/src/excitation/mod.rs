@@ -15,7 +15,7 @@
 
 mod check;
 mod multisine;
-mod phase;
+pub mod phase;
 mod plan;
 mod player;
 mod protocol;

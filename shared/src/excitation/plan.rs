@@ -161,7 +161,8 @@ impl Plan {
                 amplitude_v * phase::sine((part * TURN as f32) as u32).clamp(-1.0, 1.0)
             }
             Self::Staircase { amplitude_v, hold, levels, seed } => {
-                let level = permute(k / hold, levels, seed);
+                // No division that could panic: this runs in the board's sampling interrupt.
+                let level = permute(k.checked_div(hold).unwrap_or(0), levels, seed);
                 let steps = (levels - 1).max(1);
                 amplitude_v * ((2 * level) as f32 / steps as f32 - 1.0)
             }
@@ -179,9 +180,9 @@ impl Plan {
                 }
             }
             Self::Pulses { amplitude_v, ref ends } => {
-                let within = k % ends[PULSES.len() - 1];
-                let pulse = ends.iter().take_while(|end| **end <= within).count();
-                amplitude_v * PULSES[pulse].1
+                let within = k.checked_rem(ends[PULSES.len() - 1]).unwrap_or(0);
+                let pulse = ends.iter().zip(&PULSES).find(|(end, _)| within < **end);
+                pulse.map_or(0.0, |(_, (_, share))| amplitude_v * share)
             }
             Self::Square { amplitude_v, turn } => {
                 if turn.wrapping_mul(k) >> 31 == 0 {

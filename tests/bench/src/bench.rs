@@ -14,6 +14,7 @@ use rigless::time::VirtualNanos;
 use crate::cable::{Cable, Socket};
 use crate::machine::{self, CORE_HZ, Machine};
 use crate::plant::Plant;
+use crate::terminal::Terminal;
 
 /// Registers whose writes mean something to the surroundings.
 const TIM4_SR: u64 = 0x4000_0810;
@@ -60,6 +61,8 @@ pub struct Scene {
     pub enough: bool,
     /// Ctrl-C is pressed at the host; it happens once.
     pub interrupt: bool,
+    /// What the board has said to the debugger (RTT), as its bytes.
+    pub told: Vec<u8>,
 }
 
 /// What can happen to the chip.
@@ -138,6 +141,7 @@ struct Around<R> {
     interrupt_began: u64,
     sampling: bool,
     control: u64,
+    terminal: Terminal,
     served: u64,
     stray: Option<String>,
 }
@@ -167,10 +171,10 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             }
             TIM1_EGR | TIM1_BDTR | GPIOB_ODR | GPIOB_BSRR => {
                 plant.advance(at, machine);
-                plant.look(machine);
                 if access.address == TIM1_EGR {
                     plant.begin_period(at);
                 }
+                plant.look(machine);
             }
             _ => {}
         }
@@ -189,6 +193,10 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let machine = session.board_mut();
         let scene = &mut self.scene;
         scene.plant.advance(stop.at, machine);
+        if let Err(error) = self.terminal.drain(host, &mut scene.told) {
+            self.stray = Some(format!("the terminal is not in memory: {error}"));
+            return None;
+        }
         if let Err(error) = serve_timer(&mut self.served, machine, host) {
             self.stray = Some(format!("the controller reached no memory: {error}"));
             return None;
@@ -239,7 +247,20 @@ pub fn run<R: Remote>(
     cable: Cable,
     remote: R,
 ) -> Done<R> {
-    let mut machine = Machine::new(instructions_per_second);
+    run_on(Machine::new(instructions_per_second), image, plant, cable, remote)
+}
+
+/// [`run`] on a machine that is set up already.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_on<R: Remote>(
+    mut machine: Machine,
+    image: &Path,
+    plant: Plant,
+    cable: Cable,
+    remote: R,
+) -> Done<R> {
     machine.mcu.usart[USART2].attach(Socket::default());
     for converter in &mut machine.mcu.adc {
         converter.set_reference(3300);
@@ -252,10 +273,20 @@ pub fn run<R: Remote>(
         led_astray: false,
         enough: false,
         interrupt: false,
+        told: Vec::new(),
     };
     let control = machine::address_of(image, "CONTROL");
-    let around =
-        Around { scene, remote, interrupt_began: 0, sampling: false, control, served: 0, stray: None };
+    let terminal = Terminal::of(image);
+    let around = Around {
+        scene,
+        remote,
+        interrupt_began: 0,
+        sampling: false,
+        control,
+        terminal,
+        served: 0,
+        stray: None,
+    };
     let finished = machine.run(image, VirtualNanos(STOP_NS), around);
     let Around { scene, remote, stray, .. } = finished.driver;
     assert!(stray.is_none() || scene.led_astray, "{stray:?}");

@@ -8,3 +8,5 @@ pub mod cable;
 pub mod machine;
 pub mod plant;
 pub mod remote;
+pub mod sines;
+pub mod terminal;

@@ -30,8 +30,13 @@ impl Machine {
     /// A board whose core completes so many instructions a second: 84 million where every instruction takes one
     /// cycle, fewer to stand for the flash's wait states.
     pub fn new(instructions_per_second: u64) -> Self {
+        Self::with_crystal(instructions_per_second, 8_000_000)
+    }
+
+    /// The same with another crystal, Hz.
+    pub fn with_crystal(instructions_per_second: u64, crystal_hz: u64) -> Self {
         let mut mcu = Stm32f427::new().expect("the part's own tables are sound");
-        mcu.rcc.attach_crystals(8_000_000, 0);
+        mcu.rcc.attach_crystals(crystal_hz, 0);
         mcu.set_supply(3300);
         Machine { mcu, instructions_per_second }
     }
@@ -90,18 +95,37 @@ pub fn image() -> PathBuf {
         .into()
 }
 
+/// The images of the other boards, as the README has them, and their crystals, Hz: `MOTORLENS_NUCLEO`, `MOTORLENS_BLACKPILL`.
+pub fn other_images() -> [(PathBuf, u64); 2] {
+    [("MOTORLENS_NUCLEO", 8_000_000), ("MOTORLENS_BLACKPILL", 25_000_000)].map(|(variable, crystal_hz)| {
+        let image = std::env::var_os(variable);
+        (
+            image.unwrap_or_else(|| panic!("{variable} names no ELF; run the bench by cargo xtask")).into(),
+            crystal_hz,
+        )
+    })
+}
+
 /// Where the image keeps a static variable.
 ///
 /// # Panics
 /// When the image cannot be read, or has no such variable.
 pub fn address_of(image: &Path, variable: &str) -> u64 {
-    let bytes = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
-    let file = object::File::parse(&*bytes).expect("the image is an ELF file");
     // Mangled: the name's length stands before it.
     let mangled = format!("{}{variable}", variable.len());
-    let mut symbols = file.symbols();
-    let found = symbols.find(|symbol| symbol.name().is_ok_and(|name| name.contains(&mangled)));
-    found.unwrap_or_else(|| panic!("the image has no variable {variable}")).address()
+    let found = symbols(image).into_iter().find(|(name, _)| name == variable || name.contains(&mangled));
+    found.unwrap_or_else(|| panic!("the image has no variable {variable}")).1
+}
+
+/// The image's symbols and their addresses.
+///
+/// # Panics
+/// When the image cannot be read.
+pub fn symbols(image: &Path) -> Vec<(String, u64)> {
+    let bytes = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
+    let file = object::File::parse(&*bytes).expect("the image is an ELF file");
+    let named = |symbol: object::Symbol<'_, '_>| Some((symbol.name().ok()?.to_owned(), symbol.address()));
+    file.symbols().filter_map(named).collect()
 }
 
 /// What the image touched that the emulated chip has not: an address without a register, a register without a model, an

@@ -1,5 +1,7 @@
 //! Driver, motor, encoder and analogue inputs at the chip's pins.
 
+use std::collections::BTreeMap;
+
 use motorlens_firmware::beat::split;
 use motorlens_shared::link::DriveMode;
 use motorlens_virtual_motor::{Bridge, VirtualMotor};
@@ -13,7 +15,7 @@ use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::tim::General;
 use rigless::time::VirtualNanos;
 
-use crate::machine::Machine;
+use crate::machine::{CORE_HZ, Machine};
 
 /// GPIOA and GPIOB among the ports, TIM3 among the general timers.
 const PORT_A: usize = 0;
@@ -33,6 +35,8 @@ const CURRENT_INPUT: u8 = 1;
 const SUPPLY_INPUT: u8 = 4;
 /// Both fields ICxF of a timer's CCMR1.
 const FILTERS: u64 = 0xf0f0;
+/// A tick of the PWM's clock, ns.
+const NS_PER_TICK: f64 = 1e9 / CORE_HZ as f64;
 /// One period of the PWM, s.
 const PWM_PERIOD_S: f64 = 50e-6;
 
@@ -52,6 +56,8 @@ pub struct Plant {
     pub jammed: bool,
     /// Current that a short adds to what the amplifier sees, A.
     pub short_a: f64,
+    /// What a braking motor has pumped into a supply that cannot sink it, V above its own voltage.
+    pub pumped_v: f64,
     /// Whether the emergency contact is open.
     pub emergency: bool,
     /// The counter at each sampling instant since the start.
@@ -64,6 +70,9 @@ pub struct Plant {
     pulses: bool,
     first_driven: Option<usize>,
     period_began: VirtualNanos,
+    period_interrupt: usize,
+    ticks: f64,
+    shares: BTreeMap<usize, f64>,
     phase: u8,
     edges: i64,
     beats: usize,
@@ -77,6 +86,7 @@ impl Plant {
             driver,
             jammed: false,
             short_a: 0.0,
+            pumped_v: 0.0,
             emergency: false,
             sampled: Vec::new(),
             now: VirtualNanos(0),
@@ -87,6 +97,9 @@ impl Plant {
             pulses: false,
             first_driven: None,
             period_began: VirtualNanos(0),
+            period_interrupt: 0,
+            ticks: 1.0,
+            shares: BTreeMap::new(),
             phase: 0,
             edges: 0,
             beats: 1,
@@ -211,21 +224,37 @@ impl Plant {
             self.first_driven = Some(self.sampled.len() - 1);
         }
         let top = registers.get(Register::Arr) as f64 + 1.0;
+        self.ticks = top;
         self.pulses = pulsed && registers.get(Register::Bdtr) & MOE != 0;
         let share = |compare| if self.pulses { registers.get(compare) as f64 / top } else { 0.0 };
         (self.duty, self.second) = (share(Register::Ccr1), share(Register::Ccr2));
     }
 
-    /// A new period of the PWM has begun.
+    /// The PWM begins a new period, and with it maybe another duty: [`Self::look`] has not seen it yet. What the pin was high since the
+    /// last time is kept for the sampling interrupt after which that was.
     pub fn begin_period(&mut self, at: VirtualNanos) {
-        self.period_began = at;
+        let length = (at.0 - self.period_began.0) as f64;
+        let period = self.ticks * NS_PER_TICK;
+        let on = self.duty * period;
+        let whole = (length / period).floor();
+        let high = whole * on + (length - whole * period).min(on);
+        self.shares.insert(self.period_interrupt, high / length);
+        (self.period_began, self.period_interrupt) = (at, self.sampled.len());
+    }
+
+    /// The share of the time that the PWM's pin was high in the interval after sample number `index` of the first run.
+    pub fn high_share(&self, index: usize) -> Option<f64> {
+        let first = self.first_driven? + 1 + index * self.beats;
+        let parts: Option<Vec<f64>> =
+            (first..first + self.beats).map(|at| self.shares.get(&at).copied()).collect();
+        Some(parts?.iter().sum::<f64>() / self.beats as f64)
     }
 
     /// A sampling instant: the converter's inputs follow the motor, and the counter is remembered.
     pub fn sample(&mut self, machine: &mut Machine) {
         self.sampled.push(self.edges);
         let (converter, _) = machine.mcu.converter(0);
-        let volts = self.motor.supply_v() / 11.0;
+        let volts = (self.motor.supply_v() + self.pumped_v) / 11.0;
         let current = 1.65 + 0.165 * (self.motor.current_a() + self.short_a);
         for (input, volts) in [(SUPPLY_INPUT, volts), (CURRENT_INPUT, current)] {
             let millivolts = (volts * 1000.0).round().clamp(0.0, 3300.0) as u32;

@@ -9,11 +9,21 @@ use motorlens_bench::machine::{self, CORE_HZ, Machine};
 use motorlens_bench::plant::Plant;
 use motorlens_bench::remote::Session as Conversation;
 use motorlens_shared::excitation::{Programme, Shape};
-use motorlens_shared::link::{FromBoard, Setup, ToBoard};
+use motorlens_shared::link::{Cause, FromBoard, Setup, ToBoard};
 use motorlens_virtual_motor::{Motor, VirtualMotor};
 use rigless::emulator::{Driver, Host, Stop};
 use rigless::session::Session;
+use rigless::soc::stm32f427::generated::gpioa::Register as PortRegister;
+use rigless::soc::stm32f427::generated::pwr::Register as PowerRegister;
+use rigless::soc::stm32f427::generated::rcc::Register as ClockRegister;
+use rigless::soc::stm32f427::generated::tim1::Register as TimerRegister;
+use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
+
+/// GPIOA among the ports, TIM3 and TIM5 among the general timers.
+const PORT_A: usize = 0;
+const TIMER_3: usize = 1;
+const TIMER_5: usize = 3;
 
 /// Lets the image run for a while, alone.
 struct Wait(VirtualNanos);
@@ -34,6 +44,52 @@ fn the_image_starts_cleanly_and_the_watchdog_stays_fed() {
         );
         machine::assert_clean(&finished.session);
         assert!(finished.session.resets().is_empty(), "restarted: {:?}", finished.session.resets());
+    }
+}
+
+/// What no emulator acts on, or not wholly: filters, pulls, what a break does to the outputs.
+#[test]
+fn registers_hold_what_the_reference_manual_asks_for() {
+    let wait = Wait(VirtualNanos(20_000_000));
+    let mut finished = Machine::new(CORE_HZ).run(&machine::image(), VirtualNanos(1_000_000), wait);
+    let mcu = &mut finished.session.board_mut().mcu;
+    // RM0090 17.4.18: a break takes the outputs away until the program gives them back (AOE clear); it is on and acts at a high level,
+    // an open contact (BKE, BKP); outputs that are off rest low (OSSI, OSSR).
+    let (_, timer) = mcu.advanced_timer(0);
+    let outputs = timer.get(TimerRegister::Bdtr);
+    assert_eq!(outputs >> 10 & 0x3f, 0b001111, "MOE, AOE, BKP, BKE, OSSR, OSSI: {outputs:#x}");
+    // RM0090 18.4.7: the encoder's channels are filtered over 8 looks at an eighth of the clock, and pulled up.
+    let (_, encoder) = mcu.timer(TIMER_3);
+    assert_eq!(encoder.get(GeneralRegister::Ccmr1Input) & 0xf0f0, 0x9090);
+    let (_, port) = mcu.port(PORT_A);
+    assert_eq!(port.get(PortRegister::Pupdr) >> 12 & 0xf, 0b0101, "PA6 and PA7 pull up");
+    // RM0090 18.4.12: the clock counts every microsecond of 2^32.
+    let (_, clock) = mcu.timer(TIMER_5);
+    assert_eq!(clock.get(GeneralRegister::Arr), u64::from(u32::MAX));
+    // RM0090 7.3.1 and 5.4.1: the crystal is watched (CSSON), and the supply, at the highest threshold (PLS, PVDE).
+    let (_, clocks) = mcu.clocks();
+    assert_eq!(clocks.get(ClockRegister::Cr) >> 19 & 1, 1);
+    let (_, power) = mcu.power();
+    assert_eq!(power.get(PowerRegister::Cr) >> 4 & 0xf, 0b1111);
+}
+
+/// The emulated chip is of their family, and has every register that they use.
+#[test]
+fn the_images_of_the_other_boards_capture_a_run_too() {
+    for (image, crystal_hz) in machine::other_images() {
+        let setup = Setup::default();
+        let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 0.5);
+        let conversation =
+            Conversation::new(Capture::new(setup, &step, 1), Time::from_secs(5), Box::new(|_, _, _| ()));
+        let plant = Plant::new(VirtualMotor::new(&Motor::paper(), &[], 3), setup.drive);
+        let chip = Machine::with_crystal(CORE_HZ, crystal_hz);
+        let done = bench::run_on(chip, &image, plant, Cable::new(0.0, 1), conversation);
+        machine::assert_clean(&done.session);
+        let run = done.remote.run();
+        assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, 500, 0));
+        assert!(!run.capabilities.measures_supply && !run.capabilities.measures_current);
+        let counts: Vec<i64> = run.samples.iter().map(|(_, sample)| i64::from(sample.count)).collect();
+        assert_eq!(counts, done.scene.plant.run_counts(500), "{}", image.display());
     }
 }
 

@@ -122,6 +122,31 @@ fn a_supply_that_sinks_and_stays_low() {
 }
 
 #[test]
+fn a_supply_that_sinks_and_comes_back_restarts_the_board_and_not_the_motor() {
+    let done = off_after(OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(Upset::Supply(2800));
+        } else if since == Duration::from_millis(900) {
+            // After one restart that found it low still.
+            scene.upset = Some(Upset::Supply(3300));
+        }
+    });
+    assert_log(&done, Cause::Watchdog, 400);
+    assert_eq!(done.remote.run().status.reset, Reset::Supply);
+    assert!(done.session.resets().len() > 1, "{:?}", done.session.resets());
+}
+
+#[test]
+fn a_supply_that_cannot_sink_what_a_braking_motor_pumps_into_it() {
+    // Half as much again as is stated is the bound, three samples of it the end: 4 ms in all with the one that the rise falls in.
+    let done = off_after(2 * OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
+        scene.plant.pumped_v = if since < Duration::from_millis(500) { 7.0 } else { 0.0 };
+    });
+    assert_log(&done, Cause::Supply, 400);
+    machine::assert_clean(&done.session);
+}
+
+#[test]
 fn the_emergency_contact_at_every_rate_and_even_where_it_only_bounces() {
     for (rate_hz, open_for) in [(100, 1000), (1000, 1000), (100, 1)] {
         let done = off_after(OFF, rate_hz, DriveMode::LockedAntiPhase, move |since, scene| {

@@ -1,5 +1,5 @@
-//! Counts instructions on the emulated core and prints `name count` lines: the sampling interrupt at its longest, and
-//! what the quick fit takes for each candidate and sample.
+//! Counts instructions on the emulated core and prints `name count` lines: the sampling interrupt at its longest,
+//! what the quick fit takes for each candidate and sample, and a sine of the excitation beside micromath's.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -10,6 +10,7 @@ use motorlens_bench::cable::Cable;
 use motorlens_bench::machine;
 use motorlens_bench::plant::Plant;
 use motorlens_bench::remote::Session;
+use motorlens_bench::sines;
 use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{FromBoard, Setup, ToBoard};
 use motorlens_shared::quickfit::Request;
@@ -31,7 +32,9 @@ fn every_shape() -> Programme {
 }
 
 fn main() {
-    let image = PathBuf::from(std::env::args_os().nth(1).expect("the image's ELF is the argument"));
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let image = arguments.next().expect("the image's ELF is the first argument");
+    let program = arguments.next().expect("the sines' program is the second");
     let setup = Setup { keep_every: 4, ..Setup::default() };
     let capture = Capture::new(setup, &every_shape(), 1);
     let request = Request { rad_per_count: 0.001, ..Request::default() };
@@ -49,4 +52,7 @@ fn main() {
     println!("interrupt, longest {}", done.scene.longest_interrupt);
     println!("search, per candidate and sample {search:.2}");
     println!("polish, per candidate and sample {polish:.2}");
+    let sines = sines::count(&program);
+    println!("sine, ours {:.2}", sines.ours);
+    println!("sine, micromath {:.2}", sines.micromath);
 }

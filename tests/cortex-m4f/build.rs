@@ -1,0 +1,13 @@
+//! Puts the memory map, which stands beside this file, where the linker finds it.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+fn main() {
+    let here = env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
+    fs::copy(Path::new(&here).join("memory.x"), out.join("memory.x"))
+        .expect("memory.x stands beside build.rs");
+    println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rerun-if-changed=memory.x");
+}
