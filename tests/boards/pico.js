@@ -178,7 +178,8 @@ const server = net.createServer((client) => {
   client.on("data", (bytes) => receiving.push(...bytes));
   client.on("error", () => {});
   client.on("close", () => {
-    if (--callers > 0) return (socket = null);
+    if (socket === client) socket = null; // the next one may be there before this one is seen to be gone
+    if (--callers > 0) return;
     const told = off === null ? "" : `, off ${(off * 1e3).toFixed(2)} ms after the fault`;
     console.log(`closed: driver ${volts() === null ? "off" : "driven"}${told}, ${resets} resets, ${clock.nanos / 1e9} s`);
     process.exit(0);

@@ -105,10 +105,11 @@ fn main() -> ! {
     let station = singleton!(: Station = Station::new()).expect("made once");
     critical_section::with(|section| CONTROL.borrow(section).set(Some(control)));
 
+    // The watchdog first: an interrupt that stops the program for good waits for it, and its start takes longer than a millisecond.
+    let mut platform = platform::Board::new(device.IWDG, control);
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
     wake_every_millisecond(&mut core.SYST);
-    let mut platform = platform::Board::new(device.IWDG, control);
     let mut diagnostics = Diagnostics::begin(reset, panic::last_place());
     loop {
         station.poll(&mut line, control, &mut platform);
@@ -137,8 +138,9 @@ fn SysTick() {
 /// A sampling instant, or one of the interrupts between two that only keep the bridge driven.
 #[interrupt]
 fn TIM4() {
+    pwm::interrupt_begins();
     if !timers::acknowledge_sampling() {
-        return pwm::renew();
+        return pwm::renew_in_step();
     }
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };

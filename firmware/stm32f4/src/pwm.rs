@@ -1,7 +1,7 @@
 //! The PWM that takes a new duty at once, the driver's enable, and the hardware that takes both away.
 
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use embedded_hal::digital::{ErrorType as PinErrorType, InputPin, OutputPin};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
@@ -63,6 +63,7 @@ impl SetDutyCycle for Pwm {
 
     fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
         self.first.set_duty(duty);
+        LATENESS.store(cycles().wrapping_sub(ENTRY.load(Ordering::Relaxed)).min(LATEST), Ordering::Relaxed);
         renew();
         Ok(())
     }
@@ -74,8 +75,31 @@ impl Pwms for Pwm {
     }
 }
 
+/// When the sampling timer's last interrupt began, and how much later the last new duty was there, cycles.
+static ENTRY: AtomicU32 = AtomicU32::new(0);
+static LATENESS: AtomicU32 = AtomicU32::new(0);
+/// The sampling interrupt is not that long.
+const LATEST: u32 = 50 * (crate::CORE_HZ / 1_000_000);
+
+fn cycles() -> u32 {
+    cortex_m::peripheral::DWT::cycle_count()
+}
+
+/// The sampling timer's interrupt begins.
+pub fn interrupt_begins() {
+    ENTRY.store(cycles(), Ordering::Relaxed);
+}
+
+/// [`renew`], in an interrupt between two sampling instants, so late in it as the new duty was in its own: then a whole number of
+/// periods lies between, and none that is cut short raises the mean of the voltage.
+pub fn renew_in_step() {
+    let (entry, lateness) = (ENTRY.load(Ordering::Relaxed), LATENESS.load(Ordering::Relaxed));
+    while cycles().wrapping_sub(entry) < lateness {}
+    renew();
+}
+
 /// Begins a new period of the PWM, and with it the dead man's time anew.
-pub fn renew() {
+fn renew() {
     // SAFETY: TIM1 is this program's alone; UG only begins a new period.
     unsafe { (*pac::TIM1::ptr()).egr().write(|w| w.ug().set_bit()) };
 }

@@ -1,7 +1,8 @@
 //! Phase in turns as a 32-bit fraction, and its sine without a maths library.
 //!
 //! A whole turn is 2^32, so wrapping is exact and phase never drifts. `libm::sinf` would compute in
-//! `f64` inside and cost over a thousand instructions on a Cortex-M4F; this costs about twenty.
+//! `f64` inside and cost over a thousand instructions on a Cortex-M4F; this costs 16. micromath's, of an angle in rad, costs 22 and is
+//! off by up to 1.1e-3 (`cargo xtask instructions --board`).
 
 /// Phase per sample, as a fraction of a turn times 2^32, of a frequency at a sample rate.
 /// Frequencies are rounded to `rate / 2^32` (0.23 uHz at 1 kHz).

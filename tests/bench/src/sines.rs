@@ -11,6 +11,9 @@ use crate::machine::{self, CORE_HZ, Machine};
 
 /// Phases in each of the program's loops.
 const CALLS: f64 = 4096.0;
+/// Instructions in a cycle of the program's clock: it stays at the chip's own oscillator of 16 MHz, and the emulated core completes
+/// [`CORE_HZ`] instructions a second all the same.
+const PER_CYCLE: f64 = CORE_HZ as f64 / 16e6;
 /// The program is looked at so often, ns.
 const STOP_NS: u64 = 1_000_000;
 /// It takes less than this, ns.
@@ -49,8 +52,8 @@ impl Driver<Machine> for Reader {
         }
         let [empty, ours, micromath] = [0, 4, 8].map(|at| word(self.cycles + at) as f64);
         let sums = [4, 8].map(|at| word(self.sums + at) as u32);
-        self.read =
-            Some(Sines { ours: (ours - empty) / CALLS, micromath: (micromath - empty) / CALLS, sums });
+        let of_call = |cycles: f64| (cycles - empty) * PER_CYCLE / CALLS;
+        self.read = Some(Sines { ours: of_call(ours), micromath: of_call(micromath), sums });
         None
     }
 }
