@@ -62,25 +62,6 @@ pub struct Simulator<S, E = Several<S>> {
     effects: E,
 }
 
-/// What a record shows of a cell beside its voltage.
-#[derive(Debug, Clone, Copy)]
-pub struct Seen<S> {
-    /// The measured shaft is so far ahead of the model's, rad: laws that are tied to an angle (teeth, an unbalance, a
-    /// spring, a disc off centre) act where it was seen.
-    pub ahead: S,
-    /// See [`Now::pulses`].
-    pub pulses: S,
-}
-
-impl<S: Scalar> Seen<S> {
-    /// Nothing.
-    #[inline(always)]
-    #[must_use]
-    pub fn nothing() -> Self {
-        Self { ahead: S::zero(), pulses: S::zero() }
-    }
-}
-
 /// What changes while a [`Simulator`] runs.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<S> {
@@ -127,19 +108,20 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     /// held before the start.
     #[inline(always)]
     pub fn advance(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize) {
-        self.advance_seen::<false>(motion, voltages, index, Seen::nothing());
+        self.advance_seen::<false>(motion, voltages, index, S::zero());
     }
 
-    /// [`Self::advance`] with what a record shows beside the voltages: a guided run.
+    /// [`Self::advance`] where the measured shaft is so far `ahead` of the model's, rad: laws that are tied to an angle (teeth, an
+    /// unbalance, a spring, a disc off centre) act where it was seen. A guided run.
     #[inline(always)]
     pub fn advance_guided(
         &self,
         motion: &mut Motion<S>,
         voltages: &[S::Element],
         index: usize,
-        seen: Seen<S>,
+        ahead: S,
     ) {
-        self.advance_seen::<true>(motion, voltages, index, seen);
+        self.advance_seen::<true>(motion, voltages, index, ahead);
     }
 
     #[inline(always)]
@@ -148,20 +130,19 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         motion: &mut Motion<S>,
         voltages: &[S::Element],
         index: usize,
-        seen: Seen<S>,
+        ahead: S,
     ) {
-        let Seen { ahead, pulses } = seen;
         let command = S::splat(voltages[index]);
         if self.effects.two_masses() {
             for _ in 0..self.effects.laws().parts {
-                let now = Now { command, state: motion.state, voltages, index, pulses };
+                let now = Now { command, state: motion.state, voltages, index };
                 let drive = self.drive::<GUIDED>(&now, motion, ahead);
                 self.advance_two_masses(&mut motion.state, &drive);
                 let now = Now { command: drive.asked, ..now };
                 self.effects.settle(&now, &motion.state, &mut motion.memories);
             }
         } else {
-            let now = Now { command, state: motion.state, voltages, index, pulses };
+            let now = Now { command, state: motion.state, voltages, index };
             let mut drive = self.drive::<GUIDED>(&now, motion, ahead);
             drive.torque += drive.load_torque;
             let state = &mut motion.state;

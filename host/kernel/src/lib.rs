@@ -11,7 +11,7 @@ mod wide;
 use motorlens_shared::effects::together::Effects;
 use motorlens_shared::lanes::Lanes;
 use motorlens_shared::scalar::Scalar;
-use motorlens_shared::simulator::{Motion, Seen, Simulator};
+use motorlens_shared::simulator::{Motion, Simulator};
 use motorlens_shared::step::State;
 
 #[cfg(target_arch = "x86_64")]
@@ -57,9 +57,6 @@ pub struct Course<'a, S: Scalar> {
     /// Which of these are near a sample: what the shaft is ahead by there holds until a later one is more than a count away,
     /// because in between the model knows better than any curve through them.
     pub seen: &'a [bool],
-    /// What the pulses of a PWM bring in every cell beyond their mean, V, one number before the first; empty where nobody knows
-    /// when they come.
-    pub pulses: &'a [S::Element],
     /// What a measured angle may lack, rad: within it the model's own shaft counts.
     pub count: f64,
 }
@@ -129,14 +126,11 @@ pub fn run<S: Shown, E: Effects<S>>(
     // Held at the reading itself, a spring would be driven away for as long as the run lasts by what a count lacks; held at the
     // edge of a count, teeth would push a standing shaft that the model balances elsewhere in it.
     let lacking = S::lit(course.count);
-    let pulsed = course.pulses.len() > course.cells;
     let mut first = 0;
     while first < course.cells {
         let count = CHUNK.min(course.cells - first);
         for k in 0..count {
-            let pulses = if pulsed { S::splat(course.pulses[first + k + 1]) } else { S::zero() };
-            let seen = Seen { ahead, pulses };
-            simulator.advance_guided(&mut motion, course.voltages, first + k + 1, seen);
+            simulator.advance_guided(&mut motion, course.voltages, first + k + 1, ahead);
             let reading = show(simulator, &motion, ahead, course.encoder_on_motor);
             if guided && course.seen[first + k + 1] {
                 ahead += (S::splat(course.guide[first + k + 1]) - reading[0] - ahead).shrink(lacking);

@@ -31,7 +31,7 @@ const RIG: Rig = Rig {
 pub fn shown_size(kind: Kind) -> Vec<f64> {
     let spec = kind.spec();
     let tried = spec.probes[spec.probes.len() * 2 / 3];
-    tried.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&RIG)).collect()
+    tried.iter().zip(spec.parameters).map(|(x, p)| p.plain(*x, &RIG)).collect()
 }
 
 /// What the effect does.

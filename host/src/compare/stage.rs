@@ -7,8 +7,7 @@ use crate::log::{Record, check_usable};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
-/// The records as `model` sees them: its own rig and beliefs, first speeds found under it, and when the pulses of a bridge that
-/// coasts come.
+/// The records as `model` sees them: its own rig and beliefs, first speeds found under it.
 ///
 /// # Errors
 /// Records that say nothing about a motor; see [`check_usable`].
@@ -21,6 +20,5 @@ pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Resul
     problem.prior = model.prior();
     let values = model.values();
     problem.find_moving_starts(&values);
-    problem.time_known_pulses(&values);
     Ok(problem)
 }

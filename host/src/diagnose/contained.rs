@@ -5,6 +5,8 @@
 
 use motorlens_shared::effects::Kind;
 
+use crate::fit::layout::Values;
+
 /// The simpler effects of which `kind` is made, each with the place of its parameter in `kind`.
 pub fn parts(kind: Kind) -> impl Iterator<Item = (Kind, usize)> {
     let spec = kind.spec();
@@ -21,6 +23,23 @@ pub fn covers(kinds: &[Kind], kind: Kind) -> bool {
 /// Whether `kind` may join `kinds`: it brings more than a part that could join by itself.
 pub fn may_join(kinds: &[Kind], kind: Kind) -> bool {
     !(covers(kinds, kind) || kind.spec().is_sum() && parts(kind).any(|(part, _)| covers(kinds, part)))
+}
+
+/// Whether `kind` takes the place of a simpler law of `kinds`.
+pub fn replaces(kinds: &[Kind], kind: Kind) -> bool {
+    parts(kind).any(|(part, _)| kinds.contains(&part))
+}
+
+/// `values` with `kind` of `parameters`: in the place of the simpler laws that it contains, whose sizes it keeps.
+pub fn extended(values: &Values, kind: Kind, mut parameters: Vec<f64>) -> Values {
+    let mut rest = values.clone();
+    for (part, at) in parts(kind) {
+        if let Some((_, own)) = values.effects.iter().find(|(k, _)| *k == part) {
+            parameters[at] = own[0];
+        }
+        rest = rest.without(part);
+    }
+    rest.with(kind, parameters)
 }
 
 #[cfg(test)]

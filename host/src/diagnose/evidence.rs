@@ -4,7 +4,7 @@ use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
-use crate::fit::{fixed, pulses::FREQUENCY};
+use crate::fit::fixed;
 use crate::log::Record;
 use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
@@ -139,13 +139,10 @@ fn guided(whole: &Problem) -> Problem {
 }
 
 impl Problem {
-    /// The search axes of a set of effects on this rig, with what the motor file fixes held, and what pulses show.
+    /// The search axes of a set of effects on this rig, with what the motor file fixes held.
     pub fn layout(&self, kinds: &[Kind]) -> Layout {
         let mut layout = Layout::new(kinds, &self.rig, &self.prior);
         fixed::hold(&mut layout, &self.fixed);
-        if let Some(hz) = self.pulse_hz {
-            fixed::hold(&mut layout, &[(FREQUENCY.to_owned(), hz)].into());
-        }
         layout
     }
 }

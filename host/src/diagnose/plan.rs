@@ -8,6 +8,7 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::{Player, Programme, Segment, Shape};
 use nalgebra::{DMatrix, DVector};
 
+use super::contained::extended;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
@@ -68,7 +69,7 @@ pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<P
     let plans = menu(limits).into_iter().filter_map(|programme| {
         let grid = played(&programme, problem)?;
         let seen: Vec<View> =
-            judged.iter().map(|c| View::new(problem, &c.layout, &c.found.x, &grid)).collect();
+            judged.iter().map(|c| View::new(problem, &c.layout, &c.x, &grid)).collect();
         let mut least = (f64::MAX, (kinds[0], kinds[1]));
         for (a, view) in seen.iter().enumerate() {
             for (b, other) in seen.iter().enumerate().filter(|(b, _)| *b != a) {
@@ -98,8 +99,7 @@ pub fn showing(
 ) -> Vec<Option<Programme>> {
     let values = model.values();
     let with = |kind: &Kind| {
-        let typical = kind.spec().parameters.iter().map(|p| p.typical * p.scale.unit(&problem.rig));
-        let extended = values.with(*kind, typical.collect());
+        let extended = extended(&values, *kind, kind.spec().typical(&problem.rig).collect());
         let layout = problem.layout(&extended.kinds());
         let x = layout.pack(&extended);
         (layout, x)
@@ -108,7 +108,7 @@ pub fn showing(
     let mut best: Vec<Option<(f64, Programme)>> = vec![None; missing.len()];
     for programme in if missing.is_empty() { Vec::new() } else { menu(limits) } {
         let Some(grid) = played(&programme, problem) else { continue };
-        let view = View::new(problem, &model.layout, &model.found.x, &grid);
+        let view = View::new(problem, &model.layout, &model.x, &grid);
         for (best, (layout, x)) in best.iter_mut().zip(&extended) {
             let left = view.left_of(&increments(problem, layout, std::slice::from_ref(x), &grid)[0]);
             if best.as_ref().is_none_or(|(most, _)| left > *most) {
@@ -127,7 +127,7 @@ fn in_usual_shape(c: &Fitted) -> Fitted {
     let first = c.layout.len() - spec.parameters.len();
     for (k, p) in spec.parameters.iter().enumerate() {
         if !p.strength && !spec.contains.iter().any(|(_, own)| *own == p.name) {
-            usual.found.x[first + k] = 1.0;
+            usual.x[first + k] = 1.0;
         }
     }
     usual

@@ -25,15 +25,15 @@ fn ripple(sine: f64, cosine: f64, order: f64) -> Vec<f64> {
 }
 
 /// Starting parameters (sine, cosine, order) of the orders that take most away from the error of `model`.
-pub fn answering(problem: &Problem, tangent: &Tangent, model: &Values) -> Vec<Vec<f64>> {
+pub fn answering(problem: &Problem, tangent: &Tangent, model: &Values, kind: Kind) -> Vec<Vec<f64>> {
     let probe = PROBE_V * problem.rig.nominal_v / 12.0;
-    let kinds = [model.kinds(), vec![Kind::Cogging]].concat();
+    let kinds = [model.kinds(), vec![kind]].concat();
     let layout = problem.layout(&kinds);
     let orders: Vec<f64> = (1..=HIGHEST_ORDER).map(|order| order as f64).collect();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for orders in orders.chunks(LANES / 2) {
         let with = |sine: f64, cosine: f64, order: f64| {
-            layout.pack(&model.with(Kind::Cogging, ripple(sine, cosine, order)))
+            layout.pack(&model.with(kind, ripple(sine, cosine, order)))
         };
         let xs: Vec<Vec<f64>> =
             orders.iter().flat_map(|order| [with(probe, 0.0, *order), with(0.0, probe, *order)]).collect();

@@ -212,7 +212,8 @@ mod tests {
         let probe = layout.pack(&base.values().with(Kind::QuadraticDrag, vec![4.0 * found]));
         let mut problem = evidence.train.clone();
         base.noise.weigh(&mut problem);
-        let tangent = Tangent::of(&problem, &base.layout, &base.found, true, Objective::Scales);
+        let at_base = problem.search(&base.layout, Objective::Scales, &base.x, 0, 1e-3);
+        let tangent = Tangent::of(&problem, &base.layout, &at_base, true, Objective::Scales);
         let [whole, best] = &tangent.project(&problem, &layout, std::slice::from_ref(&probe))[0];
         assert!((0.15..0.4).contains(&best.share), "{best:?}");
         assert!(whole.share == 1.0 && best.left < whole.left, "{whole:?} {best:?}");

@@ -32,10 +32,8 @@ pub(crate) fn textbook(problem: &Problem, effects: &[Kind]) -> Searched {
         tau_e: problem.prior.tau_e.0,
         viscous_share: problem.prior.viscous_share.0,
     };
-    let ordinary = |k: &Kind| -> Vec<f64> {
-        k.spec().parameters.iter().map(|p| p.typical * p.scale.unit(rig)).collect()
-    };
-    let start = Values { base, effects: effects.iter().map(|k| (*k, ordinary(k))).collect() };
+    let ordinary = |k: &Kind| (*k, k.spec().typical(rig).collect());
+    let start = Values { base, effects: effects.iter().map(ordinary).collect() };
     let found = problem.search(&layout, Objective::Position, &layout.pack(&start), TEXTBOOK, 1e-6);
     Searched { values: layout.unpack(&found.x), history: Vec::new(), evaluations: problem.simulations.get() }
 }

@@ -50,7 +50,7 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
         let prepared = Prepared::new(&base, &effects, rig);
         let several = Several::new(&effects, &prepared.setting);
-        let now_at = |state, command| Now { command, state, voltages: &[], index: 1, pulses: lit(0.0) };
+        let now_at = |state, command| Now { command, state, voltages: &[], index: 1 };
 
         let seen = State::moving(input(Input::Current), input(Input::Speed), input(Input::Angle));
         let mut first = [Memory::empty(input(Input::Angle)); MAX_EFFECTS];

@@ -51,9 +51,6 @@ pub struct Grid {
     pub(super) guide: Vec<f64>,
     /// Which of these are near a sample.
     pub(super) seen: Vec<bool>,
-    /// What the pulses of a PWM bring in every cell beyond their mean, V, one number before the first; empty where nobody
-    /// knows when they come.
-    pub(super) pulses: Vec<f64>,
     /// Times of the samples kept, s.
     pub time_s: Vec<f64>,
     /// Their place on the grid; the first sample is the start itself (cell 0, part 0).
@@ -105,7 +102,6 @@ impl Grid {
             voltages: mean_voltages(record, step, cells),
             guide: Vec::new(),
             seen: Vec::new(),
-            pulses: Vec::new(),
             time_s: Vec::new(),
             places: Vec::new(),
             measured: Vec::new(),

@@ -55,7 +55,6 @@ impl Grid {
         Self {
             step_s: 2.0 * self.step_s,
             voltages: halved(&self.voltages),
-            pulses: halved(&self.pulses),
             seen: (0..guide.len()).map(near).collect(),
             guide,
             places: self.places.iter().map(place).collect(),
@@ -104,14 +103,12 @@ mod tests {
         for n in [1000_u32, 1001] {
             let times: Vec<f64> = (0..n).map(|k| f64::from(k) * 5e-3).collect();
             let volts = (0..n).map(|k| f64::from(k % 7) - 2.0).collect();
-            let mut fine = Grid::new(&record(times, volts), 0.01).guided();
-            fine.pulses.clone_from(&fine.voltages);
+            let fine = Grid::new(&record(times, volts), 0.01).guided();
             let coarse = fine.coarse();
             assert!((coarse.step_s / fine.step_s - 2.0).abs() < 1e-12);
             let impulse = |g: &Grid, cells: usize| g.step_s * g.cells()[..cells].iter().sum::<f64>();
             assert!((impulse(&coarse, 1200) - impulse(&fine, 2400)).abs() < 1e-9);
             assert_eq!(coarse.guide.len(), coarse.voltages.len());
-            assert_eq!(coarse.pulses, coarse.voltages);
             for (a, b) in coarse.places.iter().zip(&fine.places) {
                 let time = |g: &Grid, p: &Place| g.step_s * (p.cell as f64 + p.part);
                 assert!((time(&coarse, a) - time(&fine, b)).abs() < 1e-9, "{a:?} {b:?}");

@@ -11,7 +11,6 @@ mod guide;
 mod held;
 pub mod layout;
 pub mod passes;
-pub mod pulses;
 pub mod scales;
 pub mod search;
 pub mod setup;

@@ -12,32 +12,6 @@ pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
 /// Blocks of lanes that are kept from pass to pass: 32 MB.
 const MOST_KEPT: usize = 1 << 19;
 
-/// Sums of squared residuals of both objectives, and how many they are.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Squares {
-    sums: [f64; 2],
-    counts: [usize; 2],
-}
-
-impl Squares {
-    /// Mean squares; the largest number where a run went astray.
-    pub fn mean(&self) -> [f64; 2] {
-        std::array::from_fn(|which| {
-            let sum = self.sums[which];
-            if sum.is_finite() { sum / self.counts[which].max(1) as f64 } else { f64::MAX }
-        })
-    }
-}
-
-impl std::iter::Sum for Squares {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |a, b| Self {
-            sums: std::array::from_fn(|k| a.sums[k] + b.sums[k]),
-            counts: std::array::from_fn(|k| a.counts[k] + b.counts[k]),
-        })
-    }
-}
-
 impl Problem {
     /// Keeps `room` for the next pass, unless it is so large that the memory is wanted elsewhere.
     fn keep(&self, room: Vec<Vec<Block>>) {
@@ -76,32 +50,6 @@ impl Problem {
         }
         self.keep(room);
         sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
-    }
-
-    /// Mean squared residuals of up to eight candidates without the prior: of the increments, and of the error itself.
-    pub fn mean_squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<[f64; 2]> {
-        let all = |squares: Vec<Squares>| squares.into_iter().sum::<Squares>().mean();
-        self.squares(layout, xs).into_iter().map(all).collect()
-    }
-
-    /// For each candidate the same on every record.
-    pub fn squares(&self, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Vec<Squares>> {
-        let mut all = vec![vec![Squares::default(); self.grids.len()]; xs.len()];
-        self.count_passes(xs.len());
-        let mut room = self.room.take();
-        room.resize_with(room.len().max(1), Vec::new);
-        for (place, grid) in self.grids.iter().enumerate() {
-            predict_block(layout, xs, &self.rig, grid, &mut room[0]);
-            for (which, objective) in [Objective::Increments, Objective::Position].into_iter().enumerate() {
-                let (sums, count) = squares(grid, objective, &room[0]);
-                for (own, sum) in all.iter_mut().zip(sums) {
-                    own[place].sums[which] = sum;
-                    own[place].counts[which] = count;
-                }
-            }
-        }
-        self.keep(room);
-        all
     }
 
     /// `x` and its neighbours along `axes`, with the inverse of each one's distance.

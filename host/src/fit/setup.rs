@@ -101,7 +101,6 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         prior,
         fixed,
         hold_s,
-        pulse_hz: None,
         simulations: std::cell::Cell::new(0),
         room: std::cell::RefCell::default(),
     };
@@ -127,7 +126,6 @@ impl Problem {
             prior: self.prior,
             fixed: self.fixed.clone(),
             hold_s: self.hold_s,
-            pulse_hz: self.pulse_hz,
             simulations: std::cell::Cell::new(0),
             room: std::cell::RefCell::default(),
         }

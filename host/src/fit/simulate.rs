@@ -37,7 +37,7 @@ fn course<'a, S: Scalar>(
     base: &Base<S>,
     rig: &Rig,
     grid: &'a Grid,
-    [voltages, guide, pulses]: [&'a [S::Element]; 3],
+    [voltages, guide]: [&'a [S::Element]; 2],
 ) -> Course<'a, S> {
     let speed = S::lit(grid.start_speed);
     // A motor already turning has the current that its speed leaves to the first voltage.
@@ -52,7 +52,6 @@ fn course<'a, S: Scalar>(
         encoder_on_motor: rig.encoder_on_motor,
         guide,
         seen: &grid.seen,
-        pulses,
         count: grid.quantum,
     }
 }
@@ -131,7 +130,7 @@ fn predict<S: Shown<Plain = S, Element = f64>>(
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
     let simulator = Simulator::new(&base, effects, &rig);
-    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide, &grid.pulses]);
+    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
     kernel::run(&simulator, &course, &mut Sampler::new(grid, out));
 }
 
@@ -140,29 +139,6 @@ pub fn predict_one(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: &Grid) -
     let mut out = Vec::with_capacity(grid.len());
     predict(kinds, parameters, rig, grid, &mut out);
     out
-}
-
-/// Speed of the rotor at the start and at the end of every cell, rad/s.
-struct Speeds(Vec<f64>);
-
-impl Sink<f64> for Speeds {
-    fn begin(&mut self, reading: Reading<f64>) {
-        self.0.push(reading[1]);
-    }
-    fn take(&mut self, _first: usize, readings: &[Reading<f64>]) {
-        self.0.extend(readings.iter().map(|r| r[1]));
-    }
-}
-
-/// Speed of the rotor (seen through the gear) at the start and at the end of every cell of a free run, rad/s.
-pub(super) fn rotor_speeds(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: &Grid) -> Vec<f64> {
-    let rig = Rig { step_s: grid.step_s, encoder_on_motor: true, ..*rig };
-    let Parameters { base, effects } = Parameters::new(kinds, parameters);
-    let simulator = Simulator::new(&base, effects, &rig);
-    let course = course(&base, &rig, grid, [&grid.voltages, &[], &grid.pulses]);
-    let mut speeds = Speeds(Vec::with_capacity(course.cells + 1));
-    kernel::run(&simulator, &course, &mut speeds);
-    speeds.0
 }
 
 /// Up to eight search vectors; missing lanes repeat the first.
@@ -190,6 +166,6 @@ pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, o
 fn predict_wide(kinds: &[Kind], plain: &[kernel::Wide], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
-    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide, &grid.pulses]);
+    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
     kernel::run_wide(&base, &effects, &rig, &course, &mut Sampler::new(grid, out));
 }

@@ -1,6 +1,6 @@
 //! From what is written of an effect to what the fit works with.
 
-use motorlens_shared::effects::{Definition, Entry, Kind, Operation, Parameter, Port, Scale, Spec, Unsound};
+use motorlens_shared::effects::{Definition, Entry, Kind, Operation, Parameter, Port, Scale, Search, Spec, Unsound};
 use motorlens_shared::simulator::MAX_PARAMETERS;
 use serde::{Deserialize, Serialize};
 
@@ -204,6 +204,7 @@ impl Written {
             signature: text(&or(&self.signature, "what the formula says".into())),
             probes: leak(self.probes().into_iter().map(|p| leak(p) as &[f64]).collect()),
             parameters: leak(parameters),
+            search: Search::Probes,
             laws: entry.laws(),
             remembers: false,
             contains: &[],

@@ -10,7 +10,6 @@ use super::score::{Gain, scores};
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
-use crate::fit::search::Found;
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
 pub const WORTH: f64 = 10.0;
@@ -44,8 +43,8 @@ const LAST: usize = 12;
 pub struct Fitted {
     /// Its axes.
     pub layout: Layout,
-    /// Where the search ended.
-    pub found: Found,
+    /// Where the search ended, on those axes.
+    pub x: Vec<f64>,
     /// What it leaves, by time scale.
     pub noise: Noise,
     /// Held-out log-likelihood, block by block.
@@ -59,21 +58,18 @@ impl Fitted {
     pub fn new(data: &Evidence, layout: Layout, x: &[f64], rounds: usize, steps: usize) -> Self {
         let mut problem = data.train.clone();
         let mut x = x.to_vec();
-        let mut noise = Noise::of(&coefficients(&problem, &layout, &x), data.reading);
-        let mut found = None;
+        let mut errors = coefficients(&problem, &layout, &x);
+        let mut noise = Noise::of(&errors, data.reading);
         for _ in 0..rounds.max(1) {
             noise.weigh(&mut problem);
-            let best = problem.search(&layout, Objective::Scales, &x, steps, 1e-4);
-            x.clone_from(&best.x);
-            noise = Noise::of(&coefficients(&problem, &layout, &x), data.reading);
-            found = Some(best);
+            (_, x) = problem.race(&layout, Objective::Scales, &x, steps, 1e-4);
+            errors = coefficients(&problem, &layout, &x);
+            noise = Noise::of(&errors, data.reading);
         }
         noise.weigh(&mut problem);
-        let errors = coefficients(&problem, &layout, &x);
         let scores = scores(&problem, &layout, &x, &errors, &noise);
-        let found = found.unwrap_or_else(|| problem.search(&layout, Objective::Scales, &x, 0, 1e-3));
         data.train.simulations.set(data.train.simulations.get() + problem.simulations.get());
-        Self { layout, found, noise, scores, crossed: OnceLock::new() }
+        Self { layout, x, noise, scores, crossed: OnceLock::new() }
     }
 
     /// Fits the model `values`.
@@ -87,14 +83,14 @@ impl Fitted {
     /// likelihood. Kept where the likelihood hardly falls; where a disturbance made the drift, it does.
     #[must_use]
     pub fn simulating(self, data: &Evidence) -> Self {
-        let fine = data.train.search(&self.layout, Objective::Position, &self.found.x, LAST, 1e-6);
+        let fine = data.train.search(&self.layout, Objective::Position, &self.x, LAST, 1e-6);
         let fine = Self::new(data, self.layout.clone(), &fine.x, 1, 0);
         if fine.score() > self.score() - WORTH && fine.noise.mean() < self.noise.mean() { fine } else { self }
     }
 
     /// Plain parameters.
     pub fn values(&self) -> Values {
-        self.layout.unpack(&self.found.x)
+        self.layout.unpack(&self.x)
     }
 
     /// Effects in order.
@@ -147,6 +143,6 @@ impl Fitted {
 
     /// Mean logarithm of the error with which the records are simulated by fits to the others ([`super::crossed`]).
     pub fn crossed(&self, data: &Evidence) -> f64 {
-        *self.crossed.get_or_init(|| crossed(data, &self.layout, &self.found.x, &self.noise))
+        *self.crossed.get_or_init(|| crossed(data, &self.layout, &self.x, &self.noise))
     }
 }

@@ -30,7 +30,7 @@ pub fn lacks(kinds: &[Kind], kind: Kind) -> bool {
 /// Fits `model` with every effect of `library` that it lacks; best score first.
 pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn FnMut(Kind)) -> Vec<Fitted> {
     let screen = data.screen(&model.noise);
-    let found = screen.search(&model.layout, Objective::Scales, &model.found.x, 0, 1e-3);
+    let found = screen.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&screen, &model.layout, &found, true, Objective::Scales);
     let values = model.values();
     let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
@@ -47,18 +47,14 @@ pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn
     }
     trials.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
     for (layout, starts) in trials.into_iter().take(TRIALS) {
-        let search = |(_, x): &Start| {
-            let found = screen.search(&layout, Objective::Scales, x, FIRST, 1e-3);
-            (found.cost, found.x)
-        };
+        let search = |(_, x): &Start| screen.race(&layout, Objective::Scales, x, FIRST, 1e-3);
         let best = starts.iter().map(search).min_by(|a, b| a.0.total_cmp(&b.0));
         round.extend(best.map(|start| (layout.clone(), start)));
     }
     round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
     round.truncate(SECOND.0);
     for (layout, start) in &mut round {
-        let found = screen.search(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
-        *start = (found.cost, found.x);
+        *start = screen.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
     }
     round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
     round.truncate(FULL.0);

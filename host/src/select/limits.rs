@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::fitted::{Fitted, SHARE, WORTH};
 use super::forward::lacks;
 use super::noise::FREEDOM;
+use crate::diagnose::contained::{extended, parts};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
 use crate::diagnose::tangent::Tangent;
@@ -55,7 +56,7 @@ pub fn detection_limits(
     volts: f64,
 ) -> Vec<DetectionLimit> {
     let problem = noiseless(data, model);
-    let found = problem.search(&model.layout, Objective::Scales, &model.found.x, 0, 1e-3);
+    let found = problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
     // As much as the selection asks of a further effect.
     let explained = (model.score() - base.score()).max(0.0);
@@ -75,7 +76,7 @@ pub fn detection_limits(
 fn noiseless(data: &Evidence, model: &Fitted) -> Problem {
     let mut problem = data.train.on(data.train.grids.clone());
     model.noise.weigh(&mut problem);
-    let plain = model.layout.all_plain(&model.found.x);
+    let plain = model.layout.all_plain(&model.x);
     for grid in &mut problem.grids {
         grid.measured = predict_one(&model.layout.kinds, &plain, &data.train.rig, grid);
         // The likelihood alone: no plain square beside it.
@@ -92,15 +93,18 @@ fn limit(
     asked: f64,
 ) -> Option<DetectionLimit> {
     let spec = kind.spec();
-    let size = spec.parameters.iter().position(|p| p.strength)?;
+    let kinds = model.kinds();
+    // What a simpler law of the model has already is not looked for.
+    let there = |name: &str| parts(kind).any(|(part, at)| kinds.contains(&part) && spec.parameters[at].name == name);
+    let size = spec.parameters.iter().position(|p| p.strength && !there(p.name))?;
     let of = &spec.parameters[size];
     let values = model.values();
-    let layout = problem.layout(&values.with(kind, vec![0.0; spec.parameters.len()]).kinds());
+    let layout = problem.layout(&extended(&values, kind, vec![0.0; spec.parameters.len()]).kinds());
     let at = |factor: f64| -> Vec<f64> {
         let value = |p: &motorlens_shared::effects::Parameter| {
-            p.typical * p.scale.unit(&problem.rig) * if p.strength { factor } else { 1.0 }
+            p.plain(p.typical, &problem.rig) * if p.strength { factor } else { 1.0 }
         };
-        layout.pack(&values.with(kind, spec.parameters.iter().map(value).collect()))
+        layout.pack(&extended(&values, kind, spec.parameters.iter().map(value).collect()))
     };
     // No search looks below the row's lowest size.
     let lowest = (of.low / of.typical).max(0.0);
@@ -112,7 +116,7 @@ fn limit(
         .flat_map(|chunk| tangent.project(problem, &layout, chunk))
         .map(|[whole, _]| KEPT * whole.left)
         .collect();
-    let typical = of.typical.abs() * of.scale.unit(&problem.rig);
+    let typical = of.plain(of.typical.abs(), &problem.rig);
     let shows = |k: usize| gains[k] > asked;
     // The smallest size from which on every larger one shows too.
     let last = (0..factors.len()).take_while(|k| shows(*k)).last();

@@ -1,8 +1,8 @@
 //! Where the search for an effect begins.
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Parameter, Search};
 
-use crate::diagnose::contained::parts;
+use crate::diagnose::contained::{extended, replaces};
 use crate::diagnose::ripple;
 use crate::diagnose::tangent::{Projected, Tangent};
 use crate::fit::cost::Objective;
@@ -13,31 +13,21 @@ use crate::fit::simulate::LANES;
 /// Cost, and the search vector.
 pub type Start = (f64, Vec<f64>);
 
-/// The model that `kind` extends: `values` without the simpler laws that `kind` contains, and the place and size of each of those in it.
-fn extended(values: &Values, kind: Kind) -> (Values, Vec<(usize, f64)>) {
-    let kept: Vec<(usize, f64)> = parts(kind)
-        .filter_map(|(part, at)| Some((at, values.effects.iter().find(|(k, _)| *k == part)?.1[0])))
-        .collect();
-    let rest = parts(kind).fold(values.clone(), |values, (part, _)| values.without(part));
-    (rest, kept)
-}
-
 /// The parameters at which `kind` is tried on the model `values`: the finite sizes of its row, because friction, gaps and dead zones
 /// have no derivative at zero.
 fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> Vec<Vec<f64>> {
     let spec = kind.spec();
-    let scaled = |probe: &&[f64]| -> Vec<f64> {
-        probe.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&problem.rig)).collect()
-    };
-    let mut sizes: Vec<Vec<f64>> = spec.probes.iter().map(scaled).collect();
-    if kind == Kind::Cogging {
-        sizes.extend(ripple::answering(problem, tangent, values));
-        sizes.extend(ripple::holding(problem, values));
-    }
-    if kind == Kind::SensorLag
-        && let Some(time) = problem.hold_s
-    {
-        sizes.push(vec![0.0, time]);
+    let mut sizes: Vec<Vec<f64>> = spec.probes_on(&problem.rig).map(Iterator::collect).collect();
+    match (spec.search, problem.hold_s) {
+        (Search::Orders, _) => {
+            sizes.extend(ripple::answering(problem, tangent, values, kind));
+            sizes.extend(ripple::holding(problem, values));
+        }
+        (Search::Hold(name), Some(time)) => {
+            let held = |p: &Parameter| if p.name == name { time } else { 0.0 };
+            sizes.push(spec.parameters.iter().map(held).collect());
+        }
+        _ => {}
     }
     sizes
 }
@@ -57,63 +47,49 @@ pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
     Some(usual)
 }
 
-/// Starts for `values` with `kind` added at the sizes of its row, as they are, cheapest first.
-pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start> {
-    let spec = kind.spec();
-    let (rest, kept) = extended(values, kind);
-    let start = |probe: &&[f64]| {
-        let scaled = probe.iter().zip(spec.parameters).map(|(x, p)| x * p.scale.unit(&problem.rig));
-        let mut parameters: Vec<f64> = scaled.collect();
-        kept.iter().for_each(|(at, value)| parameters[*at] = *value);
-        rest.with(kind, parameters)
-    };
-    let tries: Vec<Values> = spec.probes.iter().map(start).collect();
-    let Some(first) = tries.first() else { return Vec::new() };
-    let layout = problem.layout(&first.kinds());
-    let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
-    let costs = problem.costs(&layout, Objective::Scales, &xs);
+/// The search of `values` with `kind` of each of `sizes` added.
+fn laid_out(problem: &Problem, values: &Values, kind: Kind, sizes: Vec<Vec<f64>>) -> (Layout, Vec<Vec<f64>>) {
+    let tries: Vec<Values> = sizes.into_iter().map(|size| extended(values, kind, size)).collect();
+    let kinds = tries.first().map_or_else(|| values.kinds(), Values::kinds);
+    let layout = problem.layout(&kinds);
+    let xs = tries.iter().map(|v| layout.pack(v)).collect();
+    (layout, xs)
+}
+
+/// `xs` with what they leave, cheapest first.
+fn costed(problem: &Problem, layout: &Layout, xs: Vec<Vec<f64>>) -> Vec<Start> {
+    let costs: Vec<f64> =
+        xs.chunks(LANES).flat_map(|chunk| problem.costs(layout, Objective::Scales, chunk)).collect();
     let mut starts: Vec<Start> = costs.into_iter().zip(xs).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     starts
 }
 
+/// Starts for `values` with `kind` added at the sizes of its row, as they are, cheapest first.
+pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start> {
+    let sizes = kind.spec().probes_on(&problem.rig).map(Iterator::collect).collect();
+    let (layout, xs) = laid_out(problem, values, kind, sizes);
+    costed(problem, &layout, xs)
+}
+
 /// Starts for `values` with `kind` added, cheapest first. The model's own parameters give way to first order (`tangent`); what was
 /// foreseen so is run.
 pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
-    let (rest, kept) = extended(values, kind);
-    let tries: Vec<Values> = sizes(problem, values, tangent, kind)
-        .into_iter()
-        .map(|mut parameters| {
-            for (at, value) in &kept {
-                parameters[*at] = *value;
-            }
-            rest.with(kind, parameters)
-        })
+    let (layout, xs) = laid_out(problem, values, kind, sizes(problem, values, tangent, kind));
+    if replaces(&values.kinds(), kind) {
+        let starts = costed(problem, &layout, xs);
+        return (layout, starts);
+    }
+    let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
+        .chunks(LANES)
+        .flat_map(|chunk| chunk.iter().zip(tangent.project(problem, &layout, chunk)))
         .collect();
-    let layout = problem.layout(&tries[0].kinds());
-    let xs: Vec<Vec<f64>> = tries.iter().map(|v| layout.pack(v)).collect();
-    let mut starts: Vec<Start> = Vec::new();
-    if kept.is_empty() {
-        let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
-            .chunks(LANES)
-            .flat_map(|chunk| chunk.iter().zip(tangent.project(problem, &layout, chunk)))
-            .collect();
-        for which in [0, 1] {
-            let mut best: Vec<_> = foreseen.iter().map(|(x, p)| (*x, &p[which])).collect();
-            best.sort_by(|a, b| a.1.left.total_cmp(&b.1.left));
-            let moved: Vec<Vec<f64>> =
-                best.into_iter().take(LANES / 2).map(|(x, p)| tangent.moved(&layout, x, p)).collect();
-            starts.extend(moved.into_iter().map(|x| (0.0, x)));
-        }
-    } else {
-        starts.extend(xs.into_iter().map(|x| (0.0, x)));
+    let mut moved: Vec<Vec<f64>> = Vec::new();
+    for which in [0, 1] {
+        let mut best: Vec<_> = foreseen.iter().map(|(x, p)| (*x, &p[which])).collect();
+        best.sort_by(|a, b| a.1.left.total_cmp(&b.1.left));
+        moved.extend(best.into_iter().take(LANES / 2).map(|(x, p)| tangent.moved(&layout, x, p)));
     }
-    for chunk in starts.chunks_mut(LANES) {
-        let xs: Vec<Vec<f64>> = chunk.iter().map(|s| s.1.clone()).collect();
-        for (start, cost) in chunk.iter_mut().zip(problem.costs(&layout, Objective::Scales, &xs)) {
-            start.0 = cost;
-        }
-    }
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let starts = costed(problem, &layout, moved);
     (layout, starts)
 }

@@ -70,7 +70,7 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
     let layout = &session.current.layout;
     let plain = layout.axes.iter().enumerate().map(|(k, axis)| {
         let at = |x: f64| layout.plain(k, x);
-        json!({ "name": axis.name, "unit": axis.unit, "value": at(session.current.found.x[k]),
+        json!({ "name": axis.name, "unit": axis.unit, "value": at(session.current.x[k]),
                 "low": at(axis.low), "high": at(axis.high), "log": axis.unit_value == 0.0 })
     });
     let record = |grid: &Grid, unseen: bool| {

@@ -1,6 +1,6 @@
 //! A gap in the gear.
 
-use super::spec::{Port, Scale, Spec, between_masses, shape, strength};
+use super::spec::{Port, Scale, Spec, between_masses, shape, strength, Search};
 use super::{Effect, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -23,6 +23,7 @@ pub(super) const SPEC: Spec = Spec {
         &[0.3, 0.3, 0.3, 150.0, 0.3], &[0.8, 0.3, 0.3, 150.0, 0.3], &[1.6, 0.3, 0.3, 150.0, 0.3], &[3.2, 0.3, 0.3, 150.0, 0.3],
         &[0.3, 0.6, 0.3, 150.0, 0.3], &[0.8, 0.6, 0.3, 150.0, 0.3], &[1.6, 0.6, 0.3, 150.0, 0.3], &[3.2, 0.6, 0.3, 150.0, 0.3],
     ],
+    search: Search::Probes,
     laws: between_masses(8),
     remembers: false,
     contains: &[],

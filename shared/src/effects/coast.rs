@@ -13,11 +13,10 @@
 //! u_b = ((V - E)(1 - e^(-dT/tau)) + E) e^(-(1-d-f)T/tau) - E, and the diodes conduct for the share
 //! min(f, tau/T ln(1 + |u_b| / (V + D +- E))) of the period, + where u_b > 0. That is exact for a current that ends
 //! within the period, and for one that never ends, where the share is f whatever the current began with. The mean
-//! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model. Of a record
-//! that shows when the pulses of a slow PWM come, [`Now::pulses`] holds what they bring in each step beyond that mean.
+//! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model.
 
 use super::decay::decay;
-use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -38,6 +37,7 @@ pub(super) const SPEC: Spec = Spec {
     probes: &[
         &[0.4, 300.0], &[0.4, 700.0], &[0.7, 300.0], &[0.7, 700.0], &[1.0, 300.0], &[1.0, 700.0], &[0.7, 4000.0],
     ],
+    search: Search::Probes,
     laws: EXPLICIT,
     remembers: true,
     contains: &[],
@@ -104,7 +104,7 @@ impl<S: Scalar> Effect<S> for Coast<S> {
         let way = S::pick_gt(S::zero(), v, -S::one(), S::one());
         // The speed in the middle of the step, where a value from its beginning would leave an error of first order.
         let speed = memory.store.mul_add(S::lit(0.5), now.state.speed);
-        drive.voltage = way.mul_add(self.mean(way * v, way * self.back_emf * speed), now.pulses);
+        drive.voltage = way * self.mean(way * v, way * self.back_emf * speed);
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
@@ -189,19 +189,5 @@ mod tests {
         let truth = 6.0 / (viscous + 0.5 * emf);
         close(steady_speed(Kind::Coast, &[1.0, 0.01], 6.0), truth, 1e-3);
         close(steady_speed(Kind::Coast, &[1.0, 0.01], -6.0), -truth, 1e-3);
-    }
-
-    #[test]
-    fn what_pulses_bring_is_added_to_the_mean_forward_and_backward() {
-        let coast = Coast::new(&[0.7, 400.0], &Setting::new(&BASE, &RIG, 1));
-        for command in [-5.0, 0.0, 5.0] {
-            let voltage = |pulses: f64| {
-                let now = Now { command, state: State::moving(0.0, 2.0, 0.0), voltages: &[], index: 0, pulses };
-                let mut drive = Drive::plain(command);
-                coast.drive(&now, &Memory::empty(0.0), &mut drive);
-                drive.voltage
-            };
-            close(voltage(0.5) - voltage(0.0), 0.5, 1e-12);
-        }
     }
 }

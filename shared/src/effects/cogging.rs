@@ -1,6 +1,6 @@
 //! Torque ripple of the slots, a fixed number of times per motor revolution.
 
-use super::spec::{Port, Scale, Spec, TORQUE, shown, strength};
+use super::spec::{Port, Scale, Spec, TORQUE, shown, strength, Search};
 use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
@@ -22,6 +22,7 @@ pub(super) const SPEC: Spec = Spec {
     ],
     // The order and the phase come from the data; these stand in where there is no angle to take them from.
     probes: &[&[0.2, 0.0, 0.0, 0.0, 3.0], &[0.0, 0.2, 0.0, 0.0, 3.0], &[0.2, 0.0, 0.0, 0.0, 6.0], &[0.0, 0.2, 0.0, 0.0, 6.0]],
+    search: Search::Orders,
     laws: TORQUE,
     remembers: true,
     contains: &[],

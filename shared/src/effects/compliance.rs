@@ -1,6 +1,6 @@
 //! A springy shaft or belt between motor and load.
 
-use super::spec::{Port, Scale, Spec, between_masses, shape};
+use super::spec::{Port, Scale, Spec, between_masses, shape, Search};
 use super::{Effect, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -22,6 +22,7 @@ pub(super) const SPEC: Spec = Spec {
         &[3.5, 0.45, 0.05, 0.3], &[5.0, 0.45, 0.05, 0.3], &[7.0, 0.45, 0.05, 0.3], &[10.0, 0.45, 0.05, 0.3],
         &[14.0, 0.45, 0.05, 0.3], &[20.0, 0.45, 0.05, 0.3], &[28.0, 0.45, 0.05, 0.3], &[40.0, 0.45, 0.05, 0.3],
     ],
+    search: Search::Probes,
     laws: between_masses(4),
     remembers: false,
     contains: &[],

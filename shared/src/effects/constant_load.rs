@@ -1,6 +1,6 @@
 //! A torque that never changes.
 
-use super::spec::{TORQUE, Port, Scale, Spec, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque is the same at every speed and angle; the shaft drifts one way",
     parameters: &[strength("load", "V", "torque against forward motion, as a voltage", Scale::Volt, [-6.0, 0.1, 6.0])],
     probes: &[&[-0.8], &[-0.1], &[0.1], &[0.8]],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: false,
     contains: &[],

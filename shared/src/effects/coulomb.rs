@@ -1,6 +1,6 @@
 //! Dry friction of one size in both directions.
 
-use super::spec::{DRY, Port, Scale, Spec, strength};
+use super::spec::{DRY, Port, Scale, Spec, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque is a step at zero speed; small voltages do not move the shaft",
     parameters: &[strength("level", "V", "friction torque as a voltage", Scale::Volt, [0.0, 0.2, 5.0])],
     probes: &[&[0.05], &[0.2], &[0.6], &[1.2]],
+    search: Search::Probes,
     laws: DRY,
     remembers: false,
     contains: &[],

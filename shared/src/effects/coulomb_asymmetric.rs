@@ -1,6 +1,6 @@
 //! Dry friction that differs by direction.
 
-use super::spec::{DRY, Port, Scale, Spec, shape, strength};
+use super::spec::{DRY, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("difference", "V", "half of forward less backward", Scale::Volt, [-3.0, 0.05, 3.0]),
     ],
     probes: &[&[0.2, -0.1], &[0.2, 0.1], &[0.7, -0.35], &[0.7, 0.35]],
+    search: Search::Probes,
     laws: DRY,
     remembers: false,
     contains: &[("coulomb", "level"), ("constant_load", "difference")],

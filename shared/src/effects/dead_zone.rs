@@ -1,6 +1,6 @@
 //! The driver gives nothing until the command passes a threshold.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("offset", "V", "half of forward less backward threshold", Scale::Volt, [-2.0, 0.02, 2.0]),
     ],
     probes: &[&[0.1, 0.0], &[0.4, 0.0], &[1.0, 0.0], &[2.0, 0.0]],
+    search: Search::Probes,
     laws: EXPLICIT,
     remembers: false,
     contains: &[],

@@ -1,6 +1,6 @@
 //! The voltage arrives late.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -14,6 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "the response is the model's, shifted; residual peaks at every jump of the voltage",
     parameters: &[strength("time", "s", "dead time from voltage to torque", Scale::Millisecond, [0.0, 3.0, 120.0])],
     probes: &[&[1.0], &[3.0], &[8.0], &[20.0], &[45.0]],
+    search: Search::Probes,
     laws: EXPLICIT,
     remembers: false,
     contains: &[],

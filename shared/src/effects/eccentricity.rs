@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, strength, Search};
 use super::{Effect, Memory, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -23,6 +23,7 @@ pub(super) const SPEC: Spec = Spec {
         &[1.0, 0.0], &[0.0, 1.0], &[-1.0, 0.0], &[0.0, -1.0],
         &[5.0, 0.0], &[0.0, 5.0], &[-5.0, 0.0], &[0.0, -5.0],
     ],
+    search: Search::Probes,
     laws: EXPLICIT,
     remembers: false,
     contains: &[],

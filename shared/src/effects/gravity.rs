@@ -1,6 +1,6 @@
 //! A weight on an arm.
 
-use super::spec::{TORQUE, Port, Scale, Spec, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, strength, Search};
 use super::wave::Wave;
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
@@ -22,6 +22,7 @@ pub(super) const SPEC: Spec = Spec {
         &[0.4, 0.0], &[0.0, 0.4], &[-0.4, 0.0], &[0.0, -0.4],
         &[1.2, 0.0], &[0.0, 1.2], &[-1.2, 0.0], &[0.0, -1.2],
     ],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: false,
     contains: &[],

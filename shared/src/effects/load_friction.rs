@@ -1,6 +1,6 @@
 //! Friction in the gear teeth that grows with the torque they pass.
 
-use super::spec::{MESHING, Port, Scale, Spec, shape, strength};
+use super::spec::{MESHING, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("knee", "V", "torque above which it is lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
     ],
     probes: &[&[0.04, 0.15], &[0.12, 0.15], &[0.3, 0.15]],
+    search: Search::Probes,
     laws: MESHING,
     remembers: false,
     contains: &[],

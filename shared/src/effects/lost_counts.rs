@@ -1,6 +1,6 @@
 //! A counter that misses edges at speed.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
         &[0.004, 0.2], &[0.004, 0.35], &[0.004, 0.6], &[0.03, 0.2], &[0.03, 0.35], &[0.03, 0.6],
         &[0.2, 0.35], &[0.2, 0.6],
     ],
+    search: Search::Probes,
     laws: EXPLICIT,
     remembers: true,
     contains: &[],

@@ -18,7 +18,7 @@ pub mod together;
 mod wave;
 pub use coast::DIODES_V;
 pub use formula::{Definition, Entry, Formula, Operation, Quantity, Unsound, UserDefined};
-pub use spec::{Parameter, Port, Scale, Spec};
+pub use spec::{Parameter, Port, Scale, Search, Spec};
 
 /// The rig a record was made on: known, not fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,8 +103,6 @@ pub struct Now<'a, S: Scalar> {
     pub voltages: &'a [S::Element],
     /// This cell's place in `voltages`: 1 for the first.
     pub index: usize,
-    /// What the pulses of a PWM bring in this cell beyond their mean, V, where a record shows when they come; else 0.
-    pub pulses: S,
 }
 
 /// What one effect remembers from step to step.

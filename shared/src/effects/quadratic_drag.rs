@@ -1,6 +1,6 @@
 //! Drag that grows with the square of speed.
 
-use super::spec::{TORQUE, Port, Scale, Spec, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -14,6 +14,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque bends against speed, alike in both directions; top speed is too high in the model",
     parameters: &[strength("drag", "V s2/rad2", "torque per square of speed", Scale::VoltPerSpeedSquared, [0.0, 0.3, 12.0])],
     probes: &[&[0.1], &[0.5], &[1.5]],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: true,
     contains: &[],

@@ -1,7 +1,7 @@
 //! Iron that saturates: less torque per ampere at high current.
 
 use super::decay::decay;
-use super::spec::{Port, Scale, Spec, TORQUE, strength};
+use super::spec::{Port, Scale, Spec, TORQUE, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -15,6 +15,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "jumps of the voltage accelerate less than the model says; slow motion fits",
     parameters: &[strength("strength", "1", "loss at stall, where it is small", Scale::One, [0.0, 0.3, 8.0])],
     probes: &[&[0.15], &[0.6], &[2.0]],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: false,
     contains: &[],

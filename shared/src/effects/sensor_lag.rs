@@ -1,6 +1,6 @@
 //! A filtered or stale reading.
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, shown, strength};
+use super::spec::{EXPLICIT, Port, Scale, Spec, shown, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
     ],
     // How long a reading is held shows in the data.
     probes: &[&[1.5, 0.0], &[5.0, 0.0], &[15.0, 0.0], &[50.0, 0.0]],
+    search: Search::Hold("hold"),
     laws: EXPLICIT,
     remembers: true,
     contains: &[],

@@ -94,6 +94,26 @@ pub struct Parameter {
     pub searched: bool,
 }
 
+impl Parameter {
+    /// `size` of its scale on `rig`, in the unit that it is stored in.
+    #[must_use]
+    pub fn plain(&self, size: f64, rig: &Rig) -> f64 {
+        size * self.scale.unit(rig)
+    }
+}
+
+/// Where a search for an effect begins, beside the row's probes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Search {
+    /// Nowhere else.
+    Probes,
+    /// At the orders to which the records answer: a torque that is periodic in the motor's angle, with the sine, the cosine, those of the
+    /// second harmonic and the order as parameters.
+    Orders,
+    /// At the time for which the records show that a reading is held, in this parameter.
+    Hold(&'static str),
+}
+
 /// A row of the registry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spec {
@@ -113,6 +133,8 @@ pub struct Spec {
     pub parameters: &'static [Parameter],
     /// Finite trial values for the diagnosis, in each parameter's scale.
     pub probes: &'static [&'static [f64]],
+    /// Where else a search for it begins.
+    pub search: Search,
     /// What of a step it needs.
     pub laws: Laws,
     /// Has something to remember from step to step.
@@ -122,6 +144,14 @@ pub struct Spec {
 }
 
 impl Spec {
+    /// Parameters of the typical size and shape on `rig`, in the units that they are stored in.
+    pub fn typical<'a>(&'a self, rig: &'a Rig) -> impl Iterator<Item = f64> + 'a {
+        self.parameters.iter().map(|p| p.plain(p.typical, rig))
+    }
+    /// The probes in the units that the parameters are stored in on `rig`.
+    pub fn probes_on<'a>(&'a self, rig: &'a Rig) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
+        self.probes.iter().map(|probe| probe.iter().zip(self.parameters).map(|(size, p)| p.plain(*size, rig)))
+    }
     /// Whether it is the effect `name` or contains it.
     #[must_use]
     pub fn holds(&self, name: &str) -> bool {

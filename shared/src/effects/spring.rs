@@ -1,6 +1,6 @@
 //! A spring at the output.
 
-use super::spec::{TORQUE, Port, Scale, Spec, shape, strength};
+use super::spec::{TORQUE, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("preload", "V", "torque at the start of the record", Scale::Volt, [-6.0, 0.05, 6.0]),
     ],
     probes: &[&[0.03, 0.0], &[0.15, 0.0], &[0.6, 0.0], &[3.0, 0.0]],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: false,
     contains: &[("constant_load", "preload")],

@@ -1,6 +1,6 @@
 //! Dry friction that falls as the lubricant begins to carry.
 
-use super::spec::{DRY, Port, Scale, Spec, shape, strength};
+use super::spec::{DRY, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -19,6 +19,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("tail", "1", "0: the excess falls like a bell, 1: like an exponential", Scale::One, [0.0, 0.4, 1.0]),
     ],
     probes: &[&[0.2, 0.14, 0.01, 0.4], &[0.2, 0.14, 0.035, 0.4], &[0.7, 0.5, 0.01, 0.4], &[0.7, 0.5, 0.035, 0.4]],
+    search: Search::Probes,
     laws: DRY,
     remembers: true,
     contains: &[("coulomb", "level")],

@@ -1,6 +1,6 @@
 //! A weak supply: its voltage falls as the motor draws from it.
 
-use super::spec::{SERIES, Port, Scale, Spec, shape, strength};
+use super::spec::{SERIES, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("buffer", "s", "time constant of source and capacitor", Scale::Millisecond, [0.0, 2.0, 50.0]),
     ],
     probes: &[&[0.1, 1.5], &[0.35, 1.5], &[0.8, 1.5]],
+    search: Search::Probes,
     laws: SERIES,
     remembers: true,
     contains: &[],

@@ -3,7 +3,7 @@
 //!
 //! Equation, source and signature stand in the row, because users read them too (`motorlens effects`).
 
-use super::spec::{Port, Scale, Spec, TORQUE, strength};
+use super::spec::{Port, Scale, Spec, TORQUE, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque on a straight line through zero when drawn over speed",
     parameters: &[strength("drag", "V s/rad", "torque per speed", Scale::One, [0.0, 0.01, 1.0])],
     probes: &[&[0.01], &[0.1]],
+    search: Search::Probes,
     laws: TORQUE,
     remembers: false,
     contains: &[],
@@ -49,7 +50,7 @@ fn the_template_slows_the_motor_as_its_equation_says() {
     let setting = Setting::new(&BASE, &RIG, 1);
     let effect = Template::new(&[0.1], &setting);
     let state = crate::step::State::moving(0.0, 5.0, 0.0);
-    let now = Now { command: 0.0, state, voltages: &[0.0], index: 0, pulses: 0.0 };
+    let now = Now { command: 0.0, state, voltages: &[0.0], index: 0 };
     let mut drive = Drive::plain(0.0);
     effect.drive(&now, &Memory::empty(0.0), &mut drive);
     close(drive.torque, -0.5, 1e-12);

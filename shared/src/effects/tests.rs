@@ -83,7 +83,7 @@ fn every_effect_sets_only_what_its_row_declares() {
     for kind in Kind::ALL {
         let effect = Active::new(*kind, &typical(*kind), &Setting::new(&BASE, &RIG, 1));
         let state = State { load_speed: 2.5, load_angle: 0.8, ..State::moving(2.0, 3.0, 0.7) };
-        let now = Now { command: 3.0, state, voltages: &[1.0, 3.0], index: 1, pulses: 0.0 };
+        let now = Now { command: 3.0, state, voltages: &[1.0, 3.0], index: 1 };
         let memory = Memory { store: 0.1, age: 0.0, origin: 0.2 };
         let mut drive = plain;
         effect.drive(&now, &memory, &mut drive);

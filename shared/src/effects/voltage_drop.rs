@@ -1,6 +1,6 @@
 //! Brushes and transistors that take a fixed voltage from any current.
 
-use super::spec::{BRUSH, Port, Scale, Spec, shape, strength};
+use super::spec::{BRUSH, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("knee", "V", "current well above which all is lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
     ],
     probes: &[&[0.1, 0.2], &[0.4, 0.2], &[1.0, 0.2], &[2.0, 0.2]],
+    search: Search::Probes,
     laws: BRUSH,
     remembers: false,
     contains: &[],

@@ -1,7 +1,7 @@
 //! The winding warms up and its resistance rises.
 
 use super::decay::decay;
-use super::spec::{SERIES, Port, Scale, Spec, shape, strength};
+use super::spec::{SERIES, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("cooling", "s", "thermal time constant", Scale::One, [2.0, 30.0, 300.0]),
     ],
     probes: &[&[0.02, 30.0], &[0.1, 30.0], &[0.3, 30.0], &[0.3, 8.0]],
+    search: Search::Probes,
     laws: SERIES,
     remembers: true,
     contains: &[],
