@@ -295,7 +295,7 @@ mod tests {
         let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let library = [Kind::Coulomb, Kind::DeadZone];
-        let found = forward(&evidence, &base, &library, &mut |_| ());
+        let found = forward(&evidence, &base, &library, 0.0, &mut |_| ());
         let rivals: Vec<&Fitted> = found.iter().collect();
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let plan = choose(&evidence.train, &rivals, limits).unwrap();
@@ -311,7 +311,7 @@ mod tests {
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let why = |library: &[Kind]| {
-            let found = forward(&evidence, &base, library, &mut |_| ());
+            let found = forward(&evidence, &base, library, 0.0, &mut |_| ());
             choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap().why()
         };
         assert!(why(&[Kind::Stribeck, Kind::Coulomb]).starts_with("coulomb suffices: stribeck contains it"));
@@ -332,7 +332,7 @@ mod tests {
         let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let library = [Kind::Stribeck, Kind::Coulomb];
-        let found = forward(&evidence, &base, &library, &mut |_| ());
+        let found = forward(&evidence, &base, &library, 0.0, &mut |_| ());
         let limits = Limits { volts: 6.0, seconds: 5.0 };
         let plan = choose(&evidence.train, &found.iter().collect::<Vec<_>>(), limits).unwrap();
         assert!(plan.separation > 0.3, "{}", plan.why());

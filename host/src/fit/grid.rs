@@ -79,8 +79,11 @@ pub struct Grid {
     pub skip: usize,
 }
 
-/// Longest cell, s. The exact map allows more, but friction and effects are held over a cell.
+/// Longest cell, s, where readings are dense. The exact map allows more, but friction and effects are held over a cell.
 pub(super) const LONGEST_CELL: f64 = 1.001e-3;
+/// Cells between two readings where these are slow, and the longest cell then, s: nothing faster is seen.
+const BETWEEN_READINGS: f64 = 8.0;
+const LONGEST_SLOW_CELL: f64 = 4e-3;
 /// Cells that a record should not exceed, and the longest cell that this may lead to, s.
 const MOST_CELLS: f64 = 120_000.0;
 const LONGEST_SWEEP_CELL: f64 = 0.01;
@@ -91,11 +94,14 @@ impl Grid {
     /// Lays `record` on the grid; `quantum` is the smallest step of its main column.
     pub fn new(record: &Record, quantum: f64) -> Self {
         let interval = timing::median_interval(&record.time_s);
-        let step = cell_length(interval, record.duration_s());
+        let (quantity, column) = main_column(record, quantum, interval);
+        let renewed = renewals(quantity, column);
+        let at = |kept: &Vec<usize>| -> Vec<f64> { kept.iter().map(|k| record.time_s[*k]).collect() };
+        let renewal = renewed.as_ref().map(|kept| timing::median_interval(&at(kept)));
+        let step = cell_length(interval, renewal.unwrap_or(interval), record.duration_s());
         let thin = ((step / interval).round() as usize).max(1);
         let origin = record.time_s[0];
         let cells = (record.duration_s() / step).ceil() as usize + 1;
-        let (quantity, column) = main_column(record, quantum, interval);
         let mut grid = Self {
             name: record.name.clone(),
             step_s: step,
@@ -113,19 +119,10 @@ impl Grid {
             sigma: reading_noise(quantity, column, quantum),
             scales: Vec::new(),
             even: 0.0,
-            interval_s: interval * thin as f64,
+            interval_s: renewal.unwrap_or(interval * thin as f64),
             skip: 0,
         };
-        let renewed = renewals(quantity, column);
-        let kept: Vec<usize> = match &renewed {
-            Some(renewed) => renewed.clone(),
-            None => (0..record.len()).step_by(thin).collect(),
-        };
-        if renewed.is_some() {
-            let times: Vec<f64> = kept.iter().map(|k| record.time_s[*k]).collect();
-            grid.interval_s = timing::median_interval(&times);
-        }
-        for k in kept {
+        for k in renewed.unwrap_or_else(|| (0..record.len()).step_by(thin).collect()) {
             let position = (record.time_s[k] - origin) / step;
             grid.places.push(place(position));
             grid.time_s.push(record.time_s[k]);
@@ -190,8 +187,9 @@ impl Grid {
 
 /// About a millisecond, dividing the sampling interval where that is longer; more for records of many minutes with
 /// few samples, such as sweeps of steady speeds.
-fn cell_length(interval: f64, duration: f64) -> f64 {
-    let longest = LONGEST_CELL.max((duration / MOST_CELLS).min(LONGEST_SWEEP_CELL));
+fn cell_length(interval: f64, renewal: f64, duration: f64) -> f64 {
+    let slow = (1.001 * renewal / BETWEEN_READINGS).min(LONGEST_SLOW_CELL);
+    let longest = LONGEST_CELL.max(slow).max((duration / MOST_CELLS).min(LONGEST_SWEEP_CELL));
     if interval >= SHORTEST_CELL {
         interval / (interval / longest).ceil()
     } else {

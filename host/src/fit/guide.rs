@@ -34,7 +34,7 @@ impl Grid {
     /// compared with one another.
     #[must_use]
     pub fn coarse(&self) -> Self {
-        if self.quantity != Quantity::Angle || self.step_s > LONGEST_CELL {
+        if self.step_s > LONGEST_CELL {
             return self.clone();
         }
         let last = self.guide.len().is_multiple_of(2).then(|| self.guide.last().copied()).flatten();

@@ -93,7 +93,11 @@ impl<S: Scalar> Sink<S> for Sampler<'_, S> {
             let sample = match grid.quantity {
                 Quantity::Angle => reading,
                 Quantity::Speed | Quantity::MeanSpeed if number == 0 => before[1],
-                Quantity::Speed => (after[0] - before[0]) * S::lit(1.0 / grid.step_s),
+                // The reading's own mean over the cell, and what the shaft's speed is beside its mean at that time.
+                Quantity::Speed => {
+                    let mean = (after[0] - before[0]) * S::lit(1.0 / grid.step_s);
+                    (after[1] - before[1]).mul_add(S::lit(place.part - 0.5), mean)
+                }
                 Quantity::MeanSpeed => {
                     let since = 1.0 / (grid.time_s[number] - grid.time_s[number - 1]);
                     let mean = (reading - self.last_sample) * S::lit(since);

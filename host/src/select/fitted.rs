@@ -108,6 +108,12 @@ impl Fitted {
         self.scores.iter().sum()
     }
 
+    /// What a further effect must gain beside all that it explains of what `base` leaves, natural logarithms.
+    pub fn asks(&self, base: &Self) -> f64 {
+        let explained = (self.score() - base.score()).max(0.0);
+        WORTH.max(SHARE / (1.0 - SHARE) * explained)
+    }
+
     /// By how much it is better than `other`.
     pub fn gain_over(&self, other: &Self) -> Gain {
         Gain::of(&self.scores, &other.scores)

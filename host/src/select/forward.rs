@@ -8,7 +8,9 @@ use crate::diagnose::contained::may_join;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
+use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
+use crate::fit::search::Problem;
 
 /// Effects of which more than the trial evaluations is seen.
 const TRIALS: usize = 14;
@@ -16,6 +18,9 @@ const TRIALS: usize = 14;
 const STARTS: usize = 2;
 /// Steps of the first screening round, for every effect.
 const FIRST: usize = 2;
+/// Shares of the best's gain, or of the gain that is asked, with which an effect goes on after the first round and after the second.
+const HOPEFUL: f64 = 0.1;
+const NEAR: f64 = 0.25;
 /// Effects in the second round, and its steps.
 const SECOND: (usize, usize) = (8, 4);
 /// Effects that are fitted on all records, rounds of weighing and steps of each.
@@ -27,12 +32,23 @@ pub fn lacks(kinds: &[Kind], kind: Kind) -> bool {
     may_join(kinds, kind) && !(two_masses && kind.spec().load_share().is_some())
 }
 
-/// Fits `model` with every effect of `library` that it lacks; best score first.
-pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn FnMut(Kind)) -> Vec<Fitted> {
+/// Fits `model` with every effect of `library` that it lacks; best score first. Those that cannot come to a gain of `asked`, nor near the
+/// best, are given up on the way.
+pub fn forward(
+    data: &Evidence,
+    model: &Fitted,
+    library: &[Kind],
+    asked: f64,
+    tick: &mut dyn FnMut(Kind),
+) -> Vec<Fitted> {
     let screen = data.screen(&model.noise);
     let found = screen.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&screen, &model.layout, &found, true, Objective::Scales);
     let values = model.values();
+    // The gain that a cost on these records comes to on all of them, natural logarithms.
+    let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
+    let all = samples(&data.train) / samples(&screen);
+    let gain = |cost: f64| 0.5 * all * (found.cost - cost);
     let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
     let mut round: Vec<(Layout, Start)> = Vec::new();
     let straight = straightened(&screen, &values);
@@ -51,13 +67,11 @@ pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn
         let best = starts.iter().map(search).min_by(|a, b| a.0.total_cmp(&b.0));
         round.extend(best.map(|start| (layout.clone(), start)));
     }
-    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    round.truncate(SECOND.0);
+    keep(&mut round, SECOND.0, HOPEFUL, &gain, asked);
     for (layout, start) in &mut round {
         *start = screen.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
     }
-    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    round.truncate(FULL.0);
+    keep(&mut round, FULL.0, NEAR, &gain, asked);
     data.train.simulations.set(data.train.simulations.get() + screen.simulations.get());
     let mut fitted: Vec<Fitted> =
         round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
@@ -65,9 +79,24 @@ pub fn forward(data: &Evidence, model: &Fitted, library: &[Kind], tick: &mut dyn
     fitted
 }
 
+/// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`.
+fn keep(
+    round: &mut Vec<(Layout, Start)>,
+    most: usize,
+    share: f64,
+    gain: &dyn Fn(f64) -> f64,
+    asked: f64,
+) {
+    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let best = round.first().map_or(0.0, |(_, start)| gain(start.0));
+    let least = share * asked.max(best);
+    let hopeful = round.iter().take_while(|(_, start)| gain(start.0) > least).count();
+    round.truncate(hopeful.clamp(1, most));
+}
+
 /// `model` with `kind` added; none where that cannot join it.
 pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
-    forward(data, model, &[kind], &mut |_| ()).into_iter().next().map(|found| found.settled(data))
+    forward(data, model, &[kind], 0.0, &mut |_| ()).into_iter().next().map(|found| found.settled(data))
 }
 
 /// Of `fitted`, best score first, the one to believe: of those that do as well as the best the smallest, and of equally small ones the law

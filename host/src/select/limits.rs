@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use super::fitted::{Fitted, SHARE, WORTH};
+use super::fitted::Fitted;
 use super::forward::lacks;
 use super::noise::FREEDOM;
 use crate::diagnose::contained::{extended, parts};
@@ -58,9 +58,7 @@ pub fn detection_limits(
     let problem = noiseless(data, model);
     let found = problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
-    // As much as the selection asks of a further effect.
-    let explained = (model.score() - base.score()).max(0.0);
-    let asked = WORTH.max(SHARE / (1.0 - SHARE) * explained);
+    let asked = model.asks(base);
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(&problem, model, &tangent, kind, asked)).collect();

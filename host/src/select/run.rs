@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
-use super::fitted::{Fitted, SETTLED, WORTH};
+use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, simplest};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
@@ -59,7 +59,7 @@ pub fn run(
     while steps.len() <= most && steps[steps.len() - 1].kinds().len() < MAX_EFFECTS {
         let model = &steps[steps.len() - 1];
         let depth = steps.len() - 1;
-        let mut candidates = forward(data, model, library, &mut |kind| tick(depth, kind));
+        let mut candidates = forward(data, model, library, model.asks(&steps[0]), &mut |kind| tick(depth, kind));
         let next = step_up(data, &steps[0], model, &mut candidates);
         if steps.len() == 1 {
             first = candidates;
@@ -80,10 +80,16 @@ pub fn run(
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
 /// the smallest, else the next. The one that was looked at first comes first then. `base` is what the selection began with.
 pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut [Fitted]) -> Option<Fitted> {
+    // Settled, a candidate may gain a little more.
+    let asked = 0.5 * model.asks(base);
+    let promises = |c: &Fitted| c.gain_over(model).total > asked;
+    if !candidates.iter().any(promises) {
+        return None;
+    }
     if let Some(chosen) = simplest(data, candidates, base) {
         candidates[..=chosen].rotate_right(1);
     }
-    let worth = candidates.iter().filter(|c| c.gain_over(model).total > WORTH);
+    let worth = candidates.iter().filter(|c| promises(c));
     worth.take(TRIED).map(|c| c.clone().settled(data)).find(|c| c.beats(model, data, base))
 }
 
@@ -150,7 +156,8 @@ fn rivals(
             first.to_vec()
         } else {
             let without = Fitted::of(data, &model.values().without(kind), 2, 8);
-            forward(data, &without, library, &mut |_| ())
+            let gain = model.score() - without.score();
+            forward(data, &without, library, gain, &mut |_| ())
         };
         alike(data, model, tried, &steps[0])
     };

@@ -56,7 +56,7 @@ struct Stopped;
 fn tried(job: &Job, work: &Work, library: &[Kind]) -> Option<Vec<Fitted>> {
     let mut count = 0;
     let found = catch_unwind(AssertUnwindSafe(|| {
-        forward(&work.evidence, &work.model, library, &mut |effect| {
+        forward(&work.evidence, &work.model, library, 0.0, &mut |effect| {
             if job.stopped() {
                 resume_unwind(Box::new(Stopped));
             }
