@@ -4,6 +4,7 @@ use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
+use crate::fit::sketch::Sketch;
 use crate::fit::fixed;
 use crate::log::Record;
 use crate::log::repeats::find_repeats;
@@ -15,9 +16,6 @@ use motorlens_shared::effects::Kind;
 
 /// A model that leaves less than so many times the noise, every time scale alike, leaves nothing that these records show.
 pub const EXPLAINS: f64 = 1.25;
-
-/// Samples that candidates are compared on at most: beyond that the beginnings of the records serve.
-const MOST_SCREENED: f64 = 24e3;
 
 /// Records to learn from. Nothing here changes while models are compared.
 #[derive(Debug, Clone)]
@@ -62,19 +60,11 @@ impl Evidence {
         self.train = train;
     }
 
-    /// The records in cells of twice the length, one of each programme, weighted by `noise`: for candidates that are only compared.
-    pub fn screen(&self, noise: &Noise) -> Problem {
+    /// One record of each programme as `sketch` has it, weighted by `noise`: for candidates that are only compared.
+    pub fn sketch(&self, sketch: Sketch, noise: &Noise) -> Problem {
         let second = |k: &usize| self.repeats.iter().any(|(_, second)| second == k);
-        let held = self.train.hold_s.is_some();
-        let samples: usize = self.train.grids.iter().map(Grid::len).sum();
-        let share = MOST_SCREENED / samples.max(1) as f64;
-        let sketch = |k: usize| {
-            let grid = &self.train.grids[k];
-            let grid = if share < 1.0 { grid.beginning(share) } else { grid.clone() };
-            if held { grid } else { grid.coarse() }
-        };
-        let mut problem =
-            self.train.on((0..self.train.grids.len()).filter(|k| !second(k)).map(sketch).collect());
+        let kept = (0..self.train.grids.len()).filter(|k| !second(k));
+        let mut problem = self.train.on(kept.map(|k| self.train.grids[k].clone()).collect()).sketch(sketch);
         noise.weigh(&mut problem);
         problem
     }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
+use crate::fit::sketch::Sketch;
 use crate::fit::uncertainty::Spread;
 
 /// An interval by profile, beside the curvature's.
@@ -43,10 +44,14 @@ const CERTAIN: f64 = 0.1;
 const REFIT: usize = 4;
 const STEPS: usize = 6;
 
+/// What of the records shows the shape of a valley; how wide it is, all of them say.
+const SKETCH: Sketch = Sketch { samples: f64::MAX, cell_s: 4.01e-3, interval_s: 8.01e-3 };
+
 /// Walks the parameters of `values` that the curvature does not settle.
 pub fn profiles(problem: &Problem, values: &Values) -> Vec<Profile> {
     let layout = problem.layout(&values.kinds());
     let spread = Spread::of(problem, values);
+    let problem = &problem.sketch(SKETCH);
     let best = problem.search(&layout, Objective::Increments, &spread.x, REFIT, 1e-6);
     let free = layout.free();
     let Some(inverse) = best.curvature.clone().try_inverse() else { return Vec::new() };

@@ -80,7 +80,7 @@ pub struct Grid {
 }
 
 /// Longest cell, s, where readings are dense. The exact map allows more, but friction and effects are held over a cell.
-pub(super) const LONGEST_CELL: f64 = 1.001e-3;
+const LONGEST_CELL: f64 = 1.001e-3;
 /// Cells between two readings where these are slow, and the longest cell then, s: nothing faster is seen.
 const BETWEEN_READINGS: f64 = 8.0;
 const LONGEST_SLOW_CELL: f64 = 4e-3;

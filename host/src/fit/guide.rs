@@ -1,8 +1,7 @@
-//! What the search makes of a grid: only the samples that are judged, with the shaft as it was seen in between; and coarser
-//! cells, where candidates are only compared.
+//! What the search makes of a grid: only the samples that are judged, with the shaft as it was seen in between.
 
 use super::cost::stride;
-use super::grid::{Grid, LONGEST_CELL, Place, Quantity};
+use super::grid::{Grid, Quantity};
 use super::simulate::hermite;
 
 impl Grid {
@@ -28,38 +27,6 @@ impl Grid {
             self.skip = 0;
         }
         self
-    }
-
-    /// The same in cells of twice the length, where these are short: half the work, for runs that only have to be
-    /// compared with one another.
-    #[must_use]
-    pub fn coarse(&self) -> Self {
-        if self.step_s > LONGEST_CELL {
-            return self.clone();
-        }
-        let last = self.guide.len().is_multiple_of(2).then(|| self.guide.last().copied()).flatten();
-        let halved = |cells: &[f64]| -> Vec<f64> {
-            let (first, cells) = cells.split_at(cells.len().min(1));
-            let pairs = cells.chunks(2).map(|pair| pair.iter().sum::<f64>() / pair.len() as f64);
-            first.iter().copied().chain(pairs).collect()
-        };
-        let place = |p: &Place| {
-            let half = (p.cell % 2) as f64;
-            Place { cell: p.cell / 2, part: 0.5 * (half + p.part) }
-        };
-        let guide: Vec<f64> = self.guide.iter().copied().step_by(2).chain(last).collect();
-        // A sample near an end that goes is near the next that stays.
-        let near = |end: usize| {
-            [(2 * end).saturating_sub(1), 2 * end].iter().any(|k| self.seen.get(*k) == Some(&true))
-        };
-        Self {
-            step_s: 2.0 * self.step_s,
-            voltages: halved(&self.voltages),
-            seen: (0..guide.len()).map(near).collect(),
-            guide,
-            places: self.places.iter().map(place).collect(),
-            ..self.clone()
-        }
     }
 
     /// The measured column at the start and at every cell's end, by cubics through the samples.
@@ -95,26 +62,6 @@ mod tests {
     use crate::fit::simulate::predict_one;
     use crate::motor_file::MotorFile;
     use motorlens_shared::effects::Kind;
-
-    /// Every volt-second, every sample and the end of the guide stay where they were, whether the cells are even or odd
-    /// in number.
-    #[test]
-    fn coarse_cells_keep_voltage_and_times() {
-        for n in [1000_u32, 1001] {
-            let times: Vec<f64> = (0..n).map(|k| f64::from(k) * 5e-3).collect();
-            let volts = (0..n).map(|k| f64::from(k % 7) - 2.0).collect();
-            let fine = Grid::new(&record(times, volts), 0.01).guided();
-            let coarse = fine.coarse();
-            assert!((coarse.step_s / fine.step_s - 2.0).abs() < 1e-12);
-            let impulse = |g: &Grid, cells: usize| g.step_s * g.cells()[..cells].iter().sum::<f64>();
-            assert!((impulse(&coarse, 1200) - impulse(&fine, 2400)).abs() < 1e-9);
-            assert_eq!(coarse.guide.len(), coarse.voltages.len());
-            for (a, b) in coarse.places.iter().zip(&fine.places) {
-                let time = |g: &Grid, p: &Place| g.step_s * (p.cell as f64 + p.part);
-                assert!((time(&coarse, a) - time(&fine, b)).abs() < 1e-9, "{a:?} {b:?}");
-            }
-        }
-    }
 
     /// A spring held at every reading would be driven on and on by what the readings lack of a count.
     #[test]

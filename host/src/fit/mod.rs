@@ -1,6 +1,6 @@
 //! From records to parameters.
 //!
-//! The way of the data: [`grid`] lays records on the model's time grid, and `guide` thins them to what is judged;
+//! The way of the data: [`grid`] lays records on the model's time grid, and `guide` thins them to what is judged, [`sketch`] to what a first comparison needs;
 //! [`layout`] names the numbers that are searched; [`simulate`] runs eight candidates through a record; [`cost`] turns
 //! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small.
 
@@ -15,6 +15,7 @@ pub mod scales;
 pub mod search;
 pub mod setup;
 pub mod simulate;
+pub mod sketch;
 pub mod start;
 pub mod uncertainty;
 mod voltages;

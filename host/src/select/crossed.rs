@@ -10,11 +10,14 @@ use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
+use crate::fit::sketch::Sketch;
 
 /// Folds at most.
 const FOLDS: usize = 6;
 /// Share of a single record that is fitted.
 const BEGINNING: f64 = 0.6;
+/// All of the records, in cells of two milliseconds.
+const SKETCH: Sketch = Sketch { samples: f64::MAX, cell_s: 2.01e-3, interval_s: 0.0 };
 /// Steps of a fit from the parameters of all records.
 const STEPS: usize = 4;
 
@@ -27,9 +30,7 @@ pub struct Fold {
 
 /// The folds of records laid out as `train`, of which `repeats` run one programme: those stay together.
 pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
-    // For comparisons alone; where readings are held their cells are those of the holding.
-    let coarse = |grid: &Grid| if train.hold_s.is_some() { grid.clone() } else { grid.coarse() };
-    let train = &train.on(train.grids.iter().map(coarse).collect());
+    let train = &train.sketch(SKETCH);
     let count = train.grids.len();
     let leader = |k: usize| repeats.iter().find(|(_, second)| *second == k).map_or(k, |(first, _)| *first);
     let mut leaders: Vec<usize> = (0..count).map(leader).collect();

@@ -11,7 +11,11 @@ use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
+use crate::fit::sketch::Sketch;
 
+/// The records in the first round, and in the second.
+const ROUGH: Sketch = Sketch { samples: 24e3, cell_s: 4.01e-3, interval_s: 4.01e-3 };
+const FINE: Sketch = Sketch { samples: 24e3, cell_s: 2.01e-3, interval_s: 0.0 };
 /// Effects of which more than the trial evaluations is seen.
 const TRIALS: usize = 14;
 /// Starts of an effect that are searched.
@@ -41,57 +45,74 @@ pub fn forward(
     asked: f64,
     tick: &mut dyn FnMut(Kind),
 ) -> Vec<Fitted> {
-    let screen = data.screen(&model.noise);
-    let found = screen.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
-    let tangent = Tangent::of(&screen, &model.layout, &found, true, Objective::Scales);
     let values = model.values();
-    // The gain that a cost on these records comes to on all of them, natural logarithms.
-    let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
-    let all = samples(&data.train) / samples(&screen);
-    let gain = |cost: f64| 0.5 * all * (found.cost - cost);
+    let straight = straightened(&data.train, &values);
+    let rough = Screen::new(data, model, ROUGH);
+    let at = rough.problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
+    let tangent = Tangent::of(&rough.problem, &model.layout, &at, true, Objective::Scales);
     let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
-    let mut round: Vec<(Layout, Start)> = Vec::new();
-    let straight = straightened(&screen, &values);
     for kind in library.iter().filter(|kind| lacks(model.kinds(), **kind)) {
         tick(*kind);
-        let (layout, mut starts) = starts(&screen, &values, &tangent, *kind);
+        let (layout, mut starts) = starts(&rough.problem, &values, &tangent, *kind);
         starts.truncate(STARTS);
         if let Some(straight) = &straight {
-            starts.extend(plain_starts(&screen, straight, *kind).into_iter().take(STARTS));
+            starts.extend(plain_starts(&rough.problem, straight, *kind).into_iter().take(STARTS));
         }
         trials.push((layout, starts));
     }
     trials.sort_by(|a, b| a.1[0].0.total_cmp(&b.1[0].0));
+    let mut round: Vec<(Layout, Start)> = Vec::new();
     for (layout, starts) in trials.into_iter().take(TRIALS) {
-        let search = |(_, x): &Start| screen.race(&layout, Objective::Scales, x, FIRST, 1e-3);
+        let search = |(_, x): &Start| rough.problem.race(&layout, Objective::Scales, x, FIRST, 1e-3);
         let best = starts.iter().map(search).min_by(|a, b| a.0.total_cmp(&b.0));
         round.extend(best.map(|start| (layout.clone(), start)));
     }
-    keep(&mut round, SECOND.0, HOPEFUL, &gain, asked);
+    rough.keep(&mut round, SECOND.0, HOPEFUL, asked);
+    let fine = Screen::new(data, model, FINE);
     for (layout, start) in &mut round {
-        *start = screen.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
+        *start = fine.problem.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
     }
-    keep(&mut round, FULL.0, NEAR, &gain, asked);
-    data.train.simulations.set(data.train.simulations.get() + screen.simulations.get());
+    fine.keep(&mut round, FULL.0, NEAR, asked);
+    for screen in [rough, fine] {
+        data.train.simulations.set(data.train.simulations.get() + screen.problem.simulations.get());
+    }
     let mut fitted: Vec<Fitted> =
         round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
     fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));
     fitted
 }
 
-/// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`.
-fn keep(
-    round: &mut Vec<(Layout, Start)>,
-    most: usize,
-    share: f64,
-    gain: &dyn Fn(f64) -> f64,
-    asked: f64,
-) {
-    round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    let best = round.first().map_or(0.0, |(_, start)| gain(start.0));
-    let least = share * asked.max(best);
-    let hopeful = round.iter().take_while(|(_, start)| gain(start.0) > least).count();
-    round.truncate(hopeful.clamp(1, most));
+/// Less of the records, on which candidates are compared.
+struct Screen {
+    problem: Problem,
+    /// What the model itself leaves here.
+    own: f64,
+    /// How many times as many samples all records have.
+    whole: f64,
+}
+
+impl Screen {
+    fn new(data: &Evidence, model: &Fitted, sketch: Sketch) -> Self {
+        let problem = data.sketch(sketch, &model.noise);
+        let own = problem.costs(&model.layout, Objective::Scales, std::slice::from_ref(&model.x))[0];
+        let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
+        let whole = samples(&data.train) / samples(&problem).max(1.0);
+        Self { problem, own, whole }
+    }
+
+    /// The gain that a cost here comes to on all records, natural logarithms.
+    fn gain(&self, (cost, _): &Start) -> f64 {
+        0.5 * self.whole * (self.own - cost)
+    }
+
+    /// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`.
+    fn keep(&self, round: &mut Vec<(Layout, Start)>, most: usize, share: f64, asked: f64) {
+        round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let best = round.first().map_or(0.0, |(_, start)| self.gain(start));
+        let least = share * asked.max(best);
+        let hopeful = round.iter().take_while(|(_, start)| self.gain(start) > least).count();
+        round.truncate(hopeful.clamp(1, most));
+    }
 }
 
 /// `model` with `kind` added; none where that cannot join it.

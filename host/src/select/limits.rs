@@ -17,11 +17,15 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
+use crate::fit::grid::Grid;
 use crate::fit::search::Problem;
 use crate::fit::simulate::{LANES, predict_one};
+use crate::fit::sketch::Sketch;
 
 /// Sizes that are tried, from the highest of the effect's row down, each half of the one before.
 const SIZES: usize = 2 * LANES;
+/// What of the records is simulated; what more of them would show grows with the samples.
+const SKETCH: Sketch = Sketch { samples: 24e3, cell_s: 4.01e-3, interval_s: 0.0 };
 /// Of the information of normal errors a Student t distribution keeps so much (K. Lange, R. Little, J. Taylor, *JASA* 84, 1989).
 const KEPT: f64 = (FREEDOM + 1.0) / (FREEDOM + 3.0);
 
@@ -58,7 +62,8 @@ pub fn detection_limits(
     let problem = noiseless(data, model);
     let found = problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
-    let asked = model.asks(base);
+    let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
+    let asked = model.asks(base) * samples(&problem) / samples(&data.train);
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(&problem, model, &tangent, kind, asked)).collect();
@@ -72,7 +77,7 @@ pub fn detection_limits(
 
 /// The records as they were had `model` been all there is and nothing disturbed it, weighted by its noise.
 fn noiseless(data: &Evidence, model: &Fitted) -> Problem {
-    let mut problem = data.train.on(data.train.grids.clone());
+    let mut problem = data.train.sketch(SKETCH);
     model.noise.weigh(&mut problem);
     let plain = model.layout.all_plain(&model.x);
     for grid in &mut problem.grids {
