@@ -46,9 +46,7 @@ pub fn hold(time_s: &[f64], values: &[f64]) -> Option<Hold> {
     let per_turn = about * interval / duration;
     let steps = (4.0 * unsure / per_turn).ceil().min(4000.0);
     let spacing = if steps > 0.0 { unsure / steps } else { 0.0 };
-    let at = |relative: f64| about * interval * (1.0 + relative);
-    let trials = (-(steps as i64)..=steps as i64).map(|k| at(k as f64 * spacing));
-    let rough = trials.max_by(|a, b| crowd(&changes, *a).0.total_cmp(&crowd(&changes, *b).0))?;
+    let rough = about * interval / most_crowded(&changes, 1.0 / (about * interval), spacing, steps as usize);
     let reach = 0.25 * per_turn * rough;
     let time_s = top([rough - reach, rough + reach], |time_s| crowd(&changes, time_s).0);
     let (size, phase) = crowd(&changes, time_s);
@@ -123,6 +121,26 @@ fn crowd(changes: &[Change], time_s: f64) -> (f64, f64) {
         y += sine;
     }
     (x.hypot(y) / changes.len() as f64, (y.atan2(x) / TAU).rem_euclid(1.0))
+}
+
+/// Of the rates `rate` (1 + k `spacing`), k from -`steps` to `steps`, the one at which the changes crowd most, over `rate`.
+///
+/// Each change is turned on from rate to rate by a rotation, which costs a product in the place of a sine.
+fn most_crowded(changes: &[Change], rate: f64, spacing: f64, steps: usize) -> f64 {
+    let first = 1.0 - steps as f64 * spacing;
+    let mut sums = vec![[0.0; 2]; 2 * steps + 1];
+    for change in changes {
+        let turns = change.middle * rate;
+        let [(mut y, mut x), (up, along)] = [first, spacing].map(|by| (TAU * (turns * by).fract()).sin_cos());
+        for sum in &mut sums {
+            sum[0] += x;
+            sum[1] += y;
+            (x, y) = (x * along - y * up, y * along + x * up);
+        }
+    }
+    let crowd = |[x, y]: &[f64; 2]| x.hypot(*y);
+    let best = (0..sums.len()).max_by(|a, b| crowd(&sums[*a]).total_cmp(&crowd(&sums[*b]))).unwrap_or(steps);
+    first + best as f64 * spacing
 }
 
 /// Where between two ends `of`, which rises to one top and falls again, is largest: by thirds.

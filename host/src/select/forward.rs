@@ -47,7 +47,7 @@ pub fn forward(
 ) -> Vec<Fitted> {
     let values = model.values();
     let straight = straightened(&data.train, &values);
-    let rough = Screen::new(data, model, ROUGH);
+    let rough = Screen::new(data, model, ROUGH, FIRST);
     let at = rough.problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&rough.problem, &model.layout, &at, true, Objective::Scales);
     let mut trials: Vec<(Layout, Vec<Start>)> = Vec::new();
@@ -68,7 +68,7 @@ pub fn forward(
         round.extend(best.map(|start| (layout.clone(), start)));
     }
     rough.keep(&mut round, SECOND.0, HOPEFUL, asked);
-    let fine = Screen::new(data, model, FINE);
+    let fine = Screen::new(data, model, FINE, SECOND.1);
     for (layout, start) in &mut round {
         *start = fine.problem.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
     }
@@ -85,16 +85,16 @@ pub fn forward(
 /// Less of the records, on which candidates are compared.
 struct Screen {
     problem: Problem,
-    /// What the model itself leaves here.
+    /// What the model itself leaves here after as many steps.
     own: f64,
     /// How many times as many samples all records have.
     whole: f64,
 }
 
 impl Screen {
-    fn new(data: &Evidence, model: &Fitted, sketch: Sketch) -> Self {
+    fn new(data: &Evidence, model: &Fitted, sketch: Sketch, steps: usize) -> Self {
         let problem = data.sketch(sketch, &model.noise);
-        let own = problem.costs(&model.layout, Objective::Scales, std::slice::from_ref(&model.x))[0];
+        let (own, _) = problem.race(&model.layout, Objective::Scales, &model.x, steps, 1e-3);
         let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
         let whole = samples(&data.train) / samples(&problem).max(1.0);
         Self { problem, own, whole }

@@ -55,15 +55,13 @@ pub fn run(
     step(&base);
     let given = base.kinds().to_vec();
     let mut steps = vec![base];
-    let mut first = Vec::new();
+    let mut tried: Vec<Vec<Fitted>> = Vec::new();
     while steps.len() <= most && steps[steps.len() - 1].kinds().len() < MAX_EFFECTS {
         let model = &steps[steps.len() - 1];
         let depth = steps.len() - 1;
         let mut candidates = forward(data, model, library, model.asks(&steps[0]), &mut |kind| tick(depth, kind));
         let next = step_up(data, &steps[0], model, &mut candidates);
-        if steps.len() == 1 {
-            first = candidates;
-        }
+        tried.push(candidates);
         let Some(next) = next else { break };
         let next = simpler(data, next, &steps[0]);
         let next = pruned(data, next, &given, &steps[0]);
@@ -73,8 +71,8 @@ pub fn run(
     if let Some(last) = steps.pop() {
         steps.push(last.simulating(data));
     }
-    let rivals = rivals(data, &steps, &first, library, &given);
-    Selected { steps, first, rivals }
+    let rivals = rivals(data, &steps, &tried, &given);
+    Selected { steps, first: tried.into_iter().next().unwrap_or_default(), rivals }
 }
 
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
@@ -139,27 +137,23 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
     model
 }
 
-/// What could stand in an accepted effect's place: every other one is tried there, and those that the accepted model does not beat
-/// are its rivals.
-fn rivals(
-    data: &Evidence,
-    steps: &[Fitted],
-    first: &[Fitted],
-    library: &[Kind],
-    given: &[Kind],
-) -> Vec<Rivals> {
+/// What could stand in an accepted effect's place: every other one that came near when the effect was chosen is tried there, and those
+/// that the accepted model does not beat are its rivals. `tried` holds the candidates of each step.
+fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kind]) -> Vec<Rivals> {
     let model = &steps[steps.len() - 1];
-    let accepted: Vec<Kind> = model.kinds().iter().copied().filter(|kind| !given.contains(kind)).collect();
-    let single = accepted.len() == 1;
-    let of = |kind: Kind| {
-        let tried = if single {
-            first.to_vec()
-        } else {
-            let without = Fitted::of(data, &model.values().without(kind), 2, 8);
-            let gain = model.score() - without.score();
-            forward(data, &without, library, gain, &mut |_| ())
-        };
-        alike(data, model, tried, &steps[0])
+    let of = |kind: &Kind| {
+        let step = steps.iter().position(|step| covers(step.kinds(), *kind))?;
+        let near = tried.get(step.checked_sub(1)?)?;
+        let before = &steps[step - 1];
+        let others = model.kinds().iter().filter(|k| *k != kind);
+        // Nothing else has changed since.
+        if others.clone().count() == before.kinds().len() && others.clone().all(|k| before.kinds().contains(k)) {
+            return alike(data, model, near.clone(), &steps[0]);
+        }
+        let without = Fitted::of(data, &model.values().without(*kind), 2, 8);
+        let library: Vec<Kind> = near.iter().filter_map(|c| c.kinds().last().copied()).collect();
+        let gain = model.score() - without.score();
+        alike(data, model, forward(data, &without, &library, gain, &mut |_| ()), &steps[0])
     };
-    accepted.into_iter().filter_map(of).collect()
+    model.kinds().iter().filter(|kind| !given.contains(kind)).filter_map(of).collect()
 }
