@@ -4,12 +4,12 @@ use motorlens_shared::effects::Kind;
 
 use super::fitted::Fitted;
 use super::starts::{Start, plain_starts, starts, straightened};
-use crate::diagnose::contained::may_join;
+use crate::diagnose::contained::{extended, may_join};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
-use crate::fit::layout::Layout;
+use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::sketch::Sketch;
 
@@ -45,6 +45,17 @@ pub fn forward(
     asked: f64,
     tick: &mut dyn FnMut(Kind),
 ) -> Vec<Fitted> {
+    tried(data, model, library, asked, tick).0
+}
+
+/// [`forward`], and the models with each effect that came near, as they were before all records were fitted.
+pub fn tried(
+    data: &Evidence,
+    model: &Fitted,
+    library: &[Kind],
+    asked: f64,
+    tick: &mut dyn FnMut(Kind),
+) -> (Vec<Fitted>, Vec<Values>) {
     let values = model.values();
     let straight = straightened(&data.train, &values);
     let rough = Screen::new(data, model, ROUGH, FIRST);
@@ -67,19 +78,53 @@ pub fn forward(
         let best = starts.iter().map(search).min_by(|a, b| a.0.total_cmp(&b.0));
         round.extend(best.map(|start| (layout.clone(), start)));
     }
+    finals(data, model, &rough, round, asked)
+}
+
+/// The models `near`, of which the first that takes up each effect stands in the place of the accepted one, two at a time: what one effect
+/// alone can only imitate, two may be. `accepted` itself is left to [`forward`]; best score first.
+pub fn pairs(data: &Evidence, accepted: &Fitted, near: &[Values], asked: f64) -> Vec<Fitted> {
+    let rough = Screen::new(data, accepted, ROUGH, FIRST);
+    let last = |values: &Values| values.effects.last().cloned();
+    let others = near.iter().filter(|v| last(v).is_some_and(|(kind, _)| !accepted.kinds().contains(&kind)));
+    let others: Vec<&Values> = others.collect();
+    let mut round: Vec<(Layout, Start)> = Vec::new();
+    for (k, one) in others.iter().enumerate() {
+        for (kind, parameters) in others[k + 1..].iter().filter_map(|other| last(other)) {
+            if lacks(&one.kinds(), kind) {
+                let pair = extended(one, kind, parameters);
+                let layout = data.train.layout(&pair.kinds());
+                let x = layout.pack(&pair);
+                let start = rough.problem.race(&layout, Objective::Scales, &x, SECOND.1, 1e-3);
+                round.push((layout, start));
+            }
+        }
+    }
+    if round.is_empty() { Vec::new() } else { finals(data, accepted, &rough, round, asked).0 }
+}
+
+/// The second round for `round`, and fits to all records; and all that came near.
+fn finals(
+    data: &Evidence,
+    model: &Fitted,
+    rough: &Screen,
+    mut round: Vec<(Layout, Start)>,
+    asked: f64,
+) -> (Vec<Fitted>, Vec<Values>) {
     rough.keep(&mut round, SECOND.0, HOPEFUL, asked);
+    let near = round.iter().map(|(layout, (_, x))| layout.unpack(x)).collect();
     let fine = Screen::new(data, model, FINE, SECOND.1);
     for (layout, start) in &mut round {
         *start = fine.problem.race(layout, Objective::Scales, &start.1, SECOND.1, 1e-3);
     }
     fine.keep(&mut round, FULL.0, NEAR, asked);
-    for screen in [rough, fine] {
+    for screen in [rough, &fine] {
         data.train.simulations.set(data.train.simulations.get() + screen.problem.simulations.get());
     }
     let mut fitted: Vec<Fitted> =
         round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
     fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    fitted
+    (fitted, near)
 }
 
 /// Less of the records, on which candidates are compared.

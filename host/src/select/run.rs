@@ -4,7 +4,7 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
 use super::fitted::{Fitted, SETTLED};
-use super::forward::{forward, simplest};
+use super::forward::{forward, pairs, simplest, tried};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
 
@@ -55,13 +55,18 @@ pub fn run(
     step(&base);
     let given = base.kinds().to_vec();
     let mut steps = vec![base];
-    let mut tried: Vec<Vec<Fitted>> = Vec::new();
+    let mut all: Vec<Vec<Fitted>> = Vec::new();
+    let mut came_near = Vec::new();
     while steps.len() <= most && steps[steps.len() - 1].kinds().len() < MAX_EFFECTS {
         let model = &steps[steps.len() - 1];
         let depth = steps.len() - 1;
-        let mut candidates = forward(data, model, library, model.asks(&steps[0]), &mut |kind| tick(depth, kind));
+        let asked = model.asks(&steps[0]);
+        let (mut candidates, near) = tried(data, model, library, asked, &mut |kind| tick(depth, kind));
+        candidates.extend(pairs(data, model, &came_near, asked));
+        candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
+        came_near = near;
         let next = step_up(data, &steps[0], model, &mut candidates);
-        tried.push(candidates);
+        all.push(candidates);
         let Some(next) = next else { break };
         let next = simpler(data, next, &steps[0]);
         let next = pruned(data, next, &given, &steps[0]);
@@ -71,8 +76,8 @@ pub fn run(
     if let Some(last) = steps.pop() {
         steps.push(last.simulating(data));
     }
-    let rivals = rivals(data, &steps, &tried, &given);
-    Selected { steps, first: tried.into_iter().next().unwrap_or_default(), rivals }
+    let rivals = rivals(data, &steps, &all, &given);
+    Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
 }
 
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
@@ -148,7 +153,8 @@ fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kin
         let others = model.kinds().iter().filter(|k| *k != kind);
         // Nothing else has changed since.
         if others.clone().count() == before.kinds().len() && others.clone().all(|k| before.kinds().contains(k)) {
-            return alike(data, model, near.clone(), &steps[0]);
+            let added = |c: &&Fitted| before.kinds().iter().all(|k| covers(c.kinds(), *k));
+            return alike(data, model, near.iter().filter(added).cloned().collect(), &steps[0]);
         }
         let without = Fitted::of(data, &model.values().without(*kind), 2, 8);
         let library: Vec<Kind> = near.iter().filter_map(|c| c.kinds().last().copied()).collect();

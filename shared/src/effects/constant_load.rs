@@ -12,7 +12,7 @@ pub(super) const SPEC: Spec = Spec {
     equation: "f = -load",
     source: "winch",
     signature: "residual torque is the same at every speed and angle; the shaft drifts one way",
-    parameters: &[strength("load", "V", "torque against forward motion, as a voltage", Scale::Volt, [-6.0, 0.1, 6.0])],
+    parameters: &[strength("load", "V", "torque against forward motion, as a voltage", Scale::Volt, [-10.0, 0.1, 10.0])],
     probes: &[&[-0.8], &[-0.1], &[0.1], &[0.8]],
     search: Search::Probes,
     laws: TORQUE,

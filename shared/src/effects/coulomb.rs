@@ -12,7 +12,7 @@ pub(super) const SPEC: Spec = Spec {
     equation: "f = -level sign(w); at rest, whatever holds it there up to level",
     source: "Coulomb 1785; set-valued form and its implicit step: Moreau 1988",
     signature: "residual torque is a step at zero speed; small voltages do not move the shaft",
-    parameters: &[strength("level", "V", "friction torque as a voltage", Scale::Volt, [0.0, 0.2, 5.0])],
+    parameters: &[strength("level", "V", "friction torque as a voltage", Scale::Volt, [0.0, 0.2, 10.0])],
     probes: &[&[0.05], &[0.2], &[0.6], &[1.2]],
     search: Search::Probes,
     laws: DRY,

@@ -13,8 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "Armstrong-Helouvry, Dupont, Canudas de Wit 1994, section 2",
     signature: "residual torque steps at zero speed by different heights on the two sides",
     parameters: &[
-        strength("level", "V", "mean friction torque as a voltage", Scale::Volt, [0.0, 0.2, 5.0]),
-        shape("difference", "V", "half of forward less backward", Scale::Volt, [-3.0, 0.05, 3.0]),
+        strength("level", "V", "mean friction torque as a voltage", Scale::Volt, [0.0, 0.2, 10.0]),
+        shape("difference", "V", "half of forward less backward", Scale::Volt, [-5.0, 0.05, 5.0]),
     ],
     probes: &[&[0.2, -0.1], &[0.2, 0.1], &[0.7, -0.35], &[0.7, 0.35]],
     search: Search::Probes,

@@ -13,8 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "driver dead time and gate thresholds; dead-zone block of control textbooks",
     signature: "residual is a constant voltage against the sign of the command, even while braking",
     parameters: &[
-        strength("width", "V", "mean of the two thresholds", Scale::Volt, [0.0, 0.3, 5.0]),
-        shape("offset", "V", "half of forward less backward threshold", Scale::Volt, [-2.0, 0.02, 2.0]),
+        strength("width", "V", "mean of the two thresholds", Scale::Volt, [0.0, 0.3, 10.0]),
+        shape("offset", "V", "half of forward less backward threshold", Scale::Volt, [-5.0, 0.02, 5.0]),
     ],
     probes: &[&[0.1, 0.0], &[0.4, 0.0], &[1.0, 0.0], &[2.0, 0.0]],
     search: Search::Probes,

@@ -13,7 +13,7 @@ pub(super) const SPEC: Spec = Spec {
     source: "Stribeck 1902; Tustin 1947 (x), Armstrong-Helouvry 1991 (x^2); the quotient follows exp(-s)",
     signature: "residual torque steps at zero speed and falls within a few per cent of the top speed; stick-slip at slow triangles",
     parameters: &[
-        strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 5.0]),
+        strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 10.0]),
         strength("excess", "V", "break-away level above it", Scale::Volt, [0.0, 0.15, 5.0]),
         shape("speed", "rad/s", "where the excess has fallen to 38 %", Scale::Speed, [0.002, 0.02, 0.2]),
         shape("tail", "1", "0: the excess falls like a bell, 1: like an exponential", Scale::One, [0.0, 0.4, 1.0]),
