@@ -7,6 +7,8 @@ use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, pairs, simplest, tried};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
+use crate::fit::layout::Values;
+use crate::fit::uncertainty::Spread;
 
 /// What was selected.
 #[derive(Debug)]
@@ -115,12 +117,26 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
                 continue;
             }
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
-            if poor.is_as_good_as(&model, data, base) {
+            if adds_nothing(data, &values, *rich, at) || poor.is_as_good_as(&model, data, base) {
                 return simpler(data, poor, base);
             }
         }
     }
     model
+}
+
+/// Whether all that `rich` of the model `values` adds to the simpler law of its parameter `at` may be nothing: no size is two standard
+/// deviations from zero (Wald's test).
+fn adds_nothing(data: &Evidence, values: &Values, rich: Kind, at: usize) -> bool {
+    let spread = Spread::of(&data.train, values);
+    let spec = rich.spec();
+    let size = |k: &usize| spec.parameters[*k].strength || parts(rich).any(|(_, place)| place == *k);
+    let may_be_nothing = |k: usize| {
+        let name = format!("{}.{}", spec.name, spec.parameters[k].name);
+        let axis = spread.layout.axes.iter().position(|axis| axis.name == name);
+        axis.is_none_or(|axis| spread.x[axis].abs() < 2.0 * spread.deviation(axis))
+    };
+    (0..spec.parameters.len()).filter(|k| *k != at && size(k)).all(may_be_nothing)
 }
 
 /// `model` without the effects that it does as well without (backward elimination); never without those `given`.
