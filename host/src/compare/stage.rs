@@ -3,18 +3,16 @@
 use crate::error::Result;
 use crate::fit::search::Problem;
 use crate::fit::setup;
-use crate::log::{Record, check_usable};
+use crate::log::{Record, check_all_usable};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
 /// The records as `model` sees them: its own rig and beliefs, first speeds found under it.
 ///
 /// # Errors
-/// Records that say nothing about a motor; see [`check_usable`].
+/// Records that say nothing about a motor; see [`check_all_usable`].
 pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
-    for record in records {
-        check_usable(record)?;
-    }
+    check_all_usable(records)?;
     let (mut problem, _) = setup::problem(records, motor);
     problem.rig = model.rig(problem.rig.step_s);
     problem.prior = model.prior();

@@ -115,7 +115,7 @@ pub fn diagnose(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
     let begun = Instant::now();
-    validation.iter().try_for_each(crate::log::check_usable)?;
+    crate::log::check_all_usable(validation)?;
     let evidence = Evidence::new(problem_of(model, records, motor)?, records, validation, motor);
     let base = select::fitted_from(&evidence, &model.values());
     let options = Options { most: 1, ..Options::default() };
@@ -127,7 +127,7 @@ pub fn diagnose(
 /// # Errors
 /// Records that no fit can use.
 pub fn prepare(records: &[Record], validation: &[Record], motor: &MotorFile) -> Result<(Evidence, Fitted)> {
-    records.iter().chain(validation).try_for_each(crate::log::check_usable)?;
+    crate::log::check_all_usable(records.iter().chain(validation))?;
     let (whole, start) = setup::problem(records, motor);
     let mut evidence = Evidence::new(whole, records, validation, motor);
     let (layout, x) = evidence.train.fit_base(&start);

@@ -11,7 +11,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::error::{Error, Result};
 use crate::fit::layout::Values;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::{Record, check_usable};
+use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::select;
@@ -78,9 +78,7 @@ pub fn add(
         return Err(Error::usage(format!("the model has {effect} already"), remedy));
     }
     check_effects(&[values.kinds(), vec![effect]].concat())?;
-    for record in validation {
-        check_usable(record)?;
-    }
+    check_all_usable(validation)?;
     let problem = problem_of(model, records, motor)?;
     let evidence = Evidence::new(problem, records, validation, motor);
     let old = select::fitted_from(&evidence, &values);

@@ -30,7 +30,7 @@ use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::formula;
-use crate::log::{Record, check_usable};
+use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::nearest::nearest;
@@ -120,9 +120,7 @@ pub fn fit(
 ) -> Result<Fit> {
     check_effects(&options.effects)?;
     let (problem, base) = prepare(records, motor)?;
-    for record in validation {
-        check_usable(record)?;
-    }
+    check_all_usable(validation)?;
     let begun = Instant::now();
     let searched = match options.method {
         Method::Fast => fast::search(&problem, &base, &options.effects),

@@ -68,7 +68,7 @@ pub use still::set_aside_still;
 pub use suspicion::{data_faults, suspicions};
 pub(crate) use text::{cannot_read, open as open_text};
 pub use together::together;
-pub use usable::{Fault, check_usable, content_faults, faults};
+pub use usable::{Fault, check_all_usable, check_usable, content_faults, faults};
 pub use write::write_canonical;
 
 /// The name of a record from its file.

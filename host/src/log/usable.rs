@@ -40,6 +40,26 @@ impl Fault {
     }
 }
 
+/// Refuses records of one motor of which no fit could use one. A reversed sign shows in every record that moves the motor: one that runs
+/// against the voltage alone, at less voltage than others that do not, was moved by something else.
+///
+/// # Errors
+/// As [`check_usable`].
+pub fn check_all_usable<'a>(records: impl IntoIterator<Item = &'a Record>) -> Result<()> {
+    let peak = |record: &Record| record.voltage_v.iter().fold(0.0_f64, |peak, v| peak.max(v.abs()));
+    let judged = records.into_iter().map(|record| (peak(record), record, content_faults(record)));
+    let judged: Vec<(f64, &Record, Vec<Fault>)> = judged.collect();
+    let aligned = judged.iter().filter(|(.., faults)| faults.is_empty()).map(|(peak, ..)| *peak);
+    let aligned = aligned.fold(0.0, f64::max);
+    let excused = |peak: f64, fault: &Fault| fault.name == SIGN_FLIPPED && 2.0 * peak < aligned;
+    for (peak, record, faults) in judged {
+        if let Some(fault) = faults.into_iter().find(|fault| !excused(peak, fault)) {
+            return Err(refusal(record, fault));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses a record that no fit could use: wrong units, no excitation, no motion, reversed sign.
 ///
 /// # Errors
@@ -47,16 +67,21 @@ impl Fault {
 pub fn check_usable(record: &Record) -> Result<()> {
     match content_faults(record).into_iter().next() {
         None => Ok(()),
-        Some(fault) => {
-            let why = if record.name == super::stem(&record.path) {
-                fault.why
-            } else {
-                format!("{}: {}", record.name, fault.why)
-            };
-            Err(BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into())
-        }
+        Some(fault) => Err(refusal(record, fault)),
     }
 }
+
+fn refusal(record: &Record, fault: Fault) -> crate::error::Error {
+    let why = if record.name == super::stem(&record.path) {
+        fault.why
+    } else {
+        format!("{}: {}", record.name, fault.why)
+    };
+    BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into()
+}
+
+/// A motor that turns against its voltage.
+const SIGN_FLIPPED: &str = "sign_flipped";
 
 /// All that is wrong with the content of `record`, the gravest first.
 pub fn content_faults(record: &Record) -> Vec<Fault> {
@@ -170,7 +195,7 @@ fn reversed(record: &Record) -> Option<Fault> {
         let changes: Vec<Change> = of().map(|(quantity, ..)| (quantity, quantity, "*-1")).collect();
         let turn = remapped(record, &changes);
         Fault {
-            name: "sign_flipped",
+            name: SIGN_FLIPPED,
             column,
             why: format!(
                 "the motor turns against its voltage (correlation {:.2}): the sign of the encoder or of the voltage is reversed",

@@ -37,9 +37,7 @@ pub struct Data {
 pub fn data(args: &PaperArgs) -> Result<Data> {
     let mut data = if args.on.is_empty() { virtual_records(args)? } else { own_records(args)? };
     data.records.sort_by(|a, b| peak(&a.voltage_v).total_cmp(&peak(&b.voltage_v)));
-    for record in &data.records {
-        log::check_usable(record)?;
-    }
+    log::check_all_usable(&data.records)?;
     Ok(data)
 }
 

@@ -5,7 +5,7 @@
 //! is half its energy over the noise, scale by scale (S. Kay, *Fundamentals of Statistical Signal Processing*, vol. 2, 1998, ch. 4).
 //! Where that reaches what the selection asks of an effect, it would have been accepted.
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Search};
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
@@ -105,7 +105,9 @@ fn limit(
     let layout = problem.layout(&extended(&values, kind, vec![0.0; spec.parameters.len()]).kinds());
     let at = |factor: f64| -> Vec<f64> {
         let value = |p: &motorlens_shared::effects::Parameter| {
-            p.plain(p.typical, &problem.rig) * if p.strength { factor } else { 1.0 }
+            let plain = p.plain(p.typical, &problem.rig);
+            // A reading that is held is another effect of the sensor than one that is filtered.
+            if spec.search == Search::Hold(p.name) { 0.0 } else if p.strength { factor * plain } else { plain }
         };
         layout.pack(&extended(&values, kind, spec.parameters.iter().map(value).collect()))
     };

@@ -101,8 +101,13 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
 /// `accepted`, and those of the models `tried` in its place that do as well; none where none does.
 pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitted) -> Option<Rivals> {
     let other = |c: &Fitted| !c.kinds().iter().all(|k| covers(accepted.kinds(), *k));
-    let near: Vec<Fitted> =
-        tried.into_iter().filter(|c| other(c) && c.is_as_good_as(accepted, data, base)).collect();
+    let mut near: Vec<Fitted> = Vec::new();
+    for c in tried.into_iter().filter(other) {
+        let named = near.iter().chain([accepted]).any(|n| n.kinds().last() == c.kinds().last());
+        if !named && c.is_as_good_as(accepted, data, base) {
+            near.push(c);
+        }
+    }
     (!near.is_empty()).then(|| Rivals { models: std::iter::once(accepted.clone()).chain(near).collect() })
 }
 
@@ -162,20 +167,30 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
 /// that the accepted model does not beat are its rivals. `tried` holds the candidates of each step.
 fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kind]) -> Vec<Rivals> {
     let model = &steps[steps.len() - 1];
+    let values = model.values();
     let of = |kind: &Kind| {
         let step = steps.iter().position(|step| covers(step.kinds(), *kind))?;
         let near = tried.get(step.checked_sub(1)?)?;
         let before = &steps[step - 1];
+        let own = values.effects.iter().find(|(k, _)| k == kind)?.1.clone();
+        let rest = values.without(*kind);
+        let accepted = if model.kinds().last() == Some(kind) {
+            model.clone()
+        } else {
+            Fitted::of(data, &rest.with(*kind, own), 1, 0)
+        };
         let others = model.kinds().iter().filter(|k| *k != kind);
         // Nothing else has changed since.
         if others.clone().count() == before.kinds().len() && others.clone().all(|k| before.kinds().contains(k)) {
             let added = |c: &&Fitted| before.kinds().iter().all(|k| covers(c.kinds(), *k));
-            return alike(data, model, near.iter().filter(added).cloned().collect(), &steps[0]);
+            return alike(data, &accepted, near.iter().filter(added).cloned().collect(), &steps[0]);
         }
-        let without = Fitted::of(data, &model.values().without(*kind), 2, 8);
-        let library: Vec<Kind> = near.iter().filter_map(|c| c.kinds().last().copied()).collect();
+        let without = Fitted::of(data, &rest, 2, 8);
+        let mut library: Vec<Kind> = near.iter().filter_map(|c| c.kinds().last().copied()).collect();
+        library.sort_unstable_by_key(|k| k.name());
+        library.dedup();
         let gain = model.score() - without.score();
-        alike(data, model, forward(data, &without, &library, gain, &mut |_| ()), &steps[0])
+        alike(data, &accepted, forward(data, &without, &library, gain, &mut |_| ()), &steps[0])
     };
     model.kinds().iter().filter(|kind| !given.contains(kind)).filter_map(of).collect()
 }
