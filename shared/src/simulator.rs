@@ -114,13 +114,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
     /// [`Self::advance`] where the measured shaft is so far `ahead` of the model's, rad: laws that are tied to an angle (teeth, an
     /// unbalance, a spring, a disc off centre) act where it was seen. A guided run.
     #[inline(always)]
-    pub fn advance_guided(
-        &self,
-        motion: &mut Motion<S>,
-        voltages: &[S::Element],
-        index: usize,
-        ahead: S,
-    ) {
+    pub fn advance_guided(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize, ahead: S) {
         self.advance_seen::<true>(motion, voltages, index, ahead);
     }
 

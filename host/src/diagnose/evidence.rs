@@ -1,11 +1,11 @@
 //! The evidence: records to learn from, as models are fitted to them and simulated on them, and records kept out of everything.
 
+use crate::fit::fixed;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 use crate::fit::sketch::Sketch;
-use crate::fit::fixed;
 use crate::log::Record;
 use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;

@@ -68,8 +68,7 @@ pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<P
     let kinds: Vec<Kind> = judged.iter().filter_map(kind).collect();
     let plans = menu(limits).into_iter().filter_map(|programme| {
         let grid = played(&programme, problem)?;
-        let seen: Vec<View> =
-            judged.iter().map(|c| View::new(problem, &c.layout, &c.x, &grid)).collect();
+        let seen: Vec<View> = judged.iter().map(|c| View::new(problem, &c.layout, &c.x, &grid)).collect();
         let mut least = (f64::MAX, (kinds[0], kinds[1]));
         for (a, view) in seen.iter().enumerate() {
             for (b, other) in seen.iter().enumerate().filter(|(b, _)| *b != a) {

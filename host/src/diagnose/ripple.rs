@@ -32,9 +32,8 @@ pub fn answering(problem: &Problem, tangent: &Tangent, model: &Values, kind: Kin
     let orders: Vec<f64> = (1..=HIGHEST_ORDER).map(|order| order as f64).collect();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for orders in orders.chunks(LANES / 2) {
-        let with = |sine: f64, cosine: f64, order: f64| {
-            layout.pack(&model.with(kind, ripple(sine, cosine, order)))
-        };
+        let with =
+            |sine: f64, cosine: f64, order: f64| layout.pack(&model.with(kind, ripple(sine, cosine, order)));
         let xs: Vec<Vec<f64>> =
             orders.iter().flat_map(|order| [with(probe, 0.0, *order), with(0.0, probe, *order)]).collect();
         let gains = tangent.pairs(problem, &layout, &xs);

@@ -84,6 +84,15 @@ impl Errors {
             Verdict::Explained if effects.is_empty() => {
                 format!("The base model leaves {left}, and these records show no missing effect")
             }
+            // The shares are those of whole simulations, which a disturbance makes drift.
+            Verdict::Explained if self.explained_share().is_some_and(|share| share < 0.0) => {
+                let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
+                let verb = if names.len() == 1 { "explains" } else { "explain" };
+                let names = names.join(" and ");
+                format!(
+                    "{names} {verb} all that repeats itself at any time scale; a disturbance drives whole records to {left}"
+                )
+            }
             _ if effects.is_empty() => format!("No effect of the library helps; what is left is {left}"),
             _ => self.share_of(effects),
         }

@@ -1,6 +1,8 @@
 //! From what is written of an effect to what the fit works with.
 
-use motorlens_shared::effects::{Definition, Entry, Kind, Operation, Parameter, Port, Scale, Search, Spec, Unsound};
+use motorlens_shared::effects::{
+    Definition, Entry, Kind, Operation, Parameter, Port, Scale, Search, Spec, Unsound,
+};
 use motorlens_shared::simulator::MAX_PARAMETERS;
 use serde::{Deserialize, Serialize};
 

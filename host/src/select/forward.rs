@@ -27,6 +27,8 @@ const HOPEFUL: f64 = 0.1;
 const NEAR: f64 = 0.25;
 /// Effects in the second round, and its steps.
 const SECOND: (usize, usize) = (8, 4);
+/// Effects of which every two are tried together.
+const PAIRED: usize = 5;
 /// Effects that are fitted on all records, rounds of weighing and steps of each.
 const FULL: (usize, usize, usize) = (5, 2, 6);
 
@@ -87,7 +89,7 @@ pub fn pairs(data: &Evidence, accepted: &Fitted, near: &[Values], asked: f64) ->
     let rough = Screen::new(data, accepted, ROUGH, FIRST);
     let last = |values: &Values| values.effects.last().cloned();
     let others = near.iter().filter(|v| last(v).is_some_and(|(kind, _)| !accepted.kinds().contains(&kind)));
-    let others: Vec<&Values> = others.collect();
+    let others: Vec<&Values> = others.take(PAIRED).collect();
     let mut round: Vec<(Layout, Start)> = Vec::new();
     for (k, one) in others.iter().enumerate() {
         for (kind, parameters) in others[k + 1..].iter().filter_map(|other| last(other)) {

@@ -98,7 +98,8 @@ fn limit(
     let spec = kind.spec();
     let kinds = model.kinds();
     // What a simpler law of the model has already is not looked for.
-    let there = |name: &str| parts(kind).any(|(part, at)| kinds.contains(&part) && spec.parameters[at].name == name);
+    let there =
+        |name: &str| parts(kind).any(|(part, at)| kinds.contains(&part) && spec.parameters[at].name == name);
     let size = spec.parameters.iter().position(|p| p.strength && !there(p.name))?;
     let of = &spec.parameters[size];
     let values = model.values();
@@ -107,7 +108,13 @@ fn limit(
         let value = |p: &motorlens_shared::effects::Parameter| {
             let plain = p.plain(p.typical, &problem.rig);
             // A reading that is held is another effect of the sensor than one that is filtered.
-            if spec.search == Search::Hold(p.name) { 0.0 } else if p.strength { factor * plain } else { plain }
+            if spec.search == Search::Hold(p.name) {
+                0.0
+            } else if p.strength {
+                factor * plain
+            } else {
+                plain
+            }
         };
         layout.pack(&extended(&values, kind, spec.parameters.iter().map(value).collect()))
     };

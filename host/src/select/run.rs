@@ -181,7 +181,9 @@ fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kin
         };
         let others = model.kinds().iter().filter(|k| *k != kind);
         // Nothing else has changed since.
-        if others.clone().count() == before.kinds().len() && others.clone().all(|k| before.kinds().contains(k)) {
+        if others.clone().count() == before.kinds().len()
+            && others.clone().all(|k| before.kinds().contains(k))
+        {
             let added = |c: &&Fitted| before.kinds().iter().all(|k| covers(c.kinds(), *k));
             return alike(data, &accepted, near.iter().filter(added).cloned().collect(), &steps[0]);
         }

@@ -49,8 +49,7 @@ pub fn search(
     before.noise.weigh(&mut problem);
     let layout = problem.layout(&start.kinds());
     let old = &before.layout;
-    let was =
-        |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, before.x[k]));
+    let was = |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, before.x[k]));
     let mut found = problem.search(&layout, Objective::Scales, &layout.pack(start), 0, ENOUGH);
     for round in 0..=STEPS {
         if stop() {

@@ -117,8 +117,8 @@ mod tests {
     use super::super::{Kind, testing::*};
     use super::{Coast, DIODES_V, ln_one_and};
     use crate::base::Base;
-    use crate::effects::{Effect, Memory, Now, Setting};
-    use crate::step::{Drive, State};
+    use crate::effects::Setting;
+    use crate::step::State;
 
     /// Mean voltage at the terminals of a switched bridge after many periods, in fine steps.
     fn switched(command: f64, emf: f64, [share, frequency]: [f64; 2], tau: f64) -> f64 {

@@ -149,7 +149,10 @@ impl Spec {
         self.parameters.iter().map(|p| p.plain(p.typical, rig))
     }
     /// The probes in the units that the parameters are stored in on `rig`.
-    pub fn probes_on<'a>(&'a self, rig: &'a Rig) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
+    pub fn probes_on<'a>(
+        &'a self,
+        rig: &'a Rig,
+    ) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
         self.probes.iter().map(|probe| probe.iter().zip(self.parameters).map(|(size, p)| p.plain(*size, rig)))
     }
     /// Whether it is the effect `name` or contains it.

@@ -3,7 +3,7 @@
 //!
 //! Equation, source and signature stand in the row, because users read them too (`motorlens effects`).
 
-use super::spec::{Port, Scale, Spec, TORQUE, strength, Search};
+use super::spec::{Port, Scale, Search, Spec, TORQUE, strength};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;

@@ -4,7 +4,7 @@ use super::super::spec::{Parameter, Port, Scale, strength};
 use super::super::{Kind, testing::*};
 use super::Operation::*;
 use super::*;
-use crate::effects::Spec;
+use crate::effects::{Search, Spec};
 use crate::lanes::Lanes;
 use crate::simulator::Simulator;
 
@@ -20,6 +20,7 @@ const fn row(name: &'static str, entry: Entry) -> Spec {
         signature: "",
         parameters: &PARAMETERS,
         probes: &[&[0.2]],
+        search: Search::Probes,
         laws: entry.laws(),
         remembers: false,
         contains: &[],
