@@ -165,8 +165,8 @@ fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     }
 }
 
-/// Sums of the squares of the same residuals, and how many they are.
-pub fn squares(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+/// Sums of the squares of the same residuals, and how many they are; what is left of `predictions` has no meaning.
+pub fn squares(grid: &Grid, objective: Objective, predictions: &mut Vec<Block>) -> ([f64; LANES], usize) {
     #[cfg(target_arch = "x86_64")]
     if motorlens_kernel::has_wide() {
         // SAFETY: the processor has the features that the function was compiled for.
@@ -177,22 +177,21 @@ pub fn squares(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f6
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn squares_avx2(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+fn squares_avx2(grid: &Grid, objective: Objective, predictions: &mut Vec<Block>) -> ([f64; LANES], usize) {
     squares_body(grid, objective, predictions)
 }
 
 #[inline(always)]
-fn squares_body(grid: &Grid, objective: Objective, predictions: &[Block]) -> ([f64; LANES], usize) {
+fn squares_body(grid: &Grid, objective: Objective, predictions: &mut Vec<Block>) -> ([f64; LANES], usize) {
     if objective == Objective::Scales {
-        let mut series = predictions.to_vec();
-        scaled(grid, &mut series);
+        scaled(grid, predictions);
         let mut sums = [0.0; LANES];
-        for d in &series {
+        for d in predictions.iter() {
             for l in 0..LANES {
                 sums[l] += d.0[l] * d.0[l];
             }
         }
-        return (sums, series.len());
+        return (sums, predictions.len());
     }
     let misfit = Misfit::new(grid, objective, predictions);
     let n = misfit.len(predictions.len());
@@ -313,7 +312,7 @@ mod tests {
             for objective in [Objective::Increments, Objective::Position] {
                 let mut series = predictions.clone();
                 residuals(&grid, objective, &mut series);
-                let (sums, count) = squares(&grid, objective, &predictions);
+                let (sums, count) = squares(&grid, objective, &mut predictions.clone());
                 assert_eq!(count, series.len());
                 for (l, sum) in sums.into_iter().enumerate() {
                     let expected: f64 = series.iter().map(|r| r.0[l].powi(2)).sum();

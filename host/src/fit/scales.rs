@@ -27,7 +27,8 @@ pub fn levels(samples: usize) -> Vec<usize> {
 pub fn transform<S: Scalar>(series: &mut Vec<S>) {
     let half = S::lit(std::f64::consts::FRAC_1_SQRT_2);
     let mut smooth = std::mem::take(series);
-    series.reserve(2 * smooth.len());
+    // A level rounds up by one at most.
+    series.reserve(smooth.len() + usize::BITS as usize);
     while smooth.len() >= 2 {
         let n = smooth.len();
         let pairs = n.div_ceil(2);
