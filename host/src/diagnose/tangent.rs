@@ -86,7 +86,7 @@ impl Tangent {
         let (mut cost, mut cross) = ([0.0; LANES], [0.0; LANES]);
         let mut gradient = vec![[0.0; LANES]; n];
         let mut series: Vec<Block> = Vec::new();
-        problem.simulations.set(problem.simulations.get() + xs.len() as u64);
+        problem.count_passes(xs.len());
         for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
             residuals(grid, self.objective, &mut series);
@@ -147,7 +147,7 @@ impl Tangent {
         let mut gradient = vec![[0.0; 2]; pairs];
         let mut cross = vec![[0.0; LANES]; n];
         let mut series: Vec<Block> = Vec::new();
-        problem.simulations.set(problem.simulations.get() + xs.len() as u64);
+        problem.count_passes(xs.len());
         for ((grid, rows), centre) in problem.grids.iter().zip(&self.rows).zip(&self.centre) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
             residuals(grid, self.objective, &mut series);

@@ -51,7 +51,7 @@ const SKETCH: Sketch = Sketch { samples: f64::MAX, cell_s: 4.01e-3, interval_s: 
 pub fn profiles(problem: &Problem, values: &Values) -> Vec<Profile> {
     let layout = problem.layout(&values.kinds());
     let spread = Spread::of(problem, values);
-    let problem = &problem.sketch(SKETCH);
+    let problem = &problem.clone().sketch(SKETCH);
     let best = problem.search(&layout, Objective::Increments, &spread.x, REFIT, 1e-6);
     let free = layout.free();
     let Some(inverse) = best.curvature.clone().try_inverse() else { return Vec::new() };

@@ -86,9 +86,7 @@ impl Errors {
             }
             // The shares are those of whole simulations, which a disturbance makes drift.
             Verdict::Explained if self.explained_share().is_some_and(|share| share < 0.0) => {
-                let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
-                let verb = if names.len() == 1 { "explains" } else { "explain" };
-                let names = names.join(" and ");
+                let (names, verb) = subject(effects);
                 format!(
                     "{names} {verb} all that repeats itself at any time scale; a disturbance drives whole records to {left}"
                 )
@@ -103,8 +101,7 @@ impl Errors {
         let said = if effects.is_empty() {
             format!("The base model leaves {}", self.left())
         } else if self.base == self.model {
-            let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
-            format!("The model with {} leaves {}", names.join(" and "), self.left())
+            format!("The model with {} leaves {}", subject(effects).0, self.left())
         } else {
             self.share_of(effects)
         };
@@ -124,8 +121,7 @@ impl Errors {
     }
 
     fn share_of<S: AsRef<str>>(&self, effects: &[S]) -> String {
-        let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
-        let (names, verb) = (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" });
+        let (names, verb) = subject(effects);
         let left = self.left();
         match self.explained_share() {
             Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
@@ -138,6 +134,12 @@ impl Errors {
             None => format!("With {names} what is left is {left}"),
         }
     }
+}
+
+/// The names of `effects` as the subject of a sentence, and what it says of them.
+fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
+    let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
+    (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" })
 }
 
 /// So many times the noise, in words: two digits below ten.

@@ -21,8 +21,19 @@ impl Problem {
         }
     }
 
-    fn count_passes(&self, candidates: usize) {
+    /// Counts so many `candidates` that went through all records.
+    pub fn count_passes(&self, candidates: usize) {
         self.simulations.set(self.simulations.get() + candidates as u64);
+    }
+
+    /// Counts what went through `other`, which was laid out of these records, here too.
+    pub fn count_passes_of(&self, other: &Self) {
+        self.simulations.set(self.simulations.get() + other.simulations.get());
+    }
+
+    /// Samples of all records.
+    pub fn samples(&self) -> usize {
+        self.grids.iter().map(Grid::len).sum()
     }
 
     pub(super) fn prior_cost(&self, layout: &Layout, x: &[f64]) -> f64 {

@@ -17,12 +17,12 @@ pub struct Sketch {
 impl Problem {
     /// The records as `sketch` has them; where readings are held their cells are those of the holding.
     #[must_use]
-    pub fn sketch(&self, sketch: Sketch) -> Self {
-        let count: usize = self.grids.iter().map(Grid::len).sum();
-        let share = sketch.samples / count.max(1) as f64;
-        let drawn = |grid: &Grid| {
-            let mut grid = if share < 1.0 { grid.beginning(share) } else { grid.clone() };
-            while self.hold_s.is_none() && 2.0 * grid.step_s <= sketch.cell_s {
+    pub fn sketch(mut self, sketch: Sketch) -> Self {
+        let share = sketch.samples / self.samples().max(1) as f64;
+        let held = self.hold_s.is_some();
+        let drawn = |grid: Grid| {
+            let mut grid = if share < 1.0 { grid.beginning(share) } else { grid };
+            while !held && 2.0 * grid.step_s <= sketch.cell_s {
                 grid = grid.coarse();
             }
             while grid.quantity != Quantity::MeanSpeed && 2.0 * grid.interval_s <= sketch.interval_s {
@@ -30,13 +30,14 @@ impl Problem {
             }
             grid
         };
-        self.on(self.grids.iter().map(drawn).collect())
+        self.grids = self.grids.into_iter().map(drawn).collect();
+        self
     }
 }
 
 impl Grid {
     /// The same in cells of twice the length.
-    fn coarse(&self) -> Self {
+    fn coarse(self) -> Self {
         let last = self.guide.len().is_multiple_of(2).then(|| self.guide.last().copied()).flatten();
         let halved = |cells: &[f64]| -> Vec<f64> {
             let (first, cells) = cells.split_at(cells.len().min(1));
@@ -58,19 +59,19 @@ impl Grid {
             seen: (0..guide.len()).map(near).collect(),
             guide,
             places: self.places.iter().map(place).collect(),
-            ..self.clone()
+            ..self
         }
     }
 
     /// Every second sample.
-    fn every_second(&self) -> Self {
+    fn every_second(self) -> Self {
         Self {
             time_s: self.time_s.iter().copied().step_by(2).collect(),
             places: self.places.iter().copied().step_by(2).collect(),
             measured: self.measured.iter().copied().step_by(2).collect(),
             interval_s: 2.0 * self.interval_s,
             skip: self.skip.div_ceil(2),
-            ..self.clone()
+            ..self
         }
     }
 }
@@ -88,7 +89,7 @@ mod tests {
             let times: Vec<f64> = (0..n).map(|k| f64::from(k) * 5e-3).collect();
             let volts = (0..n).map(|k| f64::from(k % 7) - 2.0).collect();
             let fine = Grid::new(&record(times, volts), 0.01).guided();
-            let coarse = fine.coarse();
+            let coarse = fine.clone().coarse();
             assert!((coarse.step_s / fine.step_s - 2.0).abs() < 1e-12);
             let impulse = |g: &Grid, cells: usize| g.step_s * g.cells()[..cells].iter().sum::<f64>();
             assert!((impulse(&coarse, 1200) - impulse(&fine, 2400)).abs() < 1e-9);
@@ -104,7 +105,7 @@ mod tests {
     fn every_second_sample_stays_where_and_when_it_was() {
         let times: Vec<f64> = (0..1001).map(|k| f64::from(k) * 1e-3).collect();
         let fine = Grid::new(&record(times, vec![1.0; 1001]), 0.01);
-        let thin = fine.every_second();
+        let thin = fine.clone().every_second();
         assert_eq!((thin.len(), thin.time_s[7], thin.places[7]), (501, fine.time_s[14], fine.places[14]));
         assert!((thin.interval_s / fine.interval_s - 2.0).abs() < 1e-12);
     }

@@ -65,10 +65,7 @@ pub fn check_all_usable<'a>(records: impl IntoIterator<Item = &'a Record>) -> Re
 /// # Errors
 /// Bad input that names file, first data column at fault, cause and remedy.
 pub fn check_usable(record: &Record) -> Result<()> {
-    match content_faults(record).into_iter().next() {
-        None => Ok(()),
-        Some(fault) => Err(refusal(record, fault)),
-    }
+    check_all_usable([record])
 }
 
 fn refusal(record: &Record, fault: Fault) -> crate::error::Error {

@@ -112,7 +112,7 @@ fn swing(seen: &Binned) -> f64 {
     (high - low).max(0.0)
 }
 
-/// The jump at zero speed, where it stands out.
+/// The jump at zero speed, where it is larger than what the residual torque does elsewhere.
 fn step_in_words(seen: &Binned) -> String {
     // A bin far from rest says nothing of what happens there.
     let slow = 0.15 * seen.at.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
@@ -227,7 +227,7 @@ fn harmonics(torques: [&Torques; 2], gear_ratio: f64, against: &str) -> Figure {
             if top > 6.0 * usual {
                 format!("It repeats at {place}, {:.0} times the usual amplitude.", top / usual)
             } else {
-                format!("No order stands out; the largest is {place}.")
+                format!("No order is much larger than the others; the largest is {place}.")
             }
         },
     );

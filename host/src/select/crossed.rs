@@ -30,7 +30,7 @@ pub struct Fold {
 
 /// The folds of records laid out as `train`, of which `repeats` run one programme: those stay together.
 pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
-    let train = &train.sketch(SKETCH);
+    let train = &train.clone().sketch(SKETCH);
     let count = train.grids.len();
     let leader = |k: usize| repeats.iter().find(|(_, second)| *second == k).map_or(k, |(first, _)| *first);
     let mut leaders: Vec<usize> = (0..count).map(leader).collect();
@@ -59,7 +59,7 @@ pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> f6
         noise.weigh(&mut fit);
         let found = fit.search(layout, Objective::Scales, x, STEPS, 1e-3);
         let plain = layout.all_plain(&found.x);
-        data.train.simulations.set(data.train.simulations.get() + fit.simulations.get());
+        data.train.count_passes_of(&fit);
         for (grid, from) in test {
             let run = predict_one(&layout.kinds, &plain, &fit.rig, grid);
             let errors: Vec<f64> =

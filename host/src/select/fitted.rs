@@ -68,7 +68,7 @@ impl Fitted {
         }
         noise.weigh(&mut problem);
         let scores = scores(&problem, &layout, &x, &errors, &noise);
-        data.train.simulations.set(data.train.simulations.get() + problem.simulations.get());
+        data.train.count_passes_of(&problem);
         Self { layout, x, noise, scores, crossed: OnceLock::new() }
     }
 

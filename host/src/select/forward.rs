@@ -8,7 +8,6 @@ use crate::diagnose::contained::{extended, may_join};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
-use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::sketch::Sketch;
@@ -86,10 +85,13 @@ pub fn tried(
 /// The models `near`, of which the first that takes up each effect stands in the place of the accepted one, two at a time: what one effect
 /// alone can only imitate, two may be. `accepted` itself is left to [`forward`]; best score first.
 pub fn pairs(data: &Evidence, accepted: &Fitted, near: &[Values], asked: f64) -> Vec<Fitted> {
-    let rough = Screen::new(data, accepted, ROUGH, FIRST);
     let last = |values: &Values| values.effects.last().cloned();
     let others = near.iter().filter(|v| last(v).is_some_and(|(kind, _)| !accepted.kinds().contains(&kind)));
     let others: Vec<&Values> = others.take(PAIRED).collect();
+    if others.len() < 2 {
+        return Vec::new();
+    }
+    let rough = Screen::new(data, accepted, ROUGH, FIRST);
     let mut round: Vec<(Layout, Start)> = Vec::new();
     for (k, one) in others.iter().enumerate() {
         for (kind, parameters) in others[k + 1..].iter().filter_map(|other| last(other)) {
@@ -121,7 +123,7 @@ fn finals(
     }
     fine.keep(&mut round, FULL.0, NEAR, asked);
     for screen in [rough, &fine] {
-        data.train.simulations.set(data.train.simulations.get() + screen.problem.simulations.get());
+        data.train.count_passes_of(&screen.problem);
     }
     let mut fitted: Vec<Fitted> =
         round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
@@ -142,8 +144,7 @@ impl Screen {
     fn new(data: &Evidence, model: &Fitted, sketch: Sketch, steps: usize) -> Self {
         let problem = data.sketch(sketch, &model.noise);
         let (own, _) = problem.race(&model.layout, Objective::Scales, &model.x, steps, 1e-3);
-        let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
-        let whole = samples(&data.train) / samples(&problem).max(1.0);
+        let whole = data.train.samples() as f64 / problem.samples().max(1) as f64;
         Self { problem, own, whole }
     }
 

@@ -17,7 +17,6 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
-use crate::fit::grid::Grid;
 use crate::fit::search::Problem;
 use crate::fit::simulate::{LANES, predict_one};
 use crate::fit::sketch::Sketch;
@@ -62,8 +61,7 @@ pub fn detection_limits(
     let problem = noiseless(data, model);
     let found = problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
-    let samples = |problem: &Problem| problem.grids.iter().map(Grid::len).sum::<usize>() as f64;
-    let asked = model.asks(base) * samples(&problem) / samples(&data.train);
+    let asked = model.asks(base) * problem.samples() as f64 / data.train.samples() as f64;
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(&problem, model, &tangent, kind, asked)).collect();
@@ -77,7 +75,7 @@ pub fn detection_limits(
 
 /// The records as they were had `model` been all there is and nothing disturbed it, weighted by its noise.
 fn noiseless(data: &Evidence, model: &Fitted) -> Problem {
-    let mut problem = data.train.sketch(SKETCH);
+    let mut problem = data.train.clone().sketch(SKETCH);
     model.noise.weigh(&mut problem);
     let plain = model.layout.all_plain(&model.x);
     for grid in &mut problem.grids {

@@ -57,7 +57,7 @@ fn octave(interval_s: f64, j: usize) -> i32 {
 pub fn coefficients(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Coefficients> {
     let plain = layout.all_plain(x);
     let of = |grid: &Grid| Coefficients::of(grid, &predict_one(&layout.kinds, &plain, &problem.rig, grid));
-    problem.simulations.set(problem.simulations.get() + 1);
+    problem.count_passes(1);
     problem.grids.iter().map(of).collect()
 }
 
