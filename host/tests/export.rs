@@ -151,7 +151,7 @@ fn every_pair_of_effects_runs_in_python_like_the_model() {
 }
 
 #[test]
-fn mujoco_gets_the_motors_constants_in_one_scale_and_names_what_it_lacks() {
+fn mujoco_gets_the_motors_constants_in_one_scale_shared_between_rotor_and_load() {
     let gap: (Kind, &[f64]) = (Kind::Backlash, &[0.01, 0.3, 0.3, 150.0, 0.3]);
     let model = model(&[(Kind::Coulomb, &[0.2]), (Kind::Stribeck, &[0.1, 0.2, 0.2, 0.4]), gap]);
     let exported =
@@ -162,16 +162,18 @@ fn mujoco_gets_the_motors_constants_in_one_scale_and_names_what_it_lacks() {
         rest.split(['"', ' ']).next().and_then(|x| x.parse().ok()).expect(name)
     };
     let constant = 0.9 / 0.9;
-    assert!((value("armature") - 0.5 * 0.05 / 0.9).abs() < 1e-12);
-    assert!((value("damping") - 0.5 * 0.1 / 0.9).abs() < 1e-12);
+    // The rotor stands first; the load has three tenths of inertia and of viscous friction.
+    assert!((value("armature") - 0.7 * 0.5 * 0.05 / 0.9).abs() < 1e-12);
+    assert!((value("damping") - 0.7 * 0.5 * 0.1 / 0.9).abs() < 1e-12);
     assert!(
         (value("motorconst") - constant).abs() < 1e-12
             && (value("resistance") - constant / 0.5).abs() < 1e-12
     );
     assert!((value("frictionloss") - 0.1).abs() < 1e-12);
-    assert_eq!(exported.lost.iter().map(|lost| lost.effect).collect::<Vec<_>>(), [Kind::Backlash]);
-    let (_, program) = exported.beside.as_ref().expect("a program for stribeck");
-    assert!(program.contains("stribeck") && !program.contains('@'), "{program}");
+    assert!(exported.lost.is_empty() && exported.carried == model.values(), "{:?}", exported.lost);
+    let (_, program) = exported.beside.as_ref().expect("a program for stribeck and the gear contact");
+    assert!(program.contains("stribeck") && program.contains("backlash"), "{program}");
+    assert!(program.contains("rotor=\"rotor\"") && !program.contains('@'), "{program}");
     assert!(!text.contains("--\n") && text.matches("--").count() == 2, "one XML comment");
 }
 

@@ -89,10 +89,10 @@ def test_a_model_is_saved_and_read_and_exported(found, tmp_path):
 def test_an_export_that_would_lose_an_effect_is_refused_with_its_cost(logs, tmp_path):
     lossy = motorlens.fit(logs["training"], effects=["backlash"], motor=logs["motor"]).model
     with pytest.raises(motorlens.MotorlensError, match="(?s)no place for backlash.*rad.*allow_missing"):
-        lossy.export("mujoco", tmp_path / "motor.xml")
-    assert not (tmp_path / "motor.xml").exists()
-    said = lossy.export("mujoco", tmp_path / "motor.xml", torque_per_volt=0.1, allow_missing=True)
-    assert any("backlash" in line for line in said) and (tmp_path / "motor.xml").exists()
+        lossy.export("urdf", tmp_path / "motor.urdf", torque_per_volt=0.1)
+    assert not (tmp_path / "motor.urdf").exists()
+    said = lossy.export("urdf", tmp_path / "motor.urdf", torque_per_volt=0.1, allow_missing=True)
+    assert any("backlash" in line for line in said) and (tmp_path / "motor.urdf").exists()
 
 
 def test_an_effect_is_added_to_a_fit_and_found_worth_it(logs):

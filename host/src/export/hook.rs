@@ -1,12 +1,13 @@
-//! Effects that a simulator of bodies lacks, as a Python program around its step: the laws' own drive, memory and reading.
+//! Effects that a simulator of bodies lacks, as a Python program around its step: their own drive, memory and reading.
 //!
-//! The simulator integrates winding and shaft; before a step the laws say what voltage, torque and friction act in it, and after
-//! it what they remember and what the sensor shows. All of it is written down by the laws themselves, see [`super::record`].
+//! The simulator integrates winding, rotor and load; before a step the effects say what voltage, torques and friction act in it,
+//! and after it what they remember and what the sensor shows. All of it is written down by the effects themselves, see
+//! [`super::record`]: the gear contact of `backlash` too, whose change of the load's speed in a step is a torque over it.
 
 use motorlens_shared::base::Base;
 use motorlens_shared::effects::together::{Effects, MAX_EFFECTS, Several};
-use motorlens_shared::effects::{Kind, Memory, Now, Rig};
-use motorlens_shared::simulator::{Prepared, in_order};
+use motorlens_shared::effects::{Active, Effect, Kind, Memory, Now, Rig, Setting};
+use motorlens_shared::simulator::in_order;
 use motorlens_shared::step::{Drive, State};
 
 use super::expression::{Printer, Text, reach};
@@ -15,11 +16,13 @@ use super::record::{Input, Recorded, Tape, record};
 use super::step::{constants, input, lit, memory};
 use crate::model_file::Model;
 
-/// What of a [`Drive`] the program applies, by its names there.
-const APPLIED: [&str; 11] = [
+/// What the program applies: parts of a [`Drive`] by its names there, and the torque that the gear contact passes to the load.
+const APPLIED: [&str; 13] = [
     "asked",
     "voltage",
     "torque",
+    "load_torque",
+    "contact",
     "forward",
     "backward",
     "meshing",
@@ -39,7 +42,7 @@ struct Remembered {
 
 struct Traced {
     tape: Tape,
-    drive: [Recorded; 11],
+    drive: [Recorded; APPLIED.len()],
     remembered: Vec<Remembered>,
     reading: Recorded,
 }
@@ -48,11 +51,15 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
     let (traced, tape) = record(|| {
         let (base, numbers) = constants(base, effects);
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
-        let prepared = Prepared::new(&base, &effects, rig);
-        let several = Several::new(&effects, &prepared.setting);
+        let setting = Setting::new(&base, rig, 1);
+        let several = Several::new(&effects, &setting);
         let now_at = |state, command| Now { command, state, voltages: &[], index: 1 };
 
-        let seen = State::moving(input(Input::Current), input(Input::Speed), input(Input::Angle));
+        let seen = State {
+            load_speed: input(Input::LoadSpeed),
+            load_angle: input(Input::LoadAngle),
+            ..State::moving(input(Input::Current), input(Input::Speed), input(Input::Angle))
+        };
         let mut first = [Memory::empty(input(Input::Angle)); MAX_EFFECTS];
         several.begin(&State { current: lit(0.0), ..seen }, &mut first);
 
@@ -62,11 +69,15 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
         let mut d = Drive::plain(command);
         several.drive(&Now { voltages: &voltages, ..now_at(seen, command) }, &before, &mut d);
 
-        let was = State::moving(input(Input::WasCurrent), input(Input::WasSpeed), input(Input::WasAngle));
+        let was = State {
+            load_speed: input(Input::WasLoadSpeed),
+            load_angle: input(Input::WasLoadAngle),
+            ..State::moving(input(Input::WasCurrent), input(Input::WasSpeed), input(Input::WasAngle))
+        };
         let asked = input(Input::Asked);
         let mut after = before;
         several.settle(&Now { voltages: &voltages, ..now_at(was, asked) }, &seen, &mut after);
-        let mut reading = seen.angle;
+        let mut reading = if rig.encoder_on_motor { seen.angle } else { seen.load_angle };
         several.read(&seen, &after, &mut reading);
 
         let remembered = (0..effects.len()).flat_map(|k| {
@@ -80,7 +91,9 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
             drive: [
                 d.asked,
                 d.voltage,
-                d.torque + d.load_torque,
+                d.torque,
+                d.load_torque,
+                contact(&numbers, &setting, seen),
                 d.friction_forward,
                 d.friction_backward,
                 d.meshing,
@@ -100,6 +113,26 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
     Traced { tape, ..traced }
 }
 
+/// What the transmission among `effects` does to the load in a step from `seen`, as a torque in V; the load's own friction is the
+/// simulator's.
+fn contact(
+    effects: &[(Kind, Vec<Recorded>)],
+    setting: &Setting<Recorded>,
+    seen: State<Recorded>,
+) -> Recorded {
+    let Some((kind, p)) = effects.iter().find(|(kind, _)| kind.is_transmission()) else { return lit(0.0) };
+    let spec = kind.spec();
+    let (Some(share), mut p) = (spec.load_share(), p.clone()) else { return lit(0.0) };
+    if let Some(place) = spec.load_damping() {
+        p[place] = lit(0.0);
+    }
+    // The contact is met where the rotor arrives, as the load does within.
+    let before = State { angle: setting.step * seen.speed + seen.angle, ..seen };
+    let mut after = before;
+    Active::new(*kind, &p, setting).couple(setting.step, &mut after);
+    (after.load_speed - before.load_speed) * (p[share] / (setting.acceleration * setting.step))
+}
+
 /// What stands in the MJCF beside which the program runs.
 pub(super) struct Beside {
     /// N m/V.
@@ -110,6 +143,8 @@ pub(super) struct Beside {
     pub friction: f64,
     /// s.
     pub step_s: f64,
+    /// The joint that the motor turns.
+    pub rotor: &'static str,
 }
 
 /// The program for `effects`.
@@ -165,6 +200,7 @@ pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Besi
         ("RESISTANCE", format!("{:?}", beside.resistance)),
         ("FRICTION", format!("{:?}", beside.friction)),
         ("STEP", format!("{:?}", beside.step_s)),
+        ("ROTOR", beside.rotor.to_owned()),
     ];
     for (place, word) in words {
         text = text.replace(&format!("@{place}@"), &word);

@@ -1,18 +1,21 @@
-//! MJCF for MuJoCo 4: a hinge with MuJoCo's own `dcmotor`, and beside it a Python program with the laws that MJCF lacks.
+//! MJCF for MuJoCo 4: a hinge with MuJoCo's own `dcmotor`, and beside it a Python program with the equations that MJCF lacks.
 //!
 //! `dcmotor` is the base model: resistance, motor constant and electrical time constant, so that the speed acts on the current.
-//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating and delay are the actuator's. Every
-//! other effect that acts on voltage, torque or reading is in the program. Two masses with a gap or a spring between them are one
-//! joint here: those effects are lost.
+//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating and delay are the actuator's. Rotor and
+//! load with `compliance` between them are two bodies on one axis, tied by a tendon of its stiffness and damping. Every other
+//! effect that acts on voltage, torque or reading is in the program, the gear contact of `backlash` between two bodies too: a
+//! tendon with a dead band would be damped within it.
 
 use motorlens_shared::effects::{Kind, Port};
 
 use super::hook::{Beside, program};
-use super::{Exported, Lost, Options, effects};
+use super::{Exported, Options, effects};
 use crate::model_file::Model;
 
 /// Step of the simulation where none is asked for, s.
 pub(super) const STEP_S: f64 = 2.5e-4;
+/// The same with two masses, between which a gear contact may swing at some hundred hertz, s.
+const TWO_MASSES_STEP_S: f64 = 1.25e-4;
 /// Temperature coefficient of copper's resistance, 1/K: heating is a share of resistance, and any number gives the same share.
 const COPPER: f64 = 0.0039;
 const AMBIENT_C: f64 = 20.0;
@@ -37,22 +40,27 @@ struct Parts {
 /// Writes both files.
 pub(super) fn export(model: &Model, options: &Options) -> Exported {
     let b = &model.base;
-    let step_s = options.step_s.unwrap_or(STEP_S);
+    let all = effects(model);
+    let between = Between::of(&all);
+    let step_s = options.step_s.unwrap_or(if between.is_some() { TWO_MASSES_STEP_S } else { STEP_S });
     let scale = options.torque_per_volt.unwrap_or(1.0);
     // V s/rad is N m/A, so that the resistance follows from the stall torque per volt.
     let constant = b.base().back_emf();
     let resistance = constant / scale;
 
-    let all = effects(model);
-    let (lost, kept): (Vec<_>, Vec<_>) = all.into_iter().partition(|(kind, _)| kind.is_transmission());
+    // A model has one transmission, the first: motorlens simulates no second one either.
+    let first = between.as_ref().map(|between| between.kind);
+    let kept: Vec<_> =
+        all.into_iter().filter(|(kind, _)| !kind.is_transmission() || Some(*kind) == first).collect();
     let mut own: Vec<(Kind, Vec<f64>)> = kept.iter().filter(|(kind, _)| !native(*kind)).cloned().collect();
     // What acts on a late voltage must be late too.
     let late = own.iter().any(|(kind, _)| kind.spec().port == Port::Voltage);
     own = kept.iter().filter(|(kind, _)| !native(*kind) || late && *kind == Kind::Delay).cloned().collect();
 
+    let driven = if between.is_some() { ROTOR } else { OUTPUT };
     let mut parts = Parts::default();
     for (kind, p) in kept.iter().filter(|(kind, _)| !own.iter().any(|(other, _)| other == kind)) {
-        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, model });
+        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, driven, model });
     }
     let mut notes = Vec::new();
     if options.torque_per_volt.is_none() {
@@ -68,25 +76,72 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
             names.join(", ")
         ));
     }
-    let lost: Vec<Lost> = lost
-        .iter()
-        .map(|(kind, _)| Lost::new(*kind, "rotor and load are one joint, and nothing lies between them"))
-        .collect();
-    let text = mjcf(model, &parts, &Scales { scale, step_s, constant, resistance }, &notes);
+    let scales = Scales { driven, scale, step_s, constant, resistance };
+    let text = mjcf(model, &parts, &scales, between.as_ref(), &notes);
     let beside = (!own.is_empty()).then(|| {
-        let beside = Beside { torque_per_volt: scale, resistance, friction: parts.friction, step_s };
+        let friction = parts.friction;
+        let beside = Beside { torque_per_volt: scale, resistance, friction, step_s, rotor: driven };
         ("py", program(model, &own, &beside))
     });
-    let carried = lost.iter().fold(model.values(), |values, lost| values.without(lost.effect));
-    Exported { content: text.into_bytes(), beside, notes, lost, carried }
+    Exported { content: text.into_bytes(), beside, notes, lost: Vec::new(), carried: model.values() }
+}
+
+/// The joint of the load, and that of the rotor where something lies between them.
+const OUTPUT: &str = "output";
+const ROTOR: &str = "rotor";
+
+/// What lies between rotor and load.
+struct Between {
+    kind: Kind,
+    /// The load's shares of inertia and of viscous friction.
+    share: f64,
+    damping: f64,
+    /// Natural frequency (rad/s) and damping ratio of the load while the rotor is held, for a tendon.
+    swing: Option<[f64; 2]>,
+}
+
+impl Between {
+    fn of(effects: &[(Kind, Vec<f64>)]) -> Option<Self> {
+        let (kind, p) = effects.iter().find(|(kind, _)| kind.is_transmission())?;
+        let spec = kind.spec();
+        let swing = (*kind == Kind::Compliance).then(|| [std::f64::consts::TAU * p[0], p[2]]);
+        Some(Self { kind: *kind, share: p[spec.load_share()?], damping: p[spec.load_damping()?], swing })
+    }
+
+    /// The tendon that turns with the rotor against the load; its spring and damper act on the load's `inertia`, kg m^2.
+    fn tendon(&self, inertia: f64) -> String {
+        self.swing.map_or(String::new(), |[rate, ratio]| {
+            format!(
+                r#"
+  <tendon>
+    <fixed name="transmission" stiffness="{:e}" damping="{:e}" springlength="0">
+      <joint joint="{ROTOR}" coef="1"/>
+      <joint joint="{OUTPUT}" coef="-1"/>
+    </fixed>
+  </tendon>"#,
+                inertia * rate * rate,
+                2.0 * inertia * ratio * rate
+            )
+        })
+    }
 }
 
 /// Effects that MJCF expresses itself.
 fn native(kind: Kind) -> bool {
-    use Kind::{Cogging, ConstantLoad, Coulomb, CoulombAsymmetric, Delay, Gravity, Spring, WindingHeating};
+    use Kind::{
+        Cogging, Compliance, ConstantLoad, Coulomb, CoulombAsymmetric, Delay, Gravity, Spring, WindingHeating,
+    };
     matches!(
         kind,
-        Coulomb | CoulombAsymmetric | ConstantLoad | Gravity | Spring | Cogging | WindingHeating | Delay
+        Coulomb
+            | CoulombAsymmetric
+            | Compliance
+            | ConstantLoad
+            | Gravity
+            | Spring
+            | Cogging
+            | WindingHeating
+            | Delay
     )
 }
 
@@ -94,6 +149,8 @@ struct Setting<'a> {
     scale: f64,
     step_s: f64,
     resistance: f64,
+    /// The joint that the motor turns.
+    driven: &'static str,
     model: &'a Model,
 }
 
@@ -119,7 +176,8 @@ fn add(parts: &mut Parts, kind: Kind, p: &[f64], setting: &Setting) {
             if (p[2], p[3]) != (0.0, 0.0) {
                 // An actuator has one ripple; one without a motor constant has nothing else.
                 parts.beside += &format!(
-                    "\n    <dcmotor name=\"second_harmonic\" joint=\"output\" input=\"none\" motorconst=\"0 0\" resistance=\"1\"{}/>",
+                    "\n    <dcmotor name=\"second_harmonic\" joint=\"{}\" input=\"none\" motorconst=\"0 0\" resistance=\"1\"{}/>",
+                    setting.driven,
                     ripple((scale * p[2], scale * p[3]), 2.0 * periods)
                 );
             }
@@ -146,16 +204,23 @@ fn ripple((sine, cosine): (f64, f64), periods: f64) -> String {
 }
 
 struct Scales {
+    driven: &'static str,
     scale: f64,
     step_s: f64,
     constant: f64,
     resistance: f64,
 }
 
-fn mjcf(model: &Model, parts: &Parts, scales: &Scales, notes: &[String]) -> String {
+fn mjcf(
+    model: &Model,
+    parts: &Parts,
+    scales: &Scales,
+    between: Option<&Between>,
+    notes: &[String],
+) -> String {
     let b = &model.base;
-    let Scales { scale, step_s, constant, resistance } = scales;
-    let (bob, inertia) = parts.weight.map_or((String::new(), 0.0), |w| bob(w, *scale));
+    let Scales { driven, scale, step_s, constant, resistance } = scales;
+    let (bob, weight) = parts.weight.map_or((String::new(), 0.0), |w| bob(w, *scale));
     let load = if parts.load == 0.0 {
         String::new()
     } else {
@@ -166,32 +231,50 @@ fn mjcf(model: &Model, parts: &Parts, scales: &Scales, notes: &[String]) -> Stri
     };
     // Two hyphens would end an XML comment.
     let comment: String = notes.iter().map(|s| format!("\n       {}", s.replace("--", ""))).collect();
+    let (inertia, viscous) = (scale * b.tau_m / b.gain, scale * b.viscous_share / b.gain);
+    let dry = format!(
+        r#"frictionloss="{friction:e}" solreffriction="{hard:e} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2""#,
+        // A joint without friction has no constraint for the program to set.
+        friction = parts.friction.max(1e-9 * scale),
+        hard = 2.0 * step_s,
+    );
+    let spring = format!(r#"stiffness="{:e}" springref="{:e}""#, parts.stiffness, parts.reference);
+    let body = |name: &str, joint: &str, [armature, damping]: [f64; 2], more: &str, inside: &str| {
+        format!(
+            r#"
+    <body name="{name}">
+      <joint name="{joint}" type="hinge" axis="0 0 1" armature="{armature:e}" damping="{damping:e}"
+             {more}/>
+      <geom type="cylinder" size="0.005 0.01" mass="1e-9" contype="0" conaffinity="0"/>{inside}
+    </body>"#
+        )
+    };
+    let (bodies, tendon) = match between {
+        None => {
+            let more = format!("{dry}\n             {spring}");
+            (body("shaft", OUTPUT, [inertia - weight, viscous], &more, &bob), String::new())
+        }
+        Some(between) => {
+            let of_load = [inertia * between.share, viscous * between.damping];
+            let rotor = [inertia - of_load[0], viscous - of_load[1]];
+            let shaft = [of_load[0] - weight, of_load[1]];
+            let bodies = body("rotor", ROTOR, rotor, &dry, "") + &body("shaft", OUTPUT, shaft, &spring, &bob);
+            (bodies, between.tendon(of_load[0]))
+        }
+    };
     format!(
         r#"<mujoco model="motorlens">
-  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; joint: the output shaft.{comment} -->
+  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; joint "output": the output shaft.{comment} -->
   <compiler angle="radian"/>
   <option timestep="{step_s:e}" gravity="0 -9.81 0" integrator="implicitfast"/>
-  <worldbody>
-    <body name="shaft">
-      <joint name="output" type="hinge" axis="0 0 1" armature="{armature:e}" damping="{damping:e}"
-             frictionloss="{friction:e}" solreffriction="{hard:e} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2"
-             stiffness="{stiffness:e}" springref="{reference:e}"/>
-      <geom type="cylinder" size="0.005 0.01" mass="1e-9"/>{bob}
-    </body>
-  </worldbody>
+  <worldbody>{bodies}
+  </worldbody>{tendon}
   <actuator>
-    <dcmotor name="motor" joint="output" motorconst="{constant:e} {constant:e}" resistance="{resistance:e}"
+    <dcmotor name="motor" joint="{driven}" motorconst="{constant:e} {constant:e}" resistance="{resistance:e}"
              inductance="0 {tau_e:e}"{motor} ctrllimited="true" ctrlrange="-{supply:e} {supply:e}"/>{beside}{load}
   </actuator>
 </mujoco>
 "#,
-        armature = scale * b.tau_m / b.gain - inertia,
-        damping = scale * b.viscous_share / b.gain,
-        // A joint without friction has no constraint for the program to set.
-        friction = parts.friction.max(1e-9 * scale),
-        hard = 2.0 * step_s,
-        stiffness = parts.stiffness,
-        reference = parts.reference,
         tau_e = b.tau_e,
         motor = parts.motor,
         supply = model.rig.supply_v,
@@ -211,7 +294,7 @@ fn bob((sine, cosine): (f64, f64), scale: f64) -> (String, f64) {
     let mass = size / (9.81 * ARM_M);
     let (x, y) = (ARM_M * start.sin(), -ARM_M * start.cos());
     let geom = format!(
-        "\n      <geom type=\"sphere\" size=\"{RADIUS_M:e}\" pos=\"{x:e} {y:e} 0\" mass=\"{mass:e}\"/>"
+        "\n      <geom type=\"sphere\" size=\"{RADIUS_M:e}\" pos=\"{x:e} {y:e} 0\" mass=\"{mass:e}\" contype=\"0\" conaffinity=\"0\"/>"
     );
     (geom, mass * (ARM_M * ARM_M + 0.4 * RADIUS_M * RADIUS_M))
 }

@@ -35,10 +35,12 @@ pub(super) enum Input {
     LoadAngle,
     /// Angle of the load at the start, rad.
     Origin,
-    /// Current, speed and angle at the beginning of a step that has ended.
+    /// Current, speeds and angles at the beginning of a step that has ended.
     WasCurrent,
     WasSpeed,
     WasAngle,
+    WasLoadSpeed,
+    WasLoadAngle,
     /// What the bridge was told in that step, V.
     Asked,
     /// What the effect of this number remembers.
