@@ -250,10 +250,12 @@ const Plots = (() => {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all().forEach((div) => { if (div.dataset.drawn) draw(div); }));
   // On paper everything is open, drawn in dark on white and as wide as the page.
   addEventListener("beforeprint", () => {
+    document.documentElement.dataset.paper = "yes";
     for (const details of document.querySelectorAll("details")) { if (!details.open) { details.dataset.closed = "yes"; details.open = true; } }
     all().forEach(draw);
   });
   addEventListener("afterprint", () => {
+    delete document.documentElement.dataset.paper;
     for (const details of document.querySelectorAll("details[data-closed]")) { details.open = false; delete details.dataset.closed; }
     all().forEach((div) => { if (div.dataset.drawn) draw(div); });
   });

@@ -75,6 +75,10 @@ fn adding_what_is_suggested_brings_the_error_to_the_floor_and_removing_it_takes_
          .map((e) => `${e.tagName}#${e.id}.${e.className} in ${e.parentElement.id}`).slice(0, 12).join(', ')",
     );
     assert!(wide <= 390.0, "the page is {wide} wide on a screen of 390; too wide: {beyond}");
+    // What is to be pressed needs no scrolling to be seen.
+    let buttons = "Math.max(0, ...[...document.querySelectorAll('#candidates .add, #entries input')].map((e) => e.getBoundingClientRect().right))";
+    let rightmost = browser.number(buttons);
+    assert!(rightmost <= 390.0, "a button ends at {rightmost} on a screen of 390");
     browser.size(1280, 900, false);
     let chips = effects(&mut browser);
     browser.click(".chip button");
