@@ -121,6 +121,7 @@ fn separated() -> Vec<(&'static str, String)> {
             lines("# time_s voltage_v angle_rad\n", |_, t, u, x| format!("{t:.18e} {u:.18e} {x:.18e}")),
         ),
         ("a row of units", lines(&format!("{HEADER}(s),(V),(rad)\n\n"), |_, t, u, x| format!("{t},{u},{x}"))),
+        ("units beside the numbers", lines(HEADER, |_, t, u, x| format!("{t:.4}s,{u:.4}V,{x:.4} rad"))),
         ("half a row first", format!("4,1.25\n{}", plain())),
         (
             "boot text first",
@@ -449,4 +450,65 @@ fn every_proposal_reads_its_log() {
         assert_same(&record, what, 0);
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn units_beside_the_numbers_hold_and_a_number_in_another_unit_is_no_row() {
+    let text = lines("t,u,pos\n", |k, t, u, x| {
+        let volts = if k == 50 { format!("{:.1}mV", 1e3 * u) } else { format!("{u:.4}V") };
+        format!("{:.0} ms,{volts},{x:.4}", 1e3 * t)
+    });
+    let record = read_bytes(text.as_bytes(), &mapped("time=t,voltage=u,angle=pos")).unwrap();
+    assert_eq!(record.len(), ROWS as usize - 1);
+    assert!((record.time_s[199 - 1] - record.time_s[0] - 1.99).abs() < 1e-9);
+    assert!(record.warnings.iter().any(|w| w.place.contains("line 52")), "{:?}", record.warnings);
+    let proposal = refusal(&text).proposal.unwrap();
+    assert_eq!(proposal.map, "time=t:ms,voltage=u:V,angle=pos:rad");
+    // Names beside the numbers too.
+    let text = lines("", |_, t, u, x| format!("t:{:.0}ms u:{u:.4}V pos:{x:.4}rad", 1e3 * t));
+    assert_same(&read_bytes(text.as_bytes(), &mapped("time=t,voltage=u,angle=pos")).unwrap(), "names", 0);
+}
+
+#[test]
+fn thousands_may_stand_apart() {
+    let apart = |x: f64| {
+        let text = format!("{:.1}", x.abs());
+        let (whole, part) = text.split_once('.').unwrap();
+        let sign = if x < 0.0 { "-" } else { "" };
+        let at = whole.len().saturating_sub(3);
+        if at == 0 {
+            format!("{sign}{text}")
+        } else {
+            format!("{sign}{}'{}.{part}", &whole[..at], &whole[at..])
+        }
+    };
+    let text = lines("t,u,pos\n", |_, t, u, x| format!("{t:.2},{},{}", apart(1e3 * u), apart(1e4 * x)));
+    assert!(text.contains("'"));
+    let record = read_bytes(text.as_bytes(), &mapped("time=t:s,voltage=u:mV,angle=pos:rad*1e-4")).unwrap();
+    assert_same(&record, "thousands", 0);
+}
+
+#[test]
+fn a_direction_in_a_column_of_its_own_gives_the_duty_its_sign() {
+    for (forth, back) in [("1", "-1"), ("1", "0"), ("1", "2"), ("FWD", "REV"), ("cw", "ccw"), ("HIGH", "LOW")]
+    {
+        let text = lines("t_ms,dir,pwm,theta\n", |_, t, u, x| {
+            format!("{:.0},{},{:.4},{x}", 1e3 * t, if u < 0.0 { back } else { forth }, 20.0 * u.abs())
+        });
+        let proposal = refusal(&text).proposal.unwrap();
+        assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:100,direction=dir:sign,angle=theta:rad", "{forth}");
+        let options = ReadOptions { supply_volts: Some(5.0), ..mapped(&proposal.map) };
+        assert_same(&read_bytes(text.as_bytes(), &options).unwrap(), forth, 0);
+        let turned = mapped("time=t_ms:ms,duty=pwm:100,direction=dir:*-1,angle=theta:rad");
+        let turned = read_bytes(text.as_bytes(), &ReadOptions { supply_volts: Some(5.0), ..turned }).unwrap();
+        assert!((turned.voltage_v[50] + row(50).1).abs() < 1e-9, "{forth}");
+    }
+    // A duty with a sign of its own needs none.
+    let text =
+        lines("t,dir,pwm,theta\n", |_, t, u, x| format!("{t},{},{},{x}", i32::from(u > 0.0), 20.0 * u));
+    assert!(!refusal(&text).proposal.unwrap().map.contains("direction"));
+    let text = lines("t,dir,u,theta\n", |k, t, u, x| format!("{t},{k},{},{x}", u.abs()));
+    let options = mapped("time=t,voltage=u,direction=dir,angle=theta");
+    let error = read_bytes(text.as_bytes(), &options).unwrap_err().to_string();
+    assert!(error.contains("is no direction") && error.contains("FWD and REV"), "{error}");
 }

@@ -10,7 +10,7 @@ use crate::process;
 
 /// Licences that ask for nothing more than their text kept. MPL-2.0 is not here: a crate under it needs a reason,
 /// and gets a row in [`EXCEPTIONS`].
-const PERMISSIVE: [&str; 14] = [
+const PERMISSIVE: [&str; 15] = [
     "MIT",
     "MIT-0",
     "Apache-2.0",
@@ -18,6 +18,7 @@ const PERMISSIVE: [&str; 14] = [
     "BSD-3-Clause",
     "0BSD",
     "ISC",
+    "NCSA",
     "Zlib",
     "Unlicense",
     "CC0-1.0",

@@ -9,6 +9,7 @@ mod browser;
 mod cortex_m0;
 mod emulated;
 mod exports;
+mod fuzz;
 mod image;
 mod instructions;
 mod licences;
@@ -56,6 +57,8 @@ enum Task {
     Licences,
     /// Run the paper's search beside that of others (scipy, pygad, pymoo, DEAP, genevo, Octave) and print the ratios.
     Peers,
+    /// Fuzz the readers of logs, guided by coverage (needs `cargo install cargo-fuzz`).
+    Fuzz(fuzz::Options),
     /// Count the instructions of the host's kernels, or of the firmware, and hold them against the recorded ones.
     Instructions(instructions::Options),
 }
@@ -71,6 +74,7 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::RealLogs(options) => real_logs::print(&options)?,
         Task::Licences => licences::check_all()?,
         Task::Peers => peers::run()?,
+        Task::Fuzz(options) => fuzz::run(&options)?,
         Task::Instructions(options) => instructions::check(&options)?,
     }
     Ok(ExitCode::SUCCESS)

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    arm, avr, bench, browser, cortex_m0, exports, instructions, licences, pico, process, python, sizes,
+    arm, avr, bench, browser, cortex_m0, exports, fuzz, instructions, licences, pico, process, python, sizes,
 };
 
 /// What to run.
@@ -82,6 +82,7 @@ fn format() -> Result<()> {
         bench::sines_directory(),
         browser::directory(),
         cortex_m0::directory(),
+        fuzz::directory(),
         python::directory(),
     ];
     for directory in std::iter::once(process::root()).chain(beside) {

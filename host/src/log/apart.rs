@@ -12,7 +12,8 @@ use super::{ReadOptions, Record, Warning, guess, preamble, sample, text};
 use crate::error::{BadInput, Error, Result};
 
 /// What belongs to the input of a motor.
-const INPUTS: [Quantity; 4] = [Quantity::Voltage, Quantity::Duty, Quantity::Target, Quantity::Supply];
+const INPUTS: [Quantity; 5] =
+    [Quantity::Voltage, Quantity::Duty, Quantity::Direction, Quantity::Target, Quantity::Supply];
 /// Fewer samples than this in common are no overlap.
 const FEWEST: usize = 2;
 
@@ -71,7 +72,9 @@ fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<
     let is_input = |quantity: Quantity| INPUTS.contains(&quantity);
     // Both may have a column of the same name: each gives its own part.
     let (drives, others): (Vec<_>, Vec<_>) = driven.values.into_iter().partition(|(q, _)| is_input(*q));
-    if !drives.iter().any(|(q, _)| *q != Quantity::Supply) || moved.values.iter().all(|(q, _)| is_input(*q)) {
+    if !drives.iter().any(|(q, _)| ![Quantity::Supply, Quantity::Direction].contains(q))
+        || moved.values.iter().all(|(q, _)| is_input(*q))
+    {
         let swapped = others.iter().any(|(q, _)| matches!(q, Quantity::Angle | Quantity::Speed));
         let why = format!(
             "{} has nothing that drives the motor, or {} no angle or speed",

@@ -176,7 +176,10 @@ impl Choice<'_> {
         if let Some((_, unit)) = said
             && Unit::parse(quantity, unit).map_or(true, |unit| unit.factor != 1.0)
         {
-            let why = format!("the row below the header says \"{unit}\", the header says {}", quantity.si());
+            let why = format!(
+                "the unit below the header, or beside the numbers, is \"{unit}\", and the header says {}",
+                quantity.si()
+            );
             let remedy = format!(
                 "say which is right: --map {quantity}={header}:{unit} or --map {quantity}={header}:{}",
                 quantity.si()

@@ -27,7 +27,10 @@ pub enum Separator {
 pub struct Splitter {
     separator: Separator,
     stamped: bool,
-    reader: Reader,
+    /// What stands behind the numbers of a column, by column; may be empty.
+    units: Vec<String>,
+    /// Made at the first line with a quote: its making costs more than the splitting of many lines.
+    reader: Option<Reader>,
     text: String,
     fields: Vec<Range<usize>>,
     stamp: Option<String>,
@@ -36,15 +39,20 @@ pub struct Splitter {
 impl Splitter {
     /// Splits as `separator` says; `stamped` says that a serial monitor put the time and an arrow before each line.
     pub fn of(separator: Separator, stamped: bool) -> Self {
-        let delimiter = if let Separator::Byte(byte) = separator { byte } else { b',' };
         Splitter {
             separator,
             stamped,
-            reader: ReaderBuilder::new().delimiter(delimiter).build(),
+            units: Vec::new(),
+            reader: None,
             text: String::new(),
             fields: Vec::new(),
             stamp: None,
         }
+    }
+
+    /// Leaves out the unit that stands behind the numbers of a column.
+    pub fn without_units(self, units: Vec<String>) -> Self {
+        Splitter { units, ..self }
     }
 
     /// Splits one line, with or without its end. Says whether all quotes are closed.
@@ -58,6 +66,7 @@ impl Splitter {
             self.stamp = Some(stamp.to_owned());
             line = rest;
         }
+        line = unwrapped(line);
         self.text.clear();
         match &self.separator {
             Separator::Byte(_) if line.contains('"') => return self.split_quoted(line),
@@ -98,13 +107,14 @@ impl Splitter {
 
     fn split_quoted(&mut self, line: &str) -> bool {
         let (mut text, mut ends) = (vec![0; line.len() + 1], vec![0; line.len() + 1]);
-        self.reader.reset();
-        let (result, read, written, mut count) =
-            self.reader.read_record(line.as_bytes(), &mut text, &mut ends);
+        let delimiter = if let Separator::Byte(byte) = self.separator { byte } else { b',' };
+        let reader = self.reader.get_or_insert_with(|| ReaderBuilder::new().delimiter(delimiter).build());
+        reader.reset();
+        let (result, read, written, mut count) = reader.read_record(line.as_bytes(), &mut text, &mut ends);
         let mut closed = result == ReadRecordResult::Record && read == line.len();
         if result == ReadRecordResult::InputEmpty {
             // The end of the input closes the last field; within a quote, it comes too early.
-            let (end, _, _, last) = self.reader.read_record(b"\n", &mut text[written..], &mut ends[count..]);
+            let (end, _, _, last) = reader.read_record(b"\n", &mut text[written..], &mut ends[count..]);
             count += last;
             closed = end == ReadRecordResult::Record;
         }
@@ -124,9 +134,11 @@ impl Splitter {
         self.fields.len()
     }
 
-    /// A field of the line without the spaces around it; `None` beyond the last.
+    /// A field of the line without the spaces around it, or the unit of its column; `None` beyond the last.
     pub fn get(&self, index: usize) -> Option<&str> {
-        self.fields.get(index).map(|field| self.text[field.clone()].trim())
+        let text = self.text[self.fields.get(index)?.clone()].trim();
+        let unit = self.units.get(index).filter(|unit| !unit.is_empty());
+        Some(unit.and_then(|unit| text.strip_suffix(unit.as_str())).map_or(text, str::trim_end))
     }
 
     /// When a serial monitor received the line, if it says.
@@ -140,9 +152,23 @@ impl Splitter {
     }
 }
 
-/// The stamp that a serial monitor puts before a line, and the line: `12:34:56.789 -> 1,2,3`.
+/// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
+fn unwrapped(line: &str) -> &str {
+    let wrapped = [('[', ']'), ('(', ')'), ('|', '|')];
+    let inside = wrapped
+        .into_iter()
+        .find_map(|(open, close)| line.strip_prefix(open)?.strip_suffix(close).map(|inside| (open, inside)));
+    match inside {
+        Some(('|', inside)) => inside,
+        // `(ms),(V)` is none.
+        Some((_, inside)) if !inside.contains(['[', ']', '(', ')']) => inside.trim_end_matches([',', ' ']),
+        _ => line,
+    }
+}
+
+/// The stamp that a serial monitor puts before a line, and the line: `12:34:56.789 -> 1,2,3`, or with a single `>`.
 pub fn stamped(line: &str) -> Option<(&str, &str)> {
-    let (stamp, rest) = line.split_once("->")?;
+    let (stamp, rest) = line.split_once("->").or_else(|| line.split_once(" > "))?;
     let stamp = stamp.trim();
     clock::moment(stamp).map(|_| (stamp, rest.trim()))
 }

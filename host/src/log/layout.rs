@@ -1,9 +1,11 @@
 //! How a table is written, told from its first lines: what separates the fields, where the header stands, whether a row of units follows
 //! it, whether a serial monitor stamped the lines, whether each value has its name beside it.
 
+use super::beside;
 use super::clock;
 use super::fields::{Separator, Splitter, pairs, stamped};
 use super::guess::words;
+use super::rows::number;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
 const MOST_CHATTER: usize = 60;
@@ -81,6 +83,7 @@ fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
     for separator in [
         Separator::Byte(b';'),
         Separator::Byte(b'\t'),
+        Separator::Byte(b'|'),
         Separator::Byte(b','),
         Separator::DecimalCommas,
         Separator::Blanks,
@@ -119,7 +122,7 @@ fn row(line: &str, separator: &Separator) -> Option<usize> {
 /// The `width` names in a header, which may separate them otherwise than the rows do.
 fn names_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
     let fit = |names: Vec<String>| {
-        (names.len() == width && !names.iter().any(|name| is_number(name))).then_some(names)
+        (names.len() == width && !names.iter().any(|name| is_bare_number(name))).then_some(names)
     };
     let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
     fit(fields(line, &own)).or_else(|| match separator {
@@ -189,6 +192,9 @@ fn plain(lines: &[&str]) -> Layout {
     if let Some(separator) = separators.into_iter().find(all) {
         return new(separator);
     }
+    if let Some((separator, rows)) = numbers_below(lines) {
+        return Layout { rows, ..new(separator) };
+    }
     let separator = Separator::Byte(delimiter_of(first));
     let names = fields(first, &separator);
     if names.iter().all(|name| is_number(name)) {
@@ -197,14 +203,39 @@ fn plain(lines: &[&str]) -> Layout {
     Layout { header: Some(0), names, rows: 1, ..new(separator) }
 }
 
+/// Numbers without a header below what a board says as it starts: from the line at which three rows of nothing else begin.
+fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
+    let width = |line: &str, separator: &Separator| {
+        let values = fields(line, separator);
+        (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
+    };
+    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
+    (1..last).find_map(|k| {
+        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks]
+            .into_iter()
+            .find(|separator| {
+                let first = width(lines[k], separator);
+                first.is_some() && (1..3).all(|more| width(lines[k + more], separator) == first)
+            })
+            // Names that are as many as the numbers are a header, good or bad.
+            .filter(|separator| fields(lines[k - 1], separator).len() != fields(lines[k], separator).len())
+            .map(|separator| (separator, k))
+    })
+}
+
 fn fields(line: &str, separator: &Separator) -> Vec<String> {
     let mut splitter = Splitter::of(separator.clone(), false);
     splitter.split(line);
     splitter.iter().map(|field| field.trim_matches('\u{fffd}').trim().to_owned()).collect()
 }
 
+/// A number, with its unit beside it perhaps, or a time.
 fn is_number(text: &str) -> bool {
-    text.replace(',', ".").parse::<f64>().is_ok() || clock::moment(text).is_some()
+    is_bare_number(text) || beside::unit(text).is_some()
+}
+
+fn is_bare_number(text: &str) -> bool {
+    number(text).is_some() || clock::moment(text).is_some()
 }
 
 /// The separator of a line: a semicolon or tab wins over commas, which may then be decimal.
@@ -271,5 +302,7 @@ mod tests {
         assert_eq!(layout("1,2\n3,4\n5,6").header, None);
         assert_eq!(layout("1 2\n3 4\n5 6").separator, Separator::Blanks);
         assert_eq!(layout("t,u").header, Some(0));
+        let found = layout("Setup done\nStarting ...\n1,2,3\n3,4,5\n5,6,7\n7,8,9");
+        assert_eq!((found.header, found.names.len(), found.rows), (None, 0, 2));
     }
 }

@@ -3,10 +3,10 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::Metadata;
 use super::fields::{Separator, Splitter};
 use super::layout::Layout;
 use super::text::cannot_read;
+use super::{Metadata, beside};
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
@@ -22,8 +22,10 @@ pub struct Preamble {
     pub meta: Metadata,
     /// The column names, or `None` where the first row is data already.
     pub headers: Option<Vec<String>>,
-    /// The units of a row below the header, by column; empty where there is none.
+    /// The units of a row below the header, or beside the numbers, by column; empty where there is none.
     pub units: Vec<String>,
+    /// Those beside the numbers alone.
+    beside: Vec<String>,
     /// What separates the fields.
     pub separator: Separator,
     /// A serial monitor put a time and an arrow before the lines.
@@ -41,7 +43,7 @@ pub struct Preamble {
 impl Preamble {
     /// A splitter for the rows.
     pub fn splitter(&self) -> Splitter {
-        Splitter::of(self.separator.clone(), self.stamped)
+        Splitter::of(self.separator.clone(), self.stamped).without_units(self.beside.clone())
     }
 }
 
@@ -106,10 +108,18 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
     let skipped = if line < lines[0].0 { 0 } else { skipped };
     let rows = lines.split_off(layout.rows.min(lines.len()));
+    let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped);
+    let beside = beside::units(&mut splitter, rows.iter().map(|(_, row)| row.as_str()));
+    let mut units = layout.units;
+    units.resize(units.len().max(beside.len()), String::new());
+    for (unit, beside) in units.iter_mut().zip(&beside).filter(|(unit, _)| unit.is_empty()) {
+        unit.clone_from(beside);
+    }
     Ok(Preamble {
         meta,
         headers: (!layout.names.is_empty()).then_some(layout.names),
-        units: layout.units,
+        units,
+        beside,
         separator: layout.separator,
         stamped: layout.stamped,
         line,
@@ -124,7 +134,7 @@ pub fn is_nothing(text: &str) -> bool {
     let remark = text.trim_matches('"');
     let separator =
         remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));
-    separator || text.trim_matches([',', ';', '\t']).is_empty()
+    separator || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', ' ']).is_empty()
 }
 
 fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {

@@ -83,7 +83,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         }
         (Format::BamJson, _) | (Format::Csv, Some(Json::Bam)) => Ok(vec![bam::read(path, input, options)?]),
         (Format::WpilibSysid, None) => Err(no_list(path, input)?),
-        (Format::Csv, Some(other)) => Err(other.refused(path)),
+        (Format::Csv, Some(Json::Own)) => Err(Json::Own.refused(path)),
+        (Format::Csv, Some(Json::Other)) => formats::json(path, input)?.records(path, options),
         (Format::Csv, None) => Ok(finished(table::read(path, input, options)?)),
     }
 }
@@ -129,7 +130,13 @@ impl Json {
             (has("\"schema\""), Json::Own),
         ];
         let kind = known.into_iter().find_map(|(is, kind)| is.then_some(kind));
-        start.trim_ascii_start().starts_with(b"{").then_some(kind.unwrap_or(Json::Other))
+        let mut inside = start.trim_ascii_start();
+        let is_array = inside.first() == Some(&b'[');
+        if is_array {
+            inside = inside[1..].trim_ascii_start();
+        }
+        let is_json = inside.first() == Some(&b'{') || is_array && inside.first() == Some(&b'[');
+        is_json.then_some(kind.unwrap_or(Json::Other))
     }
 
     /// What the file is, where it needs no mapping.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
+use super::direction;
 use super::fields::Splitter;
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
@@ -154,7 +155,11 @@ impl<'a> Rows<'a> {
                 }
                 text => text.unwrap_or_default(),
             };
-            let value = field(text).map_err(|why| Unread::Bad(column.header.as_str(), why))? * column.factor;
+            let value = match column.quantity {
+                Quantity::Direction => direction(text),
+                _ => field(text).map(|value| value * column.factor),
+            };
+            let value = value.map_err(|why| Unread::Bad(column.header.as_str(), why))?;
             self.last[k] = Some(value);
             self.numbers[k + 1] = value;
         }
@@ -230,10 +235,31 @@ fn field(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The number in a field; a comma within a field is a decimal one, since it separates nothing.
+/// What a field of a column of directions says, or why it says nothing.
+fn direction(text: &str) -> Result<f64, String> {
+    direction::named(text).map_or_else(|| field(text), Ok)
+}
+
+/// The number in a field; a comma within a field is a decimal one, since it separates nothing, and thousands may stand apart.
 pub(super) fn number(text: &str) -> Option<f64> {
     text.parse::<f64>().ok().or_else(|| {
         let decimal_comma = text.contains(',');
-        decimal_comma.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()
+        let point = decimal_comma.then(|| text.replacen(',', ".", 1));
+        let text = point.as_deref().unwrap_or(text);
+        point.as_ref().and_then(|text| text.parse().ok()).or_else(|| with_thousands(text))
     })
+}
+
+/// `1'234.5`, as Swiss spreadsheets and pocket calculators write it, and the same with a narrow blank.
+fn with_thousands(text: &str) -> Option<f64> {
+    const BETWEEN: [char; 4] = ['\'', '\u{2019}', '\u{A0}', '\u{202F}'];
+    if !text.contains(BETWEEN) {
+        return None;
+    }
+    let whole = text.split('.').next().unwrap_or_default();
+    let mut groups = whole.trim_start_matches(['-', '+']).split(BETWEEN);
+    let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
+    let first = groups.next().is_some_and(|group| (1..=3).contains(&group.len()) && digits(group));
+    let alike = groups.all(|group| group.len() == 3 && digits(group));
+    (first && alike).then(|| text.replace(BETWEEN, "").parse().ok()).flatten()
 }

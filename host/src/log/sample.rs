@@ -4,6 +4,7 @@ use std::io::BufRead;
 use std::path::Path;
 
 use super::clock::Clock;
+use super::direction;
 use super::guess;
 use super::preamble::Preamble;
 use super::rows::number;
@@ -55,6 +56,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         let value = |(k, text): (usize, &str)| {
             number(text)
                 .or_else(|| clocks[k].read(text, 1.0, None).inspect(|_| clocked[k] = true))
+                .or_else(|| direction::named(text))
                 .unwrap_or(f64::NAN)
         };
         sample.rows.push(splitter.iter().enumerate().map(value).collect());

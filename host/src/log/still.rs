@@ -42,20 +42,25 @@ fn is_still(record: &Record, motion: &[f64], fastest: f64) -> bool {
 /// Takes the records in which the motor stands still out of those to fit and those to judge by, and says what they tell; where none
 /// of those to fit moves all stay, for whoever fits them to refuse.
 pub fn set_aside_still(records: &mut Vec<Record>, validation: &mut Vec<Record>) -> Vec<Warning> {
-    let fastest = records.iter().map(|record| peak(&motion(record))).fold(0.0, f64::max);
-    let moves = |record: &Record| !is_still(record, &motion(record), fastest);
-    if !records.iter().any(moves) {
-        return Vec::new();
-    }
+    let stands = still_beside(&records.iter().collect::<Vec<_>>());
     let mut said = Vec::new();
     for set in [records, validation] {
-        said.extend(set.iter().filter(|record| !moves(record)).map(breakaway));
-        set.retain(moves);
+        said.extend(set.iter().filter(|record| stands(record)).map(breakaway));
+        set.retain(|record| !stands(record));
     }
     said
 }
 
-fn breakaway(record: &Record) -> Warning {
+/// Whether the motor stands still in a record, beside `records` to fit; in none where it moves in none of these.
+pub fn still_beside(records: &[&Record]) -> impl Fn(&Record) -> bool + use<> {
+    let fastest = records.iter().map(|record| peak(&motion(record))).fold(0.0, f64::max);
+    let stands = move |record: &Record| is_still(record, &motion(record), fastest);
+    let any_moves = records.iter().any(|record| !stands(record));
+    move |record| any_moves && stands(record)
+}
+
+/// What a record in which the motor stands still tells.
+pub fn breakaway(record: &Record) -> Warning {
     let (low, high) = record.voltage_v.iter().fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
     let volts = match (low < -0.01 * peak(&record.voltage_v), high > 0.01 * peak(&record.voltage_v)) {
         (true, true) => format!("between {low:.3} V and {high:.3} V"),

@@ -3,8 +3,9 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::choice::{Choice, TimeSource};
+use super::choice::{Choice, TimeSource, Wanted};
 use super::clock::Clock;
+use super::direction;
 use super::mapping::Mapping;
 use super::preamble;
 use super::rows::{Blanks, Rows, is_held};
@@ -138,15 +139,45 @@ pub(super) fn columns(
         );
     }
     let time_s = columns.remove(0);
-    let values = wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
+    let mut values: Vec<(Quantity, Vec<f64>)> =
+        wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
+    for (column, (quantity, values)) in wanted.values.iter().zip(&mut values) {
+        if *quantity == Quantity::Direction {
+            *values = signs(path, column, values)?;
+        }
+    }
     Ok(Read { time_s, values, meta, map, structure, warnings })
+}
+
+/// The signs of a column of directions, all of them turned round where the mapping says `*-1`.
+fn signs(path: &Path, column: &Wanted, values: &[f64]) -> Result<Vec<f64>> {
+    let signs = direction::signs(values).map_err(|odd| {
+        let why = format!("{odd} is no direction");
+        let fix = "a direction is 1 and -1, 1 and 0, 1 and 2, or two words such as FWD and REV: map the column that has these";
+        BadInput::new(path, why, fix).in_column(&column.header)
+    })?;
+    Ok(signs.into_iter().map(|sign| sign * column.factor.signum()).collect())
+}
+
+/// Gives what drives the motor the sign that a column of directions holds.
+fn turn_round(values: &mut [(Quantity, Vec<f64>)]) {
+    let Some((_, signs)) = values.iter().find(|(quantity, _)| *quantity == Quantity::Direction).cloned()
+    else {
+        return;
+    };
+    for (quantity, values) in values {
+        if matches!(quantity, Quantity::Voltage | Quantity::Duty | Quantity::Target) {
+            values.iter_mut().zip(&signs).for_each(|(value, sign)| *value *= sign);
+        }
+    }
 }
 
 /// The record of the columns.
 ///
 /// # Errors
 /// Wrong usage where a duty has no supply.
-pub(super) fn record(path: &Path, name: String, read: Read, options: &ReadOptions) -> Result<Record> {
+pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOptions) -> Result<Record> {
+    turn_round(&mut read.values);
     let mut record = Record {
         name,
         path: path.to_owned(),
@@ -158,9 +189,10 @@ pub(super) fn record(path: &Path, name: String, read: Read, options: &ReadOption
         ..Record::default()
     };
     let (mut duty, mut target) = (None, None);
+
     for (quantity, values) in read.values {
         match quantity {
-            Quantity::Time | Quantity::Interval => {}
+            Quantity::Time | Quantity::Interval | Quantity::Direction => {}
             Quantity::Voltage => record.voltage_v = values,
             Quantity::Duty => duty = Some(values),
             Quantity::Target => target = Some(values),

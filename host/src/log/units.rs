@@ -14,6 +14,8 @@ pub enum Quantity {
     Voltage,
     /// Fraction of the supply that the driver puts out, -1 to 1.
     Duty,
+    /// Sign of the voltage, the duty or the target, where it stands in a column of its own.
+    Direction,
     /// Angle that a position servo was told to go to, rad.
     Target,
     /// Angle of the output shaft, rad.
@@ -28,11 +30,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order in which a log lists them.
-    pub const ALL: [Quantity; 9] = [
+    pub const ALL: [Quantity; 10] = [
         Quantity::Time,
         Quantity::Interval,
         Quantity::Voltage,
         Quantity::Duty,
+        Quantity::Direction,
         Quantity::Target,
         Quantity::Angle,
         Quantity::Speed,
@@ -47,6 +50,7 @@ impl Quantity {
             Quantity::Interval => "interval",
             Quantity::Voltage => "voltage",
             Quantity::Duty => "duty",
+            Quantity::Direction => "direction",
             Quantity::Target => "target",
             Quantity::Angle => "angle",
             Quantity::Speed => "speed",
@@ -55,12 +59,12 @@ impl Quantity {
         }
     }
 
-    /// The name of its column in a canonical log; interval and duty have none.
+    /// The name of its column in a canonical log; interval, duty and direction have none.
     pub fn canonical(self) -> Option<&'static str> {
         match self {
             Quantity::Time => Some("time_s"),
             Quantity::Voltage => Some("voltage_v"),
-            Quantity::Interval | Quantity::Duty => None,
+            Quantity::Interval | Quantity::Duty | Quantity::Direction => None,
             Quantity::Target => Some("target_rad"),
             Quantity::Angle => Some("angle_rad"),
             Quantity::Speed => Some("speed_rad_s"),
@@ -83,6 +87,7 @@ impl Quantity {
             Quantity::Time | Quantity::Interval => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
             Quantity::Voltage | Quantity::Supply => VOLT,
             Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
+            Quantity::Direction => &[("sign", 1.0)],
             Quantity::Angle | Quantity::Target => {
                 const ANGLE: &[(&str, f64)] = &[
                     ("rad", 1.0),

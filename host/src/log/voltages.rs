@@ -105,7 +105,9 @@ pub(super) fn unsigned(record: &Record) -> Option<Odd> {
             "unsigned_voltage",
             "voltage_v",
             "the voltage is never negative, and the motor runs both ways as fast as it asks: its sign is not in this column".into(),
-            "log the voltage (or the duty) with its sign, or make it negative where the column of the direction says backwards".into(),
+            "say which column holds the direction: --map ...,direction=COLUMN (1 and -1, 1 and 0, FWD and REV); or log the voltage (or the duty) with \
+             its sign"
+                .into(),
         )
     })
 }

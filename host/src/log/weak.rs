@@ -42,6 +42,8 @@ struct Window {
 pub struct Regression {
     /// Output speed per volt, rad/s/V.
     pub gain: f64,
+    /// Time constant, s; what delays the answer is part of it.
+    pub tau_s: f64,
     /// Share of the voltage's variation that is left, 0 ..= 1.
     pub left: f64,
 }
@@ -165,7 +167,11 @@ fn solved<const N: usize>(rows: &[([f64; N], f64)]) -> Option<Regression> {
     let x = h.cholesky()?.solve(&g);
     let left: f64 = rows.iter().map(|(row, v)| (v - SVector::<f64, N>::from(*row).dot(&x)).powi(2)).sum();
     let variation = vv - v1 * v1 / rows.len() as f64;
-    (variation > 0.0 && x[0] != 0.0).then(|| Regression { gain: 1.0 / x[0], left: (left / variation).sqrt() })
+    (variation > 0.0 && x[0] != 0.0).then(|| Regression {
+        gain: 1.0 / x[0],
+        tau_s: x[1] / x[0],
+        left: (left / variation).sqrt(),
+    })
 }
 
 /// Time that sample `i` stands for, s.

@@ -14,7 +14,7 @@ use super::App;
 use super::fits::kept;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
-use crate::log::{FEWEST_SAMPLES, Record, part};
+use crate::log::{FEWEST_SAMPLES, Record, Warning, breakaway, part, servo, still_beside};
 use crate::motor_file::MotorFile;
 
 /// What a record is used for.
@@ -116,6 +116,30 @@ impl Data {
     /// The records with this role, cut.
     pub fn with(&self, role: Role) -> Vec<Record> {
         self.entries.iter().filter(|e| e.role == role).flat_map(Entry::pieces).collect()
+    }
+
+    /// What the verbs do with the records of a motor before they judge them: all servos of which nobody knows the controller get one,
+    /// and a record in which the motor stands still is out. Says what such records tell.
+    pub fn settle(&mut self) -> Vec<Warning> {
+        let used: Vec<usize> =
+            (0..self.entries.len()).filter(|k| self.entries[*k].role != Role::Out).collect();
+        let mut records: Vec<Record> = used.iter().map(|k| (*self.entries[*k].record).clone()).collect();
+        if records.iter().any(|record| record.servo.is_some()) {
+            servo::close_loops(&mut records);
+            for (k, record) in used.iter().zip(records) {
+                self.entries[*k].record = Arc::new(record);
+            }
+        }
+        let fitted = self.entries.iter().filter(|e| e.role == Role::Fit).map(|e| e.record.as_ref());
+        let stands = still_beside(&fitted.collect::<Vec<_>>());
+        let mut said = Vec::new();
+        for k in used {
+            if stands(&self.entries[k].record) {
+                said.push(breakaway(&self.entries[k].record));
+                self.entries[k].role = Role::Out;
+            }
+        }
+        said
     }
 
     /// Whether a change can be undone.
@@ -276,6 +300,32 @@ mod tests {
         for piece in entry.pieces() {
             assert_eq!(piece.servo.as_ref().map(|servo| servo.target_rad.len()), Some(piece.len()));
         }
+    }
+
+    #[test]
+    fn a_record_at_rest_is_out_beside_one_that_moves_and_a_servo_gets_its_voltage() {
+        let mut moving = entry().record.as_ref().clone();
+        moving.speed_rad_s = Some(moving.time_s.iter().map(|t| 5.0 * (2.0 * t).sin()).collect());
+        moving.voltage_v = moving.time_s.iter().map(|t| 2.0 * (2.0 * t + 0.1).sin()).collect();
+        let still = Record { name: "still".into(), speed_rad_s: Some(vec![0.0; 1000]), ..moving.clone() };
+        let angle: Vec<f64> = moving.time_s.iter().map(|t| 1.0 - (-2.0 * t).exp()).collect();
+        let servo = Servo { target_rad: vec![1.0; 1000], gain: Some(2.0), damping: None };
+        let servo = Record {
+            name: "servo".into(),
+            voltage_v: vec![0.0; 1000],
+            angle_rad: Some(angle),
+            speed_rad_s: None,
+            servo: Some(servo),
+            ..moving.clone()
+        };
+        let mut data = Data::new(vec![moving, still, servo], Vec::new(), MotorFile::default());
+        let said = data.settle();
+        assert!(said.len() == 1 && said[0].what.contains("still_record"), "{said:?}");
+        assert_eq!(
+            data.entries.iter().map(|e| e.role).collect::<Vec<_>>(),
+            [Role::Fit, Role::Out, Role::Fit]
+        );
+        assert!(data.entries[2].record.voltage_v[0] > 1.0);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use super::jobs::{self, Answer, End, refused};
 use super::session::Session;
 use crate::error::{Error, Result};
 use crate::log::guess::look;
-use crate::log::{EncoderShaft, ReadOptions, Record, check_usable, read};
+use crate::log::{EncoderShaft, ReadOptions, Record, read};
 use crate::motor_file::MotorFile;
 
 /// What a dropped log is.
@@ -133,6 +133,7 @@ pub async fn take(State(app): State<Arc<App>>, Json(taking): Json<Taking>) -> An
     if taking.replace {
         data.motor = motor;
     }
+    let still = data.settle();
     if data.with(Role::Fit).is_empty() {
         let why = "no record would be left to fit; give at least one of them the role fit";
         return Err(refused(StatusCode::UNPROCESSABLE_ENTITY, why));
@@ -140,7 +141,10 @@ pub async fn take(State(app): State<Arc<App>>, Json(taking): Json<Taking>) -> An
     jobs::start(&app, &format!("Reading {}", names.join(", ")), move |_| match Session::of(data) {
         Ok(new) => {
             let verb = if names.len() == 1 { "is" } else { "are" };
-            let message = format!("{} {verb} in; the base model is fitted.", names.join(", "));
+            let mut message = format!("{} {verb} in; the base model is fitted.", names.join(", "));
+            for warning in still {
+                message += &format!(" {}.", warning.what);
+            }
             End::Done(message, Box::new(move |session| *session = new))
         }
         Err(error) => End::Failed(error.to_json()),
@@ -169,7 +173,7 @@ fn called(error: Error, name: &Path) -> Error {
     }
 }
 
-/// The records in `content`, judged.
+/// The records in `content`. They are judged when all are taken in, as a set, as the verbs judge theirs.
 fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
     let (_directory, path, name) = kept(&dropped.name, content)?;
     let map = if dropped.map.is_empty() { None } else { Some(dropped.map.parse()) };
@@ -181,7 +185,6 @@ fn parse(dropped: &Dropped, content: &[u8]) -> Result<Vec<Record>> {
     let mut records = read(&path, &options).map_err(|error| called(error, &name))?;
     for record in &mut records {
         record.path.clone_from(&name);
-        check_usable(record)?;
     }
     Ok(records)
 }

@@ -7,6 +7,8 @@
 mod bytes;
 #[cfg(feature = "log-mcap")]
 mod cdr;
+#[cfg(feature = "log-xlsx")]
+mod chains;
 mod convert;
 mod events;
 #[cfg(feature = "log-mat")]
@@ -19,6 +21,7 @@ mod mcap;
 mod npy;
 #[cfg(feature = "log-npz")]
 mod npz;
+mod objects;
 #[cfg(feature = "log-parquet")]
 mod parquet;
 #[cfg(feature = "log-xlsx")]
@@ -239,6 +242,21 @@ pub fn look(path: &Path) -> Result<Option<Shown>> {
     }
     let table = events.table(None).map_err(|fault| BadInput::new(path, fault.why, fault.remedy))?;
     Ok(Some(Shown::Table(table)))
+}
+
+/// The table in the JSON that `input` is.
+///
+/// # Errors
+/// Bad input where it is no JSON, or no table.
+pub fn json(path: &Path, input: impl Read) -> Result<Table> {
+    let mut bytes = Vec::new();
+    input.take(objects::LARGEST + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
+    let read = if bytes.len() as u64 > objects::LARGEST {
+        Err(Fault::new("JSON of more than 256 MiB is larger than any log of a motor", "write it as CSV"))
+    } else {
+        objects::read(&bytes)
+    };
+    read.map_err(|fault| BadInput::new(path, fault.why, fault.remedy).at_line(1).into())
 }
 
 /// What is in the file at `path`, or `None` where it is not of a binary format.

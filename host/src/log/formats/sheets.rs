@@ -5,13 +5,14 @@ use std::io::Cursor;
 use calamine::{Data, Ods, Range, Reader, Xls};
 
 use super::xlsx::{Cell, Grid, first_table};
-use super::{Content, Fault};
+use super::{Content, Fault, chains};
 
 /// Reads the first sheet of an Excel 97 workbook that is a table.
 ///
 /// # Errors
 /// A fault where the file is damaged or no workbook, or no sheet is a table.
 pub fn xls(all: &[u8]) -> Result<Content, Fault> {
+    chains::check(all)?;
     let mut book = Xls::new(Cursor::new(all)).map_err(|why| damaged(&why))?;
     let sheets = book.sheet_names();
     first_table(&sheets, |sheet| rows(sheet, &book.worksheet_range(sheet).map_err(|why| damaged(&why))?))

@@ -1,6 +1,7 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
 use super::words;
+use crate::log::direction;
 use crate::log::timing;
 use crate::log::units::Quantity;
 
@@ -34,7 +35,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
         let range = Range::of(values(index));
-        if quantity == Quantity::Voltage {
+        // The pins of a bridge: one that is high drives the motor one way.
+        let is_pin = range.whole && range.low == 0.0 && range.high == 1.0 && said[index].unit.is_none();
+        if quantity == Quantity::Voltage && plain == 2 && is_pin {
+            *guess = Some((Quantity::Direction, 1));
+        } else if quantity == Quantity::Voltage {
             if driven && range.low > 0.0 && range.high - range.low < 0.4 * range.high {
                 *guess = Some((Quantity::Supply, plain));
             } else if range.whole && range.peak() > 60.0 && said[index].unit.is_none() {
@@ -84,7 +89,22 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let unit = unit_of(quantity, said[index].unit, values(index).collect::<Vec<_>>().as_slice());
         parts.push(Part { quantity, index, rest: None, unit });
     }
+    // A servo's angle is told in the unit of its target.
+    let of_target = parts.iter().find(|part| part.quantity == Quantity::Target).map(|part| part.unit.clone());
+    let angle = parts.iter_mut().find(|part| part.quantity == Quantity::Angle);
+    if let (Some(unit), Some(angle)) = (of_target, angle)
+        && said[angle.index].unit.is_none()
+    {
+        angle.unit = unit;
+    }
     add_fractions(&mut parts, names, rows);
+    // A direction is one only beside a drive that has no sign of its own.
+    let drive = parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
+    let unsigned = drive.is_some_and(|part| Range::of(values(part.index)).low >= 0.0);
+    parts.retain(|part| {
+        let is_one = || direction::signs(&values(part.index).collect::<Vec<_>>()).is_ok();
+        part.quantity != Quantity::Direction || unsigned && is_one()
+    });
     // A clock adds up no errors.
     if parts.iter().any(|part| part.quantity == Quantity::Time) {
         parts.retain(|part| part.quantity != Quantity::Interval);
@@ -115,6 +135,8 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
 
 /// Whole numbers that span more than two turns in degrees are counts.
 const MOST_DEGREES: f64 = 720.0;
+/// Numbers between which a servo is sent that span more than this are no radians.
+const MOST_SERVO_RADIANS: f64 = 20.0;
 /// Rows from which a clock is told by its values.
 const FEWEST_TICKS: usize = 20;
 /// What counts rows and tells no time.
@@ -143,9 +165,11 @@ fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> St
         (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
         (Quantity::Voltage | Quantity::Supply, None) => "V",
         (Quantity::Angle, None) if range.whole && range.high - range.low > MOST_DEGREES => "counts",
+        (Quantity::Target, None) if range.high - range.low > MOST_SERVO_RADIANS => "deg",
         (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
         (Quantity::Angle | Quantity::Target, None) => "rad",
         (Quantity::Speed, None) => "rad/s",
+        (Quantity::Direction, None) => "sign",
         (Quantity::Current, None) if range.peak() > 60.0 => "mA",
         (Quantity::Current, None) => "A",
     };

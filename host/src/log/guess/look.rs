@@ -47,6 +47,7 @@ pub fn look(path: &Path) -> Result<Look> {
             let mut input = text::open(path)?;
             let start = input.fill_buf().map_err(|error| text::cannot_read(path, &error))?;
             match Json::of(start) {
+                Some(Json::Other) => table_in(path, formats::json(path, input)?.text()),
                 Some(json) => {
                     let told = json.told().ok_or_else(|| json.refused(path))?;
                     Ok(Look { canonical: true, told: Some(told.into()), ..Look::default() })

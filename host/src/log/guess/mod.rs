@@ -280,6 +280,26 @@ mod tests {
     }
 
     #[test]
+    fn a_servo_that_is_told_degrees_is_no_servo_of_many_turns() {
+        let rows = rows(|k| vec![0.02 * k, 90.5 * (0.1 * k).sin(), 90.1 * (0.1 * k - 0.2).sin()]);
+        let proposal = propose(&names("timestamp;goal_position;present_position"), &rows).unwrap();
+        assert_eq!(proposal.map, "time=timestamp:s,target=goal_position:deg,angle=present_position:deg");
+    }
+
+    #[test]
+    fn pins_of_a_bridge_are_no_voltages_and_steps_of_a_counter_no_angle() {
+        let pin = |on: bool| f64::from(u8::from(on));
+        let sign = |k: f64| (0.1 * k).sin();
+        let row = |k: f64| {
+            vec![k, pin(sign(k) > 0.0), pin(sign(k) < 0.0), (200.0 * sign(k).abs()).round(), 9.0 * k]
+        };
+        let proposal = propose(&names("ms;in1;in2;ena;count"), &rows(row)).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=ena:255,direction=in1:sign,angle=count:counts");
+        let rows = rows(|k| vec![10.0 * k, (100.0 * sign(k)).round(), (5.0 * sign(k)).round()]);
+        assert_eq!(propose(&names("t_ms;pwm;delta_count"), &rows), None);
+    }
+
+    #[test]
     fn a_table_without_time_is_proposed_with_a_rate() {
         let rows = rows(|k| vec![k.sin(), k.cos()]);
         let proposal = propose(&names("voltage_v;speed_rad_s"), &rows).unwrap();

@@ -19,10 +19,10 @@ pub struct Said {
     pub effort: bool,
 }
 
-use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
+use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 26] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 27] = [
     (
         Time,
         3,
@@ -38,7 +38,19 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 26] = [
         Duty,
         2,
         None,
-        &["cmd", "command", "output", "out", "power", "control", "ctrl", "stellgroesse", "stellgröße"],
+        &[
+            "cmd",
+            "command",
+            "output",
+            "out",
+            "power",
+            "control",
+            "ctrl",
+            "ena",
+            "enb",
+            "stellgroesse",
+            "stellgröße",
+        ],
     ),
     (
         Voltage,
@@ -107,6 +119,12 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 26] = [
     (Speed, 4, Some("rev/s"), &["rps"]),
     (Speed, 4, Some("deg/s"), &["dps"]),
     (Speed, 4, Some("rad/s"), &["rads", "radps"]),
+    (
+        Direction,
+        4,
+        None,
+        &["dir", "direction", "richtung", "drehrichtung", "motordir", "sens", "sentido", "direzione", "sign"],
+    ),
     (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "curr"]),
     (Current, 3, Some("mA"), &["ma"]),
 ];
@@ -242,7 +260,8 @@ const UNITS: [(&str, Quantity, &str); 98] = [
 ];
 
 /// Names with one of these may end in metres.
-const LINEAR: [&str; 8] = ["position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
+const LINEAR: [&str; 9] =
+    ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`.
 pub fn said(name: &str) -> Said {
@@ -282,6 +301,10 @@ pub fn said(name: &str) -> Said {
         && any_of(&RATES)
     {
         best = Some((Speed, plain, implied.filter(|unit| *unit == "counts")));
+    }
+    // What an encoder counted since the row before is no angle.
+    if best.is_some_and(|(of, ..)| of == Angle) && any_of(&["delta", "diff", "increment", "increments"]) {
+        best = None;
     }
     // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
     let quantity = match (best, unit) {
@@ -341,6 +364,16 @@ fn bracketed(name: &str) -> (String, Option<String>) {
         {
             return (before.trim().to_owned(), Some(unit.trim().to_owned()));
         }
+    }
+    // As laboratories write it: `U/V`, `n/min^-1`; `rad/s` is a unit itself, and `velocity rad/s` ends with one.
+    if let Some((before, unit)) = name.trim().split_once('/')
+        && unit_named(name.trim()).is_none()
+        && !before.is_empty()
+        && before.chars().all(char::is_alphabetic)
+        && unit_named(before).is_none_or(|_| before.chars().count() == 1)
+        && unit_named(unit).is_some()
+    {
+        return (before.to_owned(), Some(unit.to_owned()));
     }
     (name.trim().to_owned(), None)
 }
@@ -418,6 +451,9 @@ mod tests {
             ("dt", Interval, None),
             ("dtheta", Speed, None),
             ("Spannung in V", Voltage, Some("V")),
+            ("U/V", Voltage, Some("V")),
+            ("t/ms", Time, Some("ms")),
+            ("n/min^-1", Speed, Some("rpm")),
             ("Zeit in ms", Time, Some("ms")),
             ("theta_dot", Speed, None),
             ("angle_rate [deg/s]", Speed, Some("deg/s")),
