@@ -217,8 +217,11 @@ fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
                 let first = width(lines[k], separator);
                 first.is_some() && (1..3).all(|more| width(lines[k + more], separator) == first)
             })
-            // Names that are as many as the numbers are a header, good or bad.
-            .filter(|separator| fields(lines[k - 1], separator).len() != fields(lines[k], separator).len())
+            // What may be names, as many as the numbers or not, is a header, good or bad.
+            .filter(|separator| {
+                let before = fields(lines[k - 1], separator).len();
+                before < 2 || *separator == Separator::Blanks && Some(before) != width(lines[k], separator)
+            })
             .map(|separator| (separator, k))
     })
 }
