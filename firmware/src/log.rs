@@ -47,7 +47,7 @@ impl Log {
     }
 
     /// Makes the best of whatever the memory held at the start. After a watchdog reset a log of this program is kept;
-    /// otherwise it is emptied. True when a run was cut short.
+    /// otherwise it is emptied. True when its run was cut short, be it several resets ago: a supply that sinks may stay low.
     pub fn recover(&mut self, after_watchdog: bool) -> bool {
         let kept = after_watchdog
             && self.magic == MAGIC
@@ -59,7 +59,7 @@ impl Log {
             (self.magic, self.run, self.next, self.missed, self.running) = (MAGIC, 0, 0, 0, 0);
             (self.pwm_top, self.rate_hz) = (1, 1);
         }
-        core::mem::take(&mut self.running) == 1
+        self.running == 1
     }
 
     /// Empties it for a run.
@@ -156,6 +156,7 @@ mod tests {
         let mut log = filled(30);
         assert!(log.recover(true));
         assert_eq!((log.run(), log.next(), log.get(29)), (7, 30, Some(sample(29))));
+        assert!(log.recover(true), "another reset before anybody has asked");
         assert!(!log.recover(false));
         assert_eq!(log.next(), 0);
         log.magic = 0;
