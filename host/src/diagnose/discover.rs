@@ -10,6 +10,7 @@ use super::ladder::{Ranked, Rung};
 use super::plan::{self, Limits, Plan};
 use crate::compare::problem_of;
 use crate::error::Result;
+use crate::fit::grid::{Grid, fast_scatter};
 use crate::fit::search::Problem;
 use crate::fit::setup;
 use crate::log::{Record, repeats};
@@ -150,7 +151,8 @@ impl Discovery {
     }
 }
 
-/// What a perfect model would leave: from a repeated programme where there is one, else from the counting.
+/// What a perfect model would leave: from a repeated programme where there is one, else from the counting or, where that is more, the
+/// fast scatter of the readings: the decimals of a file are not what an encoder counts.
 pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem) -> f64 {
     let all: Vec<Record> = records.iter().chain(validation).cloned().collect();
     let floors: Vec<f64> = repeats::find_repeats(&all)
@@ -158,6 +160,7 @@ pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem)
         .filter_map(|(a, b)| repeats::noise_floor(&all[a], &all[b]))
         .collect();
     let square = |x: &[f64]| (x.iter().map(|f| f * f).sum::<f64>() / x.len() as f64).sqrt();
-    let counting = square(&problem.grids.iter().map(|g| g.sigma).collect::<Vec<_>>());
+    let reading = |g: &Grid| g.sigma.max(fast_scatter(&g.measured));
+    let counting = square(&problem.grids.iter().map(reading).collect::<Vec<_>>());
     if floors.is_empty() { counting } else { square(&floors).max(counting) }
 }

@@ -235,6 +235,28 @@ fn reading_noise(quantity: Quantity, y: &[f64], quantum: f64) -> f64 {
     (median / (0.6745 * 6.0_f64.sqrt())).max(counting).max(1e-5 * range).max(1e-9)
 }
 
+/// Orders of the differences from which the fast scatter is taken.
+const ORDERS: std::ops::RangeInclusive<usize> = 2..=6;
+
+/// What is white in `y`: the least that differences of several orders tell, since smooth motion fades from order to order and white noise
+/// does not (difference-based estimate of variance: P. Hall, J. Kay, D. Titterington, *Biometrika* 77, 1990). Robust, by the median.
+pub fn fast_scatter(y: &[f64]) -> f64 {
+    let mut d = y.to_vec();
+    let mut energy = 1.0;
+    let mut least = f64::INFINITY;
+    for order in 1..=*ORDERS.end() {
+        d = d.windows(2).map(|w| w[1] - w[0]).collect();
+        // The sum of the squares of the binomial coefficients of `order`.
+        energy *= (4 * order - 2) as f64 / order as f64;
+        let mut sizes: Vec<f64> = d.iter().map(|d| d.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        if let (true, Some(median)) = (ORDERS.contains(&order), sizes.get(sizes.len() / 2)) {
+            least = least.min(median / (0.6745 * energy.sqrt()));
+        }
+    }
+    if least.is_finite() { least } else { 0.0 }
+}
+
 /// Readings of a speed are held where the column changes only every so many rows: at least so many ...
 const HELD_ROWS: usize = 3;
 /// ... in this share of its changes, give or take a row.
@@ -284,6 +306,25 @@ pub(super) mod tests {
     }
 
     /// Every tenth row is a reading, as over a radio; a slow speed of few levels changes as it likes.
+    #[test]
+    fn fast_scatter_is_that_of_white_noise_and_none_of_smooth_motion_or_of_decimals() {
+        let mut seed = 7_u32;
+        let mut noise = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let smooth: Vec<f64> = (0..4000).map(|k| 10.0 * (0.05 * f64::from(k)).sin()).collect();
+        let noisy: Vec<f64> = smooth.iter().map(|y| y + noise()).collect();
+        let written: Vec<f64> = noisy.iter().map(|y| (y * 1e4).round() / 1e4).collect();
+        let expected = 1.0 / 12.0_f64.sqrt();
+        for y in [&noisy, &written] {
+            let ratio = fast_scatter(y) / expected;
+            assert!((0.7..1.5).contains(&ratio), "{ratio}");
+        }
+        assert!(fast_scatter(&smooth) < 1e-4, "{}", fast_scatter(&smooth));
+        assert_eq!(fast_scatter(&[1.0]), 0.0);
+    }
+
     #[test]
     fn a_held_speed_counts_once_a_renewal() {
         let held: Vec<f64> = (0..600).map(|k| f64::from(k / 10) * 0.1).collect();

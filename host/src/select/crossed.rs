@@ -51,9 +51,9 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
     (0..FOLDS.min(leaders.len())).map(fold).collect()
 }
 
-/// Mean logarithm of the root mean square error over all records, each simulated by the model at `x` as the other folds fit it.
-pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
+/// Logarithm of the root mean square error on each record, simulated by the model at `x` as the other folds fit it.
+pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Vec<f64> {
+    let mut errors_ln = Vec::new();
     for Fold { fit, test } in &data.folds {
         let mut fit = fit.clone();
         noise.weigh(&mut fit);
@@ -67,9 +67,65 @@ pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> f6
             let n = errors.len().max(1) as f64;
             let mean = if grid.quantity == Quantity::Angle { errors.iter().sum::<f64>() / n } else { 0.0 };
             let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n;
-            sum += 0.5 * (square + data.reading).ln();
-            count += 1.0;
+            errors_ln.push(0.5 * (square + data.reading).ln());
         }
     }
-    sum / f64::max(count, 1.0)
+    errors_ln
+}
+
+/// By how much a model simulates unseen records better than another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fall {
+    /// Mean over the records of what the logarithm of the error falls by; negative where it rises.
+    mean: f64,
+    /// Its standard error.
+    error: f64,
+    /// Records.
+    records: usize,
+}
+
+impl Fall {
+    /// Of `new` below `old`, logarithms of errors record by record ([`crossed`]).
+    pub fn of(new: &[f64], old: &[f64]) -> Self {
+        let falls: Vec<f64> = old.iter().zip(new).map(|(old, new)| old - new).collect();
+        let n = falls.len().max(1) as f64;
+        let mean = falls.iter().sum::<f64>() / n;
+        let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        Self { mean, error: (variance / n).sqrt(), records: falls.len() }
+    }
+
+    /// What of a rise exceeds its standard error: under a disturbance each record drifts by chance. Of a single record all of it.
+    pub fn rise(self) -> f64 {
+        (-self.mean - self.error).max(0.0)
+    }
+
+    /// Whether the error falls by at least a factor of e^`least`, and by `sure` standard errors for so many records; of a single record that
+    /// cannot be said.
+    pub fn is_beyond_doubt(self, least: f64, sure: impl Fn(usize) -> f64) -> bool {
+        self.records > 1 && self.mean > least && self.mean > sure(self.records) * self.error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fall_that_all_records_share_is_beyond_doubt_and_one_of_a_single_record_is_not() {
+        let old = [0.0; 5];
+        let sure = |_: usize| 3.0;
+        assert!(Fall::of(&[-0.5, -0.4, -0.6, -0.5, -0.45], &old).is_beyond_doubt(0.1, sure));
+        assert!(!Fall::of(&[-2.5, 0.0, 0.0, 0.0, 0.0], &old).is_beyond_doubt(0.1, sure));
+        assert!(!Fall::of(&[-0.05; 5], &old).is_beyond_doubt(0.1, sure), "less than a tenth");
+        assert!(!Fall::of(&[-0.5], &[0.0]).is_beyond_doubt(0.1, sure), "one record");
+    }
+
+    #[test]
+    fn a_rise_counts_where_records_share_it() {
+        let old = [0.0; 4];
+        assert!((Fall::of(&[0.1; 4], &old).rise() - 0.1).abs() < 1e-12);
+        assert_eq!(Fall::of(&[0.3, -0.25, 0.2, -0.15], &old).rise(), 0.0);
+        assert_eq!(Fall::of(&[-0.1; 4], &old).rise(), 0.0);
+        assert!((Fall::of(&[0.2], &[0.0]).rise() - 0.2).abs() < 1e-12);
+    }
 }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use motorlens_shared::effects::Kind;
 
-use super::crossed::crossed;
+use super::crossed::{Fall, crossed};
 use super::noise::{Noise, coefficients};
 use super::score::{Gain, scores};
 use crate::diagnose::evidence::Evidence;
@@ -22,10 +22,12 @@ fn sure_enough(blocks: usize) -> f64 {
     SURE + (SURE.powi(3) + SURE) / (4.0 * blocks.saturating_sub(1).max(1) as f64)
 }
 
-/// Standard errors that a rise of the cross-validated simulation error costs, for each factor of e: two for 1.5 %.
+/// Standard errors that a rise of the cross-validated simulation error beyond its own standard error costs, for each factor of e: two for
+/// 1.5 %.
 pub const RISE: f64 = 130.0;
 
-/// A model does not do as well as another where its cross-validated simulation error is higher by this factor of e: a tenth.
+/// A model does not do as well as another where its cross-validated simulation error is higher by this factor of e, a tenth, and does better
+/// where it is surely lower by it.
 pub const AS_GOOD: f64 = 0.1;
 
 /// A further law must explain this share of all that is explained so far: the laws are idealised, and what the form of one misses,
@@ -49,8 +51,8 @@ pub struct Fitted {
     pub noise: Noise,
     /// Held-out log-likelihood, block by block.
     pub scores: Vec<f64>,
-    /// Logarithm of its cross-validated simulation error, once that was asked for.
-    crossed: OnceLock<f64>,
+    /// Logarithms of its cross-validated simulation errors, record by record, once they were asked for.
+    crossed: OnceLock<Vec<f64>>,
 }
 
 impl Fitted {
@@ -127,18 +129,26 @@ impl Fitted {
     }
 
     /// Whether it is better than `other` beyond doubt, by what is worth mentioning beside all that it explains of what `base` leaves: the
-    /// likelihood says so, and more surely where the cross-validated simulation error rises.
+    /// likelihood says so, and more surely where the cross-validated simulation error rises, or that error surely falls. A slow effect
+    /// under a disturbance shows in the second: in the likelihood each block has a drift of its own, and says little.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         let sure = sure_enough(self.scores.len());
-        let rise = || (self.crossed(data) - other.crossed(data)).max(0.0);
-        self.predicts_better(other, base, sure) && self.gain_over(other).sure - RISE * rise() > sure
+        let fall = || Fall::of(self.unseen(data), other.unseen(data));
+        let likelier = self.gain_over(other).sure;
+        self.is_worth_more(other, base)
+            && (likelier > sure && likelier - RISE * fall().rise() > sure
+                || fall().is_beyond_doubt(AS_GOOD, sure_enough))
+    }
+
+    /// Whether its likelihood is higher than that of `other` by what is worth mentioning.
+    fn is_worth_more(&self, other: &Self, base: &Self) -> bool {
+        let explained = self.score() - base.score();
+        self.gain_over(other).total > WORTH.max(SHARE * explained)
     }
 
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.
     fn predicts_better(&self, other: &Self, base: &Self, sure: f64) -> bool {
-        let gain = self.gain_over(other);
-        let explained = self.score() - base.score();
-        gain.total > WORTH.max(SHARE * explained) && gain.sure > sure
+        self.is_worth_more(other, base) && self.gain_over(other).sure > sure
     }
 
     /// Whether it does as well as `other`: that does not predict better beyond doubt, and simulates records that it was not fitted to hardly
@@ -149,6 +159,12 @@ impl Fitted {
 
     /// Mean logarithm of the error with which the records are simulated by fits to the others ([`super::crossed`]).
     pub fn crossed(&self, data: &Evidence) -> f64 {
-        *self.crossed.get_or_init(|| crossed(data, &self.layout, &self.x, &self.noise))
+        let errors = self.unseen(data);
+        errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    }
+
+    /// The same of each record.
+    fn unseen(&self, data: &Evidence) -> &[f64] {
+        self.crossed.get_or_init(|| crossed(data, &self.layout, &self.x, &self.noise))
     }
 }

@@ -84,6 +84,8 @@ pub fn tried(
 
 /// The models `near`, of which the first that takes up each effect stands in the place of the accepted one, two at a time: what one effect
 /// alone can only imitate, two may be. `accepted` itself is left to [`forward`]; best score first.
+///
+/// Where no effect was accepted, every two of `near` join the model itself.
 pub fn pairs(data: &Evidence, accepted: &Fitted, near: &[Values], asked: f64) -> Vec<Fitted> {
     let last = |values: &Values| values.effects.last().cloned();
     let others = near.iter().filter(|v| last(v).is_some_and(|(kind, _)| !accepted.kinds().contains(&kind)));

@@ -67,7 +67,13 @@ pub fn run(
         candidates.extend(pairs(data, model, &came_near, asked));
         candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
         came_near = near;
-        let next = step_up(data, &steps[0], model, &mut candidates);
+        let mut next = step_up(data, &steps[0], model, &mut candidates);
+        if next.is_none() && depth == 0 && most > 1 {
+            // None alone explains anything: two may.
+            let mut two = pairs(data, model, &came_near, asked);
+            next = step_up(data, &steps[0], model, &mut two);
+            candidates.extend(two);
+        }
         all.push(candidates);
         let Some(next) = next else { break };
         let next = simpler(data, next, &steps[0]);
