@@ -11,6 +11,7 @@ mod guide;
 mod held;
 pub mod layout;
 pub mod passes;
+pub mod reading;
 pub mod scales;
 pub mod search;
 pub mod setup;
