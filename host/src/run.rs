@@ -1,5 +1,6 @@
 //! A model that runs: over a whole voltage, or step by step.
 
+use motorlens_shared::effects::Kind;
 use motorlens_shared::effects::together::Several;
 use motorlens_shared::simulator::{Motion, Simulator};
 use motorlens_shared::step::State;
@@ -64,7 +65,24 @@ impl Model {
         let effects = values.effects.iter().map(|(kind, p)| (*kind, p.as_slice()));
         let simulator = Simulator::new(&values.base.base(), effects, &self.rig(step_s));
         let motion = simulator.start(State::moving(0.0, 0.0, angle_rad));
-        Running { simulator, motion, voltages: vec![0.0], step_s }
+        Running {
+            simulator,
+            motion,
+            voltages: vec![0.0],
+            steps: 0,
+            keep: self.steps_looked_back(step_s),
+            step_s,
+        }
+    }
+
+    /// How many voltages before the present one a step may need; none where a user's formula counts all steps.
+    fn steps_looked_back(&self, step_s: f64) -> Option<usize> {
+        if self.effects.iter().any(|e| matches!(e.effect, Kind::Formula(_))) {
+            return None;
+        }
+        let delay = self.effects.iter().find(|e| e.effect == Kind::Delay);
+        let late_s = delay.and_then(|e| e.parameters.first()).map_or(0.0, |p| p.value.max(0.0));
+        Some((late_s / step_s).ceil() as usize + 2)
     }
 }
 
@@ -80,14 +98,25 @@ fn between(times: &[f64], values: &[f64], t: f64) -> f64 {
 pub struct Running {
     simulator: Simulator<f64, Several<f64>>,
     motion: Motion<f64>,
-    /// None before the start, then one a step: a late voltage looks back.
+    /// What was held before the start, then one a step: a late voltage looks back. The oldest go once nothing looks back so far.
     voltages: Vec<f64>,
+    /// Taken so far.
+    steps: u64,
+    /// Voltages that are kept, where not all are.
+    keep: Option<usize>,
     step_s: f64,
 }
 
 impl Running {
     /// Advances by a step under `voltage_v`, V; returns what the sensor shows, rad.
     pub fn step(&mut self, voltage_v: f64) -> f64 {
+        // Seldom, and many at once: a controller may run for days.
+        if let Some(keep) = self.keep
+            && self.voltages.len() >= 2 * keep + 64
+        {
+            self.voltages.drain(..self.voltages.len() - keep);
+        }
+        self.steps += 1;
         self.voltages.push(voltage_v);
         let cell = self.voltages.len() - 1;
         self.simulator.advance(&mut self.motion, &self.voltages, cell);
@@ -107,6 +136,44 @@ impl Running {
     }
     /// Time since the start, s.
     pub fn time_s(&self) -> f64 {
-        (self.voltages.len() - 1) as f64 * self.step_s
+        self.steps as f64 * self.step_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlens_shared::effects::{Kind, Rig};
+
+    use crate::fit::layout::{BaseValues, Prior, Values};
+    use crate::model_file::{Model, Origin};
+
+    /// A motor whose voltage acts 6.3 ms late.
+    fn late() -> Model {
+        let rig = Rig {
+            step_s: 1e-3,
+            gear_ratio: 30.0,
+            encoder_on_motor: true,
+            nominal_v: 12.0,
+            supply_v: 12.0,
+            reference_speed: 11.0,
+            count_rad: 1e-3,
+        };
+        let base = BaseValues { gain: 0.9, tau_m: 0.05, tau_e: 6e-4, viscous_share: 0.1 };
+        let values = Values { base, effects: vec![(Kind::Delay, vec![0.0063]), (Kind::Coulomb, vec![0.2])] };
+        let prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
+        Model::new(&values, &rig, &prior, Origin::default())
+    }
+
+    #[test]
+    fn a_model_that_runs_for_long_keeps_few_voltages_and_every_bit_of_its_motion() {
+        let mut motor = late().start(1e-3, 0.0);
+        let mut whole = motor.clone();
+        whole.keep = None;
+        for k in 0..20_000_u32 {
+            let volts = 9.0 * (f64::from(k) * 0.013).sin();
+            assert_eq!(motor.step(volts).to_bits(), whole.step(volts).to_bits(), "step {k}");
+        }
+        assert!(motor.voltages.capacity() < 1000, "{}", motor.voltages.capacity());
+        assert_eq!((motor.time_s(), whole.voltages.len()), (whole.time_s(), 20_001));
     }
 }

@@ -48,6 +48,9 @@ impl Drive {
 
 /// Options of `capture`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens capture --port /dev/ttyACM0 --programme default --counts-per-rev 5000 --out logs
+  motorlens capture --listen --port /dev/ttyACM0 --supply 12 --counts-per-rev 1320 --out logs")]
 pub struct Args {
     /// A serial port, or tcp://host:port
     #[arg(long)]

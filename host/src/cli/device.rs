@@ -14,6 +14,9 @@ use crate::motor_file;
 
 /// Options of `device`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens device check --port /dev/ttyACM0
+  motorlens device fit --port /dev/ttyACM0 --counts-per-rev 5000 --coulomb")]
 pub struct Args {
     #[command(subcommand)]
     pub action: Action,

@@ -12,6 +12,9 @@ use crate::exam::{Answer, Marks, Paper, benches, examine, picture, table};
 
 /// Options of `exam`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens exam
+  motorlens exam --singles 3 --nothing 100 --pairs 40 --outside 20 --out exam")]
 pub struct Args {
     /// First seed: develop on some, report on others
     #[arg(long, value_name = "SEED", default_value_t = 1)]

@@ -80,7 +80,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     let format = args.format;
     let exported = export(&model, format, &options)?;
-    let price = if exported.lost.is_empty() && args.on.is_empty() {
+    // A target of a few numbers may have less of the model than all of it, though it names no effect as lost.
+    let whole = exported.carried == model.values();
+    let price = if whole && args.on.is_empty() {
         None
     } else {
         let motor = args.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
@@ -91,8 +93,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         }
         Some(cost(&model, &exported, &records, &motor)?)
     };
-    let missing = sentences(&exported, format, price.as_ref());
-    if !exported.lost.is_empty() && !args.allow_missing {
+    let missing = sentences(&exported, whole, format, price.as_ref());
+    let too_high = price.as_ref().is_some_and(Cost::is_too_high);
+    if (!exported.lost.is_empty() || too_high) && !args.allow_missing {
         let why = missing.join("\n  ");
         return Err(Error::usage(
             why,
@@ -118,8 +121,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let files = [Some(&args.out), beside.as_ref()].into_iter().flatten();
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
         let said: String = missing.iter().chain(&exported.notes).map(|s| format!("  {s}\n")).collect();
-        let kept = match (&price, exported.lost.is_empty()) {
-            (Some(price), true) => format!("  Nothing is lost: {}.\n", price.clause()),
+        let kept = match &price {
+            Some(price) if whole => format!("  Nothing is lost: {}.\n", price.clause()),
             _ => String::new(),
         };
         format!("{}\n{said}{kept}", files.join(", "))
@@ -129,7 +132,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 /// What is lacking and what it costs, a sentence each.
-fn sentences(exported: &Exported, format: Format, price: Option<&Cost>) -> Vec<String> {
+fn sentences(exported: &Exported, whole: bool, format: Format, price: Option<&Cost>) -> Vec<String> {
     let each = exported.lost.iter().map(|lost| {
         let own = price.and_then(|price| price.each.iter().find(|of| of.effect == lost.effect));
         let cost = own.map_or(String::new(), |of| {
@@ -138,8 +141,11 @@ fn sentences(exported: &Exported, format: Format, price: Option<&Cost>) -> Vec<S
         });
         format!("{} has no place for {}: {}{cost}.", capital(format.title()), lost.effect, lost.why)
     });
-    let all =
-        price.filter(|_| !exported.lost.is_empty()).map(|price| format!("Together: {}.", price.clause()));
+    let all = price.filter(|_| !whole).map(|price| {
+        let what = if exported.lost.is_empty() { "What it simplifies costs" } else { "Together:" };
+        let much = if price.is_too_high() { ", which is more than a hundredth above it" } else { "" };
+        format!("{what} {}{much}.", price.clause())
+    });
     each.chain(all).collect()
 }
 

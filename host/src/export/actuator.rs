@@ -24,6 +24,9 @@ pub(super) struct Actuator {
     pub weight: Option<[f64; 2]>,
 }
 
+/// Electrical time constant of a target that has none, s: a hundredth of a sample.
+const NO_INDUCTANCE_S: f64 = 1e-5;
+
 /// The numbers of those `kinds` that the target takes; everything else is lost, for the reason that `why` gives.
 pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<Lost>, Values) {
     let mut a = Actuator {
@@ -36,6 +39,7 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
         weight: None,
     };
     let (mut lost, mut carried) = (Vec::new(), model.values());
+    carried.base.tau_e = NO_INDUCTANCE_S;
     for (kind, p) in effects(model) {
         if !kinds.contains(&kind) {
             lost.push(Lost::new(kind, why));

@@ -46,7 +46,15 @@ pub struct Cost {
     pub errors: Option<[f64; 2]>,
 }
 
+/// Share of the model's own error by which a target may be worse.
+const AS_GOOD: f64 = 0.01;
+
 impl Cost {
+    /// What the target has of the model errs on these records by more than a hundredth above the whole model.
+    pub fn is_too_high(&self) -> bool {
+        self.errors.is_some_and(|[with, without]| without > (1.0 + AS_GOOD) * with)
+    }
+
     /// The cost in a clause, such as "0.333 rad (rms, at most 0.91) on steps.csv".
     pub fn clause(&self) -> String {
         let Apart { rms, worst } = self.all;

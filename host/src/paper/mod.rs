@@ -37,6 +37,9 @@ pub enum FitOn {
 
 /// The paper's run, and what it does not say.
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:
+  motorlens paper
+  motorlens paper --population 40 --generations 200")]
 pub struct PaperArgs {
     /// Logs of your own, instead of the virtual motor's three sines
     #[arg(long, value_name = "LOG", num_args = 1..)]

@@ -85,6 +85,8 @@ pub struct SimulateArgs {
 
 /// Tell which effects `simulate --hidden` picked.
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:
+  motorlens reveal logs")]
 pub struct RevealArgs {
     /// The directory that simulate wrote
     #[arg(value_name = "DIR", default_value = "simulated")]
