@@ -95,6 +95,33 @@ def test_an_export_that_would_lose_an_effect_is_refused_with_its_cost(logs, tmp_
     assert any("backlash" in line for line in said) and (tmp_path / "motor.urdf").exists()
 
 
+def test_gains_follow_from_a_model_and_friction_compensation_pays(found):
+    tuned = found.model.tune(period_s=0.01)
+    assert tuned.position["kp"] > 0 and tuned.velocity["ki"] > 0
+    assert tuned.feedforward["ks_v"] == pytest.approx(0.3, abs=0.02)
+    errors = tuned.trials.set_index("compensation")["position_rms"]
+    assert len(tuned.courses) == len(errors) and errors.iloc[1] > 2 * errors.iloc[-1], errors
+    ideal, real = tuned.courses[0], tuned.courses[1]
+    assert ideal.time_s.shape == ideal.wanted_rad.shape == real.reached_rad.shape
+    rms = np.sqrt(np.mean((real.wanted_rad - real.reached_rad) ** 2))
+    assert rms == pytest.approx(errors.iloc[1], rel=0.02)
+    with pytest.raises(motorlens.MotorlensError, match="(?s)phase margin of 90.*do: give 20 to 80"):
+        motorlens.tune(found.model, phase_margin_deg=90)
+
+
+def test_two_sets_of_one_motor_are_the_same_and_those_of_another_are_not(logs, tmp_path):
+    alike = motorlens.same(logs["training"][:2], logs["training"][2:4], logs["motor"], effects=["coulomb"])
+    assert alike.verdict == "same", alike.why
+    # One record was made by twice its voltage: that motor would have half the gain.
+    other = [columns(path) for path in logs["training"][2:4]]
+    for table in other:
+        table["voltage_v"] = 2 * table["voltage_v"]
+    apart = motorlens.same(logs["training"][:2], other, logs["motor"], effects=["coulomb"])
+    assert apart.verdict == "different" and "gain" in apart.why, apart.why
+    gain = apart.parameters.set_index("name").loc["gain"]
+    assert gain.differs and gain.second[0] == pytest.approx(gain["first"][0] / 2, rel=0.02)
+
+
 def test_an_effect_is_added_to_a_fit_and_found_worth_it(logs):
     plain = motorlens.fit(logs["training"], motor=logs["motor"])
     added = motorlens.add(plain.model, "coulomb", logs["training"], validate=logs["held_out"], motor=logs["motor"])

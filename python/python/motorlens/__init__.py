@@ -10,20 +10,24 @@ output shaft), one value a sample; ``current_a`` and ``supply_v`` are optional. 
     (['coulomb'], 'explained')
 """
 
-from ._calls import add, compare, discover, effects, fit, plan, simulate
+from ._calls import add, compare, discover, effects, fit, plan, same, simulate
 from ._model import Model, Motor, export, load_model
 from ._native import MotorlensError, __version__
-from ._results import Addition, Comparison, Findings, Fit, Run
+from ._results import Addition, Comparison, Findings, Fit, Run, Same
+from ._tune import Course, Tuned, tune
 
 __all__ = [
     "Addition",
     "Comparison",
+    "Course",
     "Findings",
     "Fit",
     "Model",
     "Motor",
     "MotorlensError",
     "Run",
+    "Same",
+    "Tuned",
     "__version__",
     "add",
     "compare",
@@ -33,5 +37,7 @@ __all__ = [
     "fit",
     "load_model",
     "plan",
+    "same",
     "simulate",
+    "tune",
 ]

@@ -13,7 +13,7 @@ from . import _native
 from ._model import Model
 from ._progress import Progress, as_callback
 from ._records import KnownMotor, Record, as_list, as_motor, as_records
-from ._results import Addition, Comparison, Findings, Fit, Run, as_frame
+from ._results import Addition, Comparison, Findings, Fit, Run, Same, as_frame
 
 
 def discover(
@@ -120,6 +120,33 @@ def plan(
     path, text = as_motor(motor)
     answer = _native.plan(as_records(records), path, text, volts, float(seconds), as_callback(progress))
     return None if answer is None else json.loads(answer)
+
+
+def same(
+    first: Iterable[Record],
+    second: Iterable[Record],
+    motor: KnownMotor = None,
+    effects: Optional[Sequence[str]] = None,
+    progress: Progress = None,
+) -> Same:
+    """Whether two sets of records come from one motor, and which parameters differ beyond their intervals.
+
+    ``effects`` are those of the models that are fitted to either set and to both; if not given, what :func:`discover` finds on the
+    first set. Records and ``motor`` as in :func:`discover`.
+    """
+    path, text = as_motor(motor)
+    names = None if effects is None else list(effects)
+    found = json.loads(
+        _native.same(as_records(first), as_records(second), names, path, text, as_callback(progress))
+    )
+    return Same(
+        verdict=found["verdict"],
+        why=found["why"],
+        effects=found["effects"],
+        parameters=as_frame(found["parameters"]),
+        open=found["open"],
+        document=found,
+    )
 
 
 def effects() -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 from . import _native
 from ._native import MotorlensError
 from ._records import as_array
+from ._tune import Tuned, tune
 
 
 class Motor:
@@ -76,6 +77,12 @@ class Model:
         if not hasattr(self, "_motor"):
             self._motor = self.start()
         return self._motor.step(voltage_v)
+
+    def tune(
+        self, period_s: float = 0.005, phase_margin_deg: float = 60.0, limit_v: Optional[float] = None
+    ) -> Tuned:
+        """Gains for a controller; see :func:`tune`."""
+        return tune(self, period_s, phase_margin_deg, limit_v)
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
         """Writes the model file, whole or not at all."""

@@ -8,16 +8,8 @@ from typing import Any, Optional
 
 import numpy as np
 
+from ._frames import as_frame
 from ._model import Model
-
-
-def as_frame(rows: list[dict[str, Any]]) -> Any:
-    """A DataFrame, or the rows themselves where pandas is not installed."""
-    try:
-        import pandas
-    except ImportError:
-        return rows
-    return pandas.DataFrame(rows)
 
 
 @dataclass(frozen=True)
@@ -84,6 +76,27 @@ class Addition:
 
     def to_dict(self) -> dict[str, Any]:
         """The document that ``motorlens add --json`` prints."""
+        return self.document
+
+
+@dataclass(frozen=True)
+class Same:
+    """Whether two sets of records come from one motor."""
+
+    #: same, different, or open where the records leave it so.
+    verdict: str
+    #: Why, in a sentence.
+    why: str
+    #: Effects of the models that were fitted.
+    effects: list[str]
+    #: name, unit, first and second (value and 95 % interval), deviations, differs; the most different first: a DataFrame.
+    parameters: Any
+    #: Parameters that not both sets determine.
+    open: list[str]
+    document: dict[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that ``motorlens same --json`` prints."""
         return self.document
 
 

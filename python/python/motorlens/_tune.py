@@ -1,0 +1,87 @@
+"""Gains for a controller."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Optional
+
+import numpy as np
+
+from ._frames import as_frame
+
+if TYPE_CHECKING:
+    from ._model import Model
+
+
+@dataclass(frozen=True)
+class Course:
+    """A move there and back under one compensation; arrays of one length."""
+
+    compensation: str
+    time_s: np.ndarray
+    wanted_rad: np.ndarray
+    reached_rad: np.ndarray
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """Gains with their margins, and what the effects cost in tracking under them."""
+
+    #: PI of the velocity, V and rad/s: kp, ki, kd and margins.
+    velocity: dict[str, Any]
+    #: PD of the position, V and rad: kp, ki, kd and margins.
+    position: dict[str, Any]
+    #: ks_v, kv_v_s_per_rad, ka_v_s2_per_rad, kg_v, dead_zone_v.
+    feedforward: dict[str, float]
+    #: Tracking errors, one compensation after the other: a DataFrame.
+    trials: Any
+    #: Which compensation pays, a sentence each.
+    advice: list[str]
+    courses: list[Course] = field(repr=False)
+    document: dict[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that ``motorlens tune --json`` prints."""
+        return self.document
+
+    def plot(self, axes: Any = None) -> Any:
+        """How far each trial is from what was wanted, over time, and returns the axes. Needs matplotlib."""
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots()
+        for course in self.courses:
+            axes.plot(course.time_s, course.wanted_rad - course.reached_rad, label=course.compensation)
+        axes.set(xlabel="time / s", ylabel="tracking error / rad")
+        axes.legend()
+        return axes
+
+
+def tune(
+    model: Model, period_s: float = 0.005, phase_margin_deg: float = 60.0, limit_v: Optional[float] = None
+) -> Tuned:
+    """PI of the velocity, PD of the position and feedforward for ``model``, and what its effects cost under them.
+
+    ``period_s`` is the controller's (s, at most 0.1), ``phase_margin_deg`` that of both loops (20 to 80), ``limit_v`` the largest
+    voltage of the controller (V; the model's supply if not given).
+    """
+    limit = None if limit_v is None else float(limit_v)
+    text, courses = model._native.tune(float(period_s), float(phase_margin_deg), limit)
+    found = json.loads(text)
+    rows = [
+        {
+            "compensation": trial["compensation"],
+            "without_effects": trial["without_effects"],
+            **{f"position_{name}": value for name, value in trial["position"].items()},
+            **{f"velocity_{name}": value for name, value in trial["velocity"].items()},
+        }
+        for trial in found["trials"]
+    ]
+    runs = [
+        Course(row["compensation"], *(np.frombuffer(column).copy() for column in columns))
+        for row, columns in zip(rows, courses)
+    ]
+    return Tuned(
+        found["velocity"], found["position"], found["feedforward"], as_frame(rows), found["advice"], runs, found
+    )

@@ -1,0 +1,135 @@
+//! A model in Python's hands: it simulates, steps, is saved, exported and tuned.
+
+use std::path::PathBuf;
+
+use motorlens::export;
+use motorlens::motor_file::MotorFile;
+use motorlens::tune::{self, tune};
+use motorlens::{Error, Model, Running};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::json;
+
+use crate::fault::{failed, refused};
+use crate::records::{bytes, numbers};
+use crate::text;
+
+/// A fitted motor.
+#[pyclass(frozen, name = "NativeModel")]
+#[derive(Clone)]
+pub(crate) struct NativeModel(pub(crate) Model);
+
+#[pymethods]
+impl NativeModel {
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        Model::read(&path).map(Self).map_err(|e| failed(&e))
+    }
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        self.0.write(&path).map_err(|e| failed(&e))
+    }
+    fn to_json(&self) -> PyResult<String> {
+        text(&self.0)
+    }
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: &[u8],
+        voltage_v: &[u8],
+        angle_rad: f64,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let (time, volts) = (numbers(time_s), numbers(voltage_v));
+        let angles = py.detach(|| self.0.simulate(&time, &volts, angle_rad)).map_err(|e| failed(&e))?;
+        Ok(bytes(py, &angles))
+    }
+    fn start(&self, step_s: f64, angle_rad: f64) -> PyResult<NativeRun> {
+        if !(step_s > 0.0 && step_s <= 0.01) {
+            return Err(refused(format!("a step of {step_s} s"), "give more than 0 and at most 0.01 s"));
+        }
+        Ok(NativeRun(self.0.start(step_s, angle_rad)))
+    }
+    /// Gains and trials in JSON, and for each trial the times, the wanted and the reached angles.
+    fn tune<'py>(
+        &self,
+        py: Python<'py>,
+        period_s: f64,
+        phase_margin_deg: f64,
+        limit_v: Option<f64>,
+    ) -> PyResult<(String, Vec<[Bound<'py, PyBytes>; 3]>)> {
+        if limit_v.is_some_and(|limit| !(limit.is_finite() && limit > 0.0)) {
+            return Err(refused("a controller's limit that is no voltage", "give a positive voltage"));
+        }
+        if !(20.0..=80.0).contains(&phase_margin_deg) {
+            return Err(refused(
+                format!("a phase margin of {phase_margin_deg} degrees"),
+                "give 20 to 80 degrees",
+            ));
+        }
+        let options = tune::Options { period_s, phase_margin_deg, limit_v };
+        let tuned = py.detach(|| tune(&self.0, &options)).map_err(|e| failed(&e))?;
+        let courses = tuned.trials.iter().map(|trial| {
+            let course = &trial.course;
+            [&course.time_s, &course.wanted, &course.reached].map(|column| bytes(py, column))
+        });
+        let courses = courses.collect();
+        let mut document = json!(tuned);
+        document["schema"] = json!(1);
+        document["period_s"] = json!(period_s);
+        Ok((text(&document)?, courses))
+    }
+    /// The file, a second file with its ending, notes, and what is lacking with its cost in sentences.
+    fn export<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        step_s: Option<f64>,
+        torque_per_volt: Option<f64>,
+        name: Option<String>,
+    ) -> PyResult<Exported<'py>> {
+        let format = <export::Format as clap::ValueEnum>::from_str(format, false).map_err(|_| {
+            refused(format!("there is no format \"{format}\""), "motorlens export --help lists them")
+        })?;
+        let options = export::Options { step_s, torque_per_volt, name, bam_model: None };
+        let (done, cost) = py
+            .detach(|| {
+                let done = export::export(&self.0, format, &options)?;
+                let cost = export::cost::cost(&self.0, &done, &[], &MotorFile::default())?;
+                Ok((done, cost))
+            })
+            .map_err(|e: Error| failed(&e))?;
+        let lost = done
+            .lost
+            .iter()
+            .map(|lost| format!("{} has no place for {}: {}", format.title(), lost.effect, lost.why));
+        let costs = (!done.lost.is_empty()).then(|| format!("together {}", cost.clause()));
+        let lost = lost.chain(costs).collect();
+        let beside = done.beside.map(|(ending, text)| (ending.to_owned(), text));
+        Ok((PyBytes::new(py, &done.content), beside, done.notes, lost))
+    }
+}
+
+/// What [`NativeModel::export`] gives.
+pub(crate) type Exported<'py> = (Bound<'py, PyBytes>, Option<(String, String)>, Vec<String>, Vec<String>);
+
+/// A model on its way.
+#[pyclass(name = "NativeRun")]
+pub(crate) struct NativeRun(Running);
+
+#[pymethods]
+impl NativeRun {
+    fn step(&mut self, voltage_v: f64) -> f64 {
+        self.0.step(voltage_v)
+    }
+    #[getter]
+    fn angle_rad(&self) -> f64 {
+        self.0.angle_rad()
+    }
+    #[getter]
+    fn speed_rad_s(&self) -> f64 {
+        self.0.speed_rad_s()
+    }
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.0.time_s()
+    }
+}

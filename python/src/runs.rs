@@ -1,0 +1,97 @@
+//! Models held against records: `compare`, and `same` for two sets of them.
+
+use std::path::PathBuf;
+
+use motorlens::compare::free_run::{FreeRun, free_runs, pooled};
+use motorlens::compare::problem_of;
+use motorlens::estimate::effect_by_name;
+use motorlens::{Error, Options};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::json;
+
+use crate::fault::failed;
+use crate::model::NativeModel;
+use crate::records::{Given, bytes, motor, records};
+use crate::text;
+use crate::watch::watched;
+
+/// A free run for each record: its name, its quantity, and times, measured and simulated values.
+pub(crate) type Run<'py> = (String, String, Bound<'py, PyBytes>, Bound<'py, PyBytes>, Bound<'py, PyBytes>);
+
+#[pyfunction]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
+    model: &NativeModel,
+    given: Vec<Given>,
+    motor_path: Option<PathBuf>,
+    motor_text: Option<&str>,
+) -> PyResult<(String, Vec<Run<'py>>)> {
+    let motor = motor(motor_path, motor_text)?;
+    let records = records(given, &motor)?;
+    let model = model.0.clone();
+    let runs = py
+        .detach(|| {
+            let mut problem = problem_of(&model, &records, &motor)?;
+            problem.fixed.clear();
+            Ok(free_runs(&problem, &model.values()))
+        })
+        .map_err(|e: Error| failed(&e))?;
+    let of = |run: &FreeRun| {
+        let mut row = json!(run.measures());
+        row["record"] = json!(run.record);
+        row
+    };
+    let document = json!({
+        "schema": 1, "effects": model.values().kinds(), "pooled": pooled(&runs).unwrap_or_default(),
+        "unit": runs.first().map_or("rad", |run| run.quantity.unit()),
+        "records": runs.iter().map(of).collect::<Vec<_>>(),
+    });
+    let arrays = runs
+        .iter()
+        .map(|run| {
+            let unit = run.quantity.unit().to_owned();
+            (
+                run.record.clone(),
+                unit,
+                bytes(py, &run.time_s),
+                bytes(py, &run.measured),
+                bytes(py, &run.simulated),
+            )
+        })
+        .collect();
+    Ok((text(&document)?, arrays))
+}
+
+/// Whether `first` and `second` come from one motor; effects are those given, or what a discovery finds on the first set.
+#[pyfunction]
+pub(crate) fn same(
+    py: Python,
+    first: Vec<Given>,
+    second: Vec<Given>,
+    effects: Option<Vec<String>>,
+    motor_path: Option<PathBuf>,
+    motor_text: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let motor = motor(motor_path, motor_text)?;
+    let (first, second) = (records(first, &motor)?, records(second, &motor)?);
+    let kinds = match effects {
+        Some(names) => names
+            .iter()
+            .map(|name| effect_by_name(name))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|e| failed(&e))?,
+        None => {
+            let options = Options { motor: motor.clone(), ..Options::default() };
+            let found =
+                watched(py, progress, |observer| motorlens::discover_records(&first, &options, observer))?;
+            found.model.values().kinds()
+        }
+    };
+    let done =
+        py.detach(|| motorlens::same::same(&first, &second, &motor, &kinds)).map_err(|e| failed(&e))?;
+    let mut document = json!(done);
+    document["schema"] = json!(1);
+    text(&document)
+}
