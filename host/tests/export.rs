@@ -188,7 +188,8 @@ fn what_a_target_lacks_is_priced_by_simulating_with_and_without() {
     assert_eq!(price.each[0].effect, Kind::DeadZone);
     // Half a volt at 0.9 rad/(s V) for most of 8 s, forwards and backwards.
     assert!(price.all.worst > 0.3 && price.all.worst < 0.5 * 0.9 * 8.0, "{price:?}");
-    assert!((price.all.rms - price.each[0].apart.rms).abs() < 1e-9, "{price:?}");
+    // BAM has no inductance either, which costs next to nothing beside it.
+    assert!((price.all.rms / price.each[0].apart.rms - 1.0).abs() < 0.01, "{price:?}");
     assert!(price.clause().contains("rad (rms"), "{}", price.clause());
 }
 
