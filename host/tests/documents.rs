@@ -173,6 +173,36 @@ fn no_document_names_a_module_that_is_not_there() {
 }
 
 #[test]
+fn every_test_that_the_safety_page_names_is_there() {
+    let sources = ["firmware", "host", "shared", "tests"].map(|folder| sources_of(&root().join(folder)));
+    let text = std::fs::read_to_string(root().join("docs/SAFETY.md")).expect("a document");
+    let rows = text.lines().filter(|line| line.starts_with("| ") && line.contains("`"));
+    let named: Vec<&str> = rows
+        .filter_map(|row| row.trim_end_matches(" |").rsplit(" | ").next())
+        .flat_map(|tests| tests.split('`').skip(1).step_by(2))
+        .collect();
+    assert!(named.len() > 30, "{} tests are named", named.len());
+    let there = |name: &&str| sources.iter().any(|text| text.contains(&format!("fn {name}(")));
+    let missing: Vec<&str> = named.into_iter().filter(|name| !there(name)).collect();
+    assert!(missing.is_empty(), "docs/SAFETY.md names tests that are not there: {missing:?}");
+}
+
+/// All Rust sources below `folder`, one after the other.
+fn sources_of(folder: &Path) -> String {
+    let mut all = String::new();
+    let entries = std::fs::read_dir(folder).expect("a folder of the project");
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let built = path.file_name().is_some_and(|name| name == "target" || name == "node_modules");
+        if path.is_dir() && !built {
+            all += &sources_of(&path);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            all += &std::fs::read_to_string(&path).expect("a source");
+        }
+    }
+    all
+}
+
+#[test]
 fn items_of_lists_tables_and_code_are_no_paragraphs() {
     let text = "one\ntwo\n\n- item\n  goes on\n  and on\n\n| a |\n| b |\n\n    code\n\n```sh\nx\n```\n1. first\n   goes on\n\nlast\n";
     let found: Vec<(String, usize)> =
