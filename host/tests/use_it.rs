@@ -173,9 +173,13 @@ fn every_shell_gets_its_completions_and_every_verb_its_page() {
     run(here, "man pages").ends(0);
     let pages = files(&here.join("pages"));
     let help = run(here, "--help").ends(0).out;
-    let verbs =
+    // A description that goes on in the next line is indented further.
+    let begins = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
+    let list =
         help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    for verb in verbs.filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help") {
+    for verb in
+        list.filter(begins).filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help")
+    {
         let own = run(here, &format!("{verb} --help")).ends(0).out;
         let heads = ["Example:\n  motorlens ", "Examples:\n  motorlens "];
         assert!(heads.iter().any(|head| own.contains(head)), "{verb} --help has no example");
