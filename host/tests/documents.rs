@@ -12,25 +12,32 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// All documents with their text.
-fn documents() -> Vec<(PathBuf, String)> {
-    let mut folders = vec![root().join("docs")];
-    let mut files = vec![root().join("README.md"), root().join("python/README.md")];
+/// All files below `folder` that end as `extension` says, but for what was built or fetched there.
+fn files_below(folder: PathBuf, extension: &str) -> Vec<PathBuf> {
+    let (mut folders, mut files) = (vec![folder], Vec::new());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("a directory") {
             let path = entry.expect("an entry").path();
-            if path.is_dir() {
+            let foreign = path.file_name().is_some_and(|name| name == "target" || name == "node_modules");
+            if path.is_dir() && !foreign {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "md") {
+            } else if path.extension().is_some_and(|e| e == extension) {
                 files.push(path);
             }
         }
     }
-    let read = |path: PathBuf| {
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        (path, text)
-    };
-    files.into_iter().map(read).collect()
+    files
+}
+
+fn text_of(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// All documents with their text.
+fn documents() -> Vec<(PathBuf, String)> {
+    let single = [root().join("README.md"), root().join("python/README.md")];
+    let files = single.into_iter().chain(files_below(root().join("docs"), "md"));
+    files.map(|path| (path.clone(), text_of(&path))).collect()
 }
 
 /// The text without blocks of code.
@@ -174,8 +181,10 @@ fn no_document_names_a_module_that_is_not_there() {
 
 #[test]
 fn every_test_that_the_safety_page_names_is_there() {
-    let sources = ["firmware", "host", "shared", "tests"].map(|folder| sources_of(&root().join(folder)));
-    let text = std::fs::read_to_string(root().join("docs/SAFETY.md")).expect("a document");
+    let folders = ["firmware", "host", "shared", "tests"].map(|folder| root().join(folder));
+    let sources: Vec<String> =
+        folders.into_iter().flat_map(|folder| files_below(folder, "rs")).map(|path| text_of(&path)).collect();
+    let text = text_of(&root().join("docs/SAFETY.md"));
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.contains("`"));
     let named: Vec<&str> = rows
         .filter_map(|row| row.trim_end_matches(" |").rsplit(" | ").next())
@@ -185,21 +194,6 @@ fn every_test_that_the_safety_page_names_is_there() {
     let there = |name: &&str| sources.iter().any(|text| text.contains(&format!("fn {name}(")));
     let missing: Vec<&str> = named.into_iter().filter(|name| !there(name)).collect();
     assert!(missing.is_empty(), "docs/SAFETY.md names tests that are not there: {missing:?}");
-}
-
-/// All Rust sources below `folder`, one after the other.
-fn sources_of(folder: &Path) -> String {
-    let mut all = String::new();
-    let entries = std::fs::read_dir(folder).expect("a folder of the project");
-    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
-        let built = path.file_name().is_some_and(|name| name == "target" || name == "node_modules");
-        if path.is_dir() && !built {
-            all += &sources_of(&path);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            all += &std::fs::read_to_string(&path).expect("a source");
-        }
-    }
-    all
 }
 
 #[test]
