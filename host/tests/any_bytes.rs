@@ -1,10 +1,13 @@
 //! Properties of the reader over files that nobody would write by hand.
 
 mod formats_support;
+#[path = "formats_support/readers.rs"]
+mod readers;
 
 use motorlens::log::guess::look;
 use motorlens::log::{Format, Hold, ReadOptions, Record, content_faults, read, suspicions, write_canonical};
 use proptest::prelude::*;
+use readers::{WAYS, told, wrong};
 
 fn outcome(
     content: &[u8],
@@ -19,7 +22,7 @@ fn outcome(
 }
 
 /// What logs are made of, so that chance comes upon every way of writing one.
-const PIECES: [&str; 46] = [
+const PIECES: [&str; 52] = [
     "time_s",
     "voltage_v",
     "angle_rad",
@@ -66,51 +69,21 @@ const PIECES: [&str; 46] = [
     "PM",
     "#",
     "sep=;",
+    ">u:",
+    "§V",
+    "|g",
+    "0x1A",
+    "FF",
+    "I (12) a: ",
 ];
 
-/// The ways to read a table.
-const WAYS: [&str; 6] = [
-    "",
-    "time=0:ms,voltage=1,angle=2:deg",
-    "time=0+1:ns,voltage=2,speed=3:rpm",
-    "interval=0:us,duty=1:255,angle=2:mm",
-    "voltage=0,angle=1",
-    "time=t_ms:ms,duty=pwm:255,angle=enc:counts",
-];
-
-/// The answer, with everything told that a way to read may ask for.
-fn told(path: &std::path::Path, way: &str) -> Result<Vec<Record>, motorlens::error::Error> {
-    let mut options = ReadOptions {
-        map: (!way.is_empty()).then(|| way.parse().unwrap()),
-        supply_volts: Some(12.0),
-        rate_hz: Some(100.0),
-        ..ReadOptions::default()
-    };
-    options.motor.counts_per_rev = Some(1320.0);
-    options.motor.metres_per_rev = Some(0.008);
-    read(path, &options)
-}
-
-/// What holds for every answer of the reader: clean records, or a message with cause and remedy.
+/// Panics of what looks through the records are faults too.
 fn holds(answer: Result<Vec<Record>, motorlens::error::Error>) -> Result<(), TestCaseError> {
-    match answer {
-        Ok(records) => {
-            for record in records {
-                let columns =
-                    [Some(&record.voltage_v), record.angle_rad.as_ref(), record.speed_rad_s.as_ref()];
-                for column in columns.into_iter().flatten() {
-                    prop_assert_eq!(column.len(), record.len());
-                    prop_assert!(column.iter().all(|value| value.is_finite()));
-                }
-                prop_assert!(record.time_s.windows(2).all(|pair| pair[0] < pair[1]));
-                content_faults(&record);
-                suspicions(&[record]);
-            }
-        }
-        Err(error) => {
-            prop_assert_eq!(error.exit_code(), 3);
-            prop_assert!(error.to_string().contains("\n  do: "), "{}", error);
-        }
+    let wrong = wrong(&answer);
+    prop_assert!(wrong.is_none(), "{:?}", wrong);
+    for record in answer.into_iter().flatten() {
+        content_faults(&record);
+        suspicions(&[record]);
     }
     Ok(())
 }
@@ -172,9 +145,9 @@ proptest! {
         let (path, other) = (directory.path().join("any.csv"), directory.path().join("other.csv"));
         std::fs::write(&path, &bytes).unwrap();
         std::fs::write(&other, "time_s,angle_rad\n0,0\n1,1\n2,2\n").unwrap();
-        holds(told(&path, WAYS[way]))?;
+        holds(read(&path, &told(Format::Csv, WAYS[way])))?;
         let both = format!("{}+{}", path.display(), other.display());
-        holds(told(std::path::Path::new(&both), WAYS[way]))?;
+        holds(read(std::path::Path::new(&both), &told(Format::Csv, WAYS[way])))?;
         if let Ok(look) = look(&path) {
             prop_assert!(look.names.len() <= look.kinds.len().max(1));
         }

@@ -1,6 +1,10 @@
 //! The documents: short paragraphs, links that lead somewhere, and no file named that is not there.
 
+mod repository;
+
 use std::path::{Path, PathBuf};
+
+use repository::{files_below, root, text_of};
 
 /// Lines of a paragraph; its lines are no longer than `LONGEST_LINE` characters.
 const MOST_LINES: usize = 8;
@@ -8,35 +12,10 @@ const LONGEST_LINE: usize = 150;
 /// The examination fits on one page: lines, figures included.
 const ONE_PAGE: usize = 90;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-/// All files below `folder` that end as `extension` says, but for what was built or fetched there.
-fn files_below(folder: PathBuf, extension: &str) -> Vec<PathBuf> {
-    let (mut folders, mut files) = (vec![folder], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).expect("a directory") {
-            let path = entry.expect("an entry").path();
-            let foreign = path.file_name().is_some_and(|name| name == "target" || name == "node_modules");
-            if path.is_dir() && !foreign {
-                folders.push(path);
-            } else if path.extension().is_some_and(|e| e == extension) {
-                files.push(path);
-            }
-        }
-    }
-    files
-}
-
-fn text_of(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-}
-
 /// All documents with their text.
 fn documents() -> Vec<(PathBuf, String)> {
     let single = [root().join("README.md"), root().join("python/README.md")];
-    let files = single.into_iter().chain(files_below(root().join("docs"), "md"));
+    let files = single.into_iter().chain(files_below(root().join("docs"), &["md"]));
     files.map(|path| (path.clone(), text_of(&path))).collect()
 }
 
@@ -182,8 +161,11 @@ fn no_document_names_a_module_that_is_not_there() {
 #[test]
 fn every_test_that_the_safety_page_names_is_there() {
     let folders = ["firmware", "host", "shared", "tests"].map(|folder| root().join(folder));
-    let sources: Vec<String> =
-        folders.into_iter().flat_map(|folder| files_below(folder, "rs")).map(|path| text_of(&path)).collect();
+    let sources: Vec<String> = folders
+        .into_iter()
+        .flat_map(|folder| files_below(folder, &["rs"]))
+        .map(|path| text_of(&path))
+        .collect();
     let text = text_of(&root().join("docs/SAFETY.md"));
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.contains("`"));
     let named: Vec<&str> = rows

@@ -109,10 +109,39 @@ fn ranges_are_left_out_or_judged_by_in_every_verb_that_reads_logs() {
     );
 }
 
-/// Target and angle are all there is: the controller is found, and the motor behind it.
+/// Target and angle are all there is: the controller is found, and the motor behind it with its friction.
 #[test]
 fn a_servo_that_logs_only_target_and_angle_is_fitted() {
     let directory = tempfile::tempdir().unwrap();
+    for motor in [0.8, 1.6] {
+        std::fs::write(directory.path().join("servo.csv"), servo(motor)).unwrap();
+        let refused = run(directory.path(), "fit servo.csv").ends(3);
+        assert!(
+            refused
+                .err
+                .contains("--map time=t:s,target=goal_position:rad,angle=position:rad --supply-volts 12"),
+            "{}",
+            refused.err
+        );
+        let map = "fit servo.csv --map time=t,target=goal_position,angle=position --supply-volts 7.4 --effects coulomb --json";
+        for known in ["", " --servo-gain 4"] {
+            let fitted = run(directory.path(), &format!("{map}{known}")).ends(0);
+            assert_eq!(fitted.err.contains("servo_gain"), known.is_empty(), "{}", fitted.err);
+            let parameters = fitted.json()["parameters"].clone();
+            let value = |name: &str| {
+                let all = parameters.as_array().unwrap();
+                all.iter().find(|p| p["name"] == name).unwrap()["value"].as_f64().unwrap()
+            };
+            let (gain, friction) = (value("gain"), value("coulomb.level"));
+            assert!((gain / motor - 1.0).abs() < 0.05, "{known}: {gain} of {motor}");
+            // Too small a gain of the controller would take the place of friction.
+            assert!((friction / 0.4 - 1.0).abs() < 0.1, "{known}: {friction} V of 0.4 V at {motor}");
+        }
+    }
+}
+
+/// A motor of this gain, rad/s/V, with 0.4 V of friction in a position loop; target and angle, 100 a second.
+fn servo(motor: f64) -> String {
     let (gain, supply, dt) = (4.0, 7.4, 2e-4);
     let mut text = "t;goal_position;position\n".to_owned();
     let (mut w, mut x) = (0.0_f64, 0.0_f64);
@@ -124,29 +153,9 @@ fn a_servo_that_logs_only_target_and_angle_is_fitted() {
         }
         let v = supply * f64::clamp(gain * (target - x), -1.0, 1.0);
         let friction = if w == 0.0 { v.clamp(-0.4, 0.4) } else { 0.4 * w.signum() };
-        let next = w + dt / 0.05 * (0.8 * (v - friction) - w);
+        let next = w + dt / 0.05 * (motor * (v - friction) - w);
         w = if w != 0.0 && next * w < 0.0 { 0.0 } else { next };
         x += dt * w;
     }
-    std::fs::write(directory.path().join("servo.csv"), text).unwrap();
-    let refused = run(directory.path(), "fit servo.csv").ends(3);
-    assert!(
-        refused.err.contains("--map time=t:s,target=goal_position:rad,angle=position:rad --supply-volts 12"),
-        "{}",
-        refused.err
-    );
-    let map = "fit servo.csv --map time=t,target=goal_position,angle=position --supply-volts 7.4 --effects coulomb --json";
-    for known in ["", " --servo-gain 4"] {
-        let fitted = run(directory.path(), &format!("{map}{known}")).ends(0);
-        let gain = fitted.json()["parameters"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .find(|p| p["name"] == "gain")
-            .unwrap()["value"]
-            .as_f64()
-            .unwrap();
-        assert!((gain / 0.8 - 1.0).abs() < 0.1, "{known}: {gain}");
-        assert_eq!(fitted.err.contains("servo_gain"), known.is_empty(), "{}", fitted.err);
-    }
+    text
 }

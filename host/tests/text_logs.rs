@@ -6,6 +6,9 @@ use std::path::PathBuf;
 use motorlens::error::{BadInput, Error};
 use motorlens::log::{ReadOptions, Record, read};
 
+#[path = "text_logs/tools.rs"]
+mod tools;
+
 const ROWS: u32 = 200;
 
 /// Time, s, voltage, V, and angle, rad, of row `k`, with four decimals.

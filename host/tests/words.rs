@@ -3,11 +3,12 @@
 //! Looked through are the documents, the book, the help of every verb, what the registry and the glossary say, the page and the report,
 //! and the sentences that the program prints.
 
-use std::path::{Path, PathBuf};
+mod repository;
 
 use clap::Command;
 use motorlens::{cli, glossary};
 use motorlens_shared::effects::Kind;
+use repository::{files_below, root, text_of};
 
 /// A coined word, and the one to write.
 const COINED: [(&str, &str); 44] = [
@@ -69,26 +70,6 @@ const RIGHT: [&str; 8] = [
     "- increments:",
 ];
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-fn read(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
-/// Files below `directory` with one of these endings.
-fn below(directory: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(directory).expect("a directory") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            below(&path, endings, found);
-        } else if path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)) {
-            found.push(path);
-        }
-    }
-}
-
 /// Coined words in a text, each with the word to write.
 fn coined(text: &str) -> Vec<String> {
     let mut lower = text.to_lowercase();
@@ -117,8 +98,8 @@ fn free_of_coined_words(texts: impl IntoIterator<Item = (String, String)>) {
 #[test]
 fn the_documents_and_the_book() {
     let mut files = ["README.md", "CHANGELOG.md", "python/README.md"].map(|file| root().join(file)).to_vec();
-    below(&root().join("docs"), &["md"], &mut files);
-    free_of_coined_words(files.iter().map(|path| (path.display().to_string(), read(path))));
+    files.extend(files_below(root().join("docs"), &["md"]));
+    free_of_coined_words(files.iter().map(|path| (path.display().to_string(), text_of(path))));
 }
 
 /// The help of a verb and of those below it.
@@ -179,7 +160,7 @@ fn seen(html: &str) -> String {
 
 #[test]
 fn the_page_and_the_report() {
-    let source = |file: &str| read(&root().join("host/src").join(file));
+    let source = |file: &str| text_of(&root().join("host/src").join(file));
     let pages = ["report/assets/report.html", "serve/assets/page.html"].map(|file| {
         let whole = source(file);
         let text = whole.split("<script>").next().unwrap_or_default().to_owned();
@@ -187,10 +168,10 @@ fn the_page_and_the_report() {
     });
     let mut scripts = Vec::new();
     for directory in ["host/src/report/assets", "host/src/serve/assets"] {
-        below(&root().join(directory), &["js"], &mut scripts);
+        scripts.extend(files_below(root().join(directory), &["js"]));
     }
     let own = scripts.into_iter().filter(|path| !path.display().to_string().contains("uplot"));
-    let own = own.map(|path| (path.display().to_string(), sentences(&read(&path))));
+    let own = own.map(|path| (path.display().to_string(), sentences(&text_of(&path))));
     free_of_coined_words(pages.into_iter().chain(own));
 }
 
@@ -198,10 +179,10 @@ fn the_page_and_the_report() {
 fn the_sentences_that_the_program_prints() {
     let mut files = Vec::new();
     for part in ["cli", "findings", "report", "serve", "tune", "export", "paper"] {
-        below(&root().join("host/src").join(part), &["rs"], &mut files);
+        files.extend(files_below(root().join("host/src").join(part), &["rs"]));
     }
     files.push(root().join("host/src/same.rs"));
-    free_of_coined_words(files.iter().map(|path| (path.display().to_string(), sentences(&read(path)))));
+    free_of_coined_words(files.iter().map(|path| (path.display().to_string(), sentences(&text_of(path)))));
 }
 
 #[test]

@@ -15,7 +15,16 @@ pub(super) struct Wanted {
     pub quantity: Quantity,
     pub index: usize,
     pub header: String,
+    /// The number that means nothing, and the factor to SI.
+    pub zero: f64,
     pub factor: f64,
+}
+
+impl Wanted {
+    /// A number of the column in SI.
+    pub fn si(&self, value: f64) -> f64 {
+        (value - self.zero) * self.factor
+    }
 }
 
 /// What tells the time of a row.
@@ -186,7 +195,7 @@ impl Choice<'_> {
             );
             return Err(BadInput::new(self.path, why, remedy).at_line(self.line).in_column(header).into());
         }
-        Ok(Some(Wanted { quantity, index, header: header.to_owned(), factor: 1.0 }))
+        Ok(Some(Wanted { quantity, index, header: header.to_owned(), zero: 0.0, factor: 1.0 }))
     }
 
     fn only_one(&self, name: &str) -> Result<()> {
@@ -221,7 +230,7 @@ impl Choice<'_> {
         if let Some(per_turn) = unit.per_turn {
             factor /= self.one_turn(per_turn, quantity, column).map_err(|fault| fault.in_column(&header))?;
         }
-        Ok(Wanted { quantity, index, header, factor })
+        Ok(Wanted { quantity, index, header, zero: unit.zero, factor })
     }
 
     /// What one turn of the output shaft is of a number that is none of turns.

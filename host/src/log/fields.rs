@@ -29,6 +29,8 @@ pub struct Splitter {
     stamped: bool,
     /// What stands behind the numbers of a column, by column; may be empty.
     units: Vec<String>,
+    /// Columns of hexadecimal numbers without a mark, which they get.
+    hex: Vec<usize>,
     /// Made at the first line with a quote: its making costs more than the splitting of many lines.
     reader: Option<Reader>,
     text: String,
@@ -43,6 +45,7 @@ impl Splitter {
             separator,
             stamped,
             units: Vec::new(),
+            hex: Vec::new(),
             reader: None,
             text: String::new(),
             fields: Vec::new(),
@@ -55,8 +58,35 @@ impl Splitter {
         Splitter { units, ..self }
     }
 
+    /// Reads these columns as hexadecimal numbers.
+    pub fn with_hex(self, hex: Vec<usize>) -> Self {
+        Splitter { hex, ..self }
+    }
+
     /// Splits one line, with or without its end. Says whether all quotes are closed.
     pub fn split(&mut self, line: &str) -> bool {
+        let closed = self.split_as_it_is(line);
+        if !self.hex.is_empty() {
+            self.mark_hex();
+        }
+        closed
+    }
+
+    /// Puts `0x` before the fields of hexadecimal columns.
+    fn mark_hex(&mut self) {
+        for k in 0..self.hex.len() {
+            let column = self.hex[k];
+            let Some(marked) = self.get(column).filter(|text| is_hex(text)).map(|text| format!("0x{text}"))
+            else {
+                continue;
+            };
+            let begin = self.text.len();
+            self.text.push_str(&marked);
+            self.fields[column] = begin..self.text.len();
+        }
+    }
+
+    fn split_as_it_is(&mut self, line: &str) -> bool {
         self.fields.clear();
         self.stamp = None;
         let mut line = line.trim();
@@ -152,6 +182,32 @@ impl Splitter {
     }
 }
 
+/// Whether a text may be a hexadecimal number without a mark, of at most 32 bits.
+pub fn is_hex(text: &str) -> bool {
+    (1..=8).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_hexdigit())
+}
+
+/// The columns that hold hexadecimal numbers without a mark: nothing else stands there, and not few of them have letters among their
+/// digits (more than the `e` of an exponent).
+pub fn hex_columns<'a>(splitter: &mut Splitter, rows: impl Iterator<Item = &'a str>) -> Vec<usize> {
+    // Of each column the fields, those that may be such numbers, and those that are no others.
+    let mut seen: Vec<[usize; 3]> = Vec::new();
+    for row in rows {
+        splitter.split(row);
+        seen.resize(seen.len().max(splitter.len()), [0; 3]);
+        for (text, seen) in splitter.iter().zip(&mut seen).filter(|(text, _)| !text.is_empty()) {
+            let hex = is_hex(text);
+            let letters =
+                hex && text.bytes().any(|b| b.is_ascii_alphabetic() && !b.eq_ignore_ascii_case(&b'e'));
+            *seen = [seen[0] + 1, seen[1] + usize::from(hex), seen[2] + usize::from(letters)];
+        }
+    }
+    // Half a line may end within one.
+    let is =
+        |[all, hex, letters]: &[usize; 3]| 50 * (all - hex) <= *all && 5 * letters >= *all && *letters > 1;
+    seen.iter().enumerate().filter(|(_, seen)| is(seen)).map(|(column, _)| column).collect()
+}
+
 /// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
 fn unwrapped(line: &str) -> &str {
     let wrapped = [('[', ']'), ('(', ')'), ('|', '|')];
@@ -166,11 +222,33 @@ fn unwrapped(line: &str) -> &str {
     }
 }
 
-/// The stamp that a serial monitor puts before a line, and the line: `12:34:56.789 -> 1,2,3`, or with a single `>`.
+/// The stamp before a line, and the line: that of a serial monitor, `12:34:56.789 -> 1,2,3`, with a single `>`, or `[12:34:56.789] 1,2`;
+/// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started.
 pub fn stamped(line: &str) -> Option<(&str, &str)> {
+    let is_stamp = |stamp: &str| clock::moment(stamp).is_some();
+    if let Some(found) = logged(line) {
+        return Some(found);
+    }
+    if let Some((stamp, rest)) = line.strip_prefix('[').and_then(|inside| inside.split_once(']')) {
+        return is_stamp(stamp.trim()).then_some((stamp.trim(), rest.trim()));
+    }
     let (stamp, rest) = line.split_once("->").or_else(|| line.split_once(" > "))?;
     let stamp = stamp.trim();
-    clock::moment(stamp).map(|_| (stamp, rest.trim()))
+    is_stamp(stamp).then_some((stamp, rest.trim()))
+}
+
+/// A line of ESP-IDF's log, perhaps in colour: its level, the stamp in brackets, its tag, and what was said.
+fn logged(line: &str) -> Option<(&str, &str)> {
+    let mut line = line;
+    if let Some(coloured) = line.strip_prefix('\u{1b}') {
+        line = coloured.split_once('m')?.1;
+    }
+    let line = line.split('\u{1b}').next()?;
+    let (stamp, rest) = line.strip_prefix(['I', 'W', 'E', 'D', 'V'])?.strip_prefix(" (")?.split_once(')')?;
+    let (_, said) = rest.split_once(": ")?;
+    let is_stamp =
+        !stamp.is_empty() && stamp.bytes().all(|b| b.is_ascii_digit()) || clock::moment(stamp).is_some();
+    is_stamp.then_some((stamp, said.trim()))
 }
 
 /// Words between blanks; a word in quotes may hold some, and a date and the time behind it are one.
@@ -259,11 +337,35 @@ mod tests {
     }
 
     #[test]
+    fn hexadecimal_columns_are_told_by_their_letters_and_marked() {
+        let rows = ["1,00FF,1E5,on", "2,0A10,2E5,ff", "3,FFD2,3E5,x"];
+        let plain = || Splitter::of(Separator::Byte(b','), false);
+        assert_eq!(hex_columns(&mut plain(), rows.into_iter()), [1]);
+        let mut splitter = plain().with_hex(vec![1]);
+        splitter.split(rows[2]);
+        assert_eq!(splitter.iter().collect::<Vec<_>>(), ["3", "0xFFD2", "3E5", "x"]);
+    }
+
+    #[test]
     fn the_stamp_of_a_serial_monitor_is_no_field() {
         let mut splitter = Splitter::of(Separator::Byte(b','), true);
         assert!(splitter.split("12:34:56.789 -> 1,2"));
         assert_eq!((splitter.stamp(), splitter.len()), (Some("12:34:56.789"), 2));
         assert!(splitter.split("3,4"));
         assert_eq!((splitter.stamp(), splitter.get(0)), (None, Some("3")));
+        for (line, stamp) in [
+            ("[12:34:56.789] 1,2", "12:34:56.789"),
+            ("I (1234) motor: 1,2", "1234"),
+            ("\u{1b}[0;32mI (1234) motor: 1,2\u{1b}[0m", "1234"),
+        ] {
+            assert!(splitter.split(line));
+            assert_eq!(
+                (splitter.stamp(), splitter.get(0), splitter.get(1)),
+                (Some(stamp), Some("1"), Some("2"))
+            );
+        }
+        for line in ["[1, 2]", "[a] 1,2", "I (x) motor: 1,2", "In (12) of: 3"] {
+            assert_eq!(stamped(line), None, "{line}");
+        }
     }
 }

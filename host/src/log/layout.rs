@@ -9,6 +9,8 @@ use super::rows::number;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
 const MOST_CHATTER: usize = 60;
+/// What stands between LabVIEW's remarks and its table.
+const LABVIEW_END: &str = "***End_of_Header***";
 /// A layout of single lines is one where this share of the lines has it.
 const MOST: f64 = 0.6;
 
@@ -70,13 +72,15 @@ fn named_values(lines: &[&str]) -> Option<Layout> {
 
 /// The first line whose next two are rows of as many numbers.
 fn below_a_header(lines: &[&str]) -> Option<Layout> {
-    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
-    let found = (0..last).find_map(|k| header_at(lines, k))?;
+    // What LabVIEW says first has rows of its own.
+    let first = lines.iter().rposition(|line| line.starts_with(LABVIEW_END)).map_or(0, |k| k + 1);
+    let last = lines.len().saturating_sub(2).min(first + MOST_CHATTER);
+    let found = (first..last).find_map(|k| header_at(lines, k))?;
     // A candidate below rows of as many numbers is a bad row of the table above; one such line may be half of a row.
     let k = found.header?;
     let alike =
-        lines[..k].iter().filter(|line| row(line, &found.separator) == Some(found.names.len())).count();
-    (alike <= 1 && (alike == 0 || k == 1)).then_some(found)
+        lines[first..k].iter().filter(|line| row(line, &found.separator) == Some(found.names.len())).count();
+    (alike <= 1 && (alike == 0 || k == first + 1)).then_some(found)
 }
 
 fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
@@ -96,7 +100,15 @@ fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
             else {
                 continue;
             };
-            let Some(names) = names_of(lines[k], &separator, width) else { continue };
+            let ends_open = |line| fields(line, &separator).last().is_some_and(String::is_empty);
+            let names = names_of(lines[k], &separator, width).or_else(|| {
+                // A separator behind the last number of every row makes no column.
+                let open = width > 2 && ends_open(*one) && ends_open(*two);
+                let mut names = open.then(|| names_of(lines[k], &separator, width - 1))??;
+                names.push(String::new());
+                Some(names)
+            });
+            let Some(names) = names else { continue };
             let units = if units { units_of(lines[k + 1], &separator, width) } else { Some(Vec::new()) };
             let Some(units) = units else { continue };
             return Some(Layout { header: Some(k), names, units, rows: first, ..new(separator) });
@@ -121,7 +133,12 @@ fn row(line: &str, separator: &Separator) -> Option<usize> {
 
 /// The `width` names in a header, which may separate them otherwise than the rows do.
 fn names_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
-    let fit = |names: Vec<String>| {
+    let fit = |mut names: Vec<String>| {
+        // A column for remarks that nobody wrote, a separator at the end of the header only.
+        let last_is_empty = |name: &String| name.is_empty() || name.eq_ignore_ascii_case("comment");
+        if names.len() == width + 1 && names.last().is_some_and(last_is_empty) {
+            names.pop();
+        }
         (names.len() == width && !names.iter().any(|name| is_bare_number(name))).then_some(names)
     };
     let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
@@ -289,6 +306,17 @@ mod tests {
         assert_eq!((found.header, found.rows), (Some(1), 2));
         let found = layout("12:00:00.1 -> t,u\n12:00:00.2 -> 1,2\n12:00:00.3 -> 3,4");
         assert!(found.stamped && found.names == ["t", "u"]);
+    }
+
+    #[test]
+    fn separators_at_the_ends_and_remarks_of_labview_make_no_columns() {
+        for (text, names) in [
+            ("boot\nt,u,\n1,2\n3,4", vec!["t", "u"]),
+            ("boot\nt,u\n1,2,\n3,4,", vec!["t", "u", ""]),
+            ("Of\tA\tB\nX0\t0\t0\nDx\t1\t1\n***End_of_Header***\nt\tu\tComment\n1\t2\n3\t4", vec!["t", "u"]),
+        ] {
+            assert_eq!(layout(text).names, names, "{text}");
+        }
     }
 
     #[test]

@@ -38,6 +38,7 @@ mod rows;
 mod sample;
 mod samples;
 pub mod servo;
+mod servo_loop;
 mod still;
 mod stops;
 mod structure;

@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::fields::{Separator, Splitter};
+use super::fields::{Separator, Splitter, hex_columns};
 use super::layout::Layout;
 use super::text::cannot_read;
 use super::{Metadata, beside};
@@ -26,6 +26,8 @@ pub struct Preamble {
     pub units: Vec<String>,
     /// Those beside the numbers alone.
     beside: Vec<String>,
+    /// Columns of hexadecimal numbers without a mark.
+    hex: Vec<usize>,
     /// What separates the fields.
     pub separator: Separator,
     /// A serial monitor put a time and an arrow before the lines.
@@ -43,7 +45,9 @@ pub struct Preamble {
 impl Preamble {
     /// A splitter for the rows.
     pub fn splitter(&self) -> Splitter {
-        Splitter::of(self.separator.clone(), self.stamped).without_units(self.beside.clone())
+        Splitter::of(self.separator.clone(), self.stamped)
+            .without_units(self.beside.clone())
+            .with_hex(self.hex.clone())
     }
 }
 
@@ -110,6 +114,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped);
     let beside = beside::units(&mut splitter, rows.iter().map(|(_, row)| row.as_str()));
+    let hex = hex_columns(&mut splitter, rows.iter().map(|(_, row)| row.as_str()));
     let mut units = layout.units;
     units.resize(units.len().max(beside.len()), String::new());
     for (unit, beside) in units.iter_mut().zip(&beside).filter(|(unit, _)| unit.is_empty()) {
@@ -120,6 +125,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         headers: (!layout.names.is_empty()).then_some(layout.names),
         units,
         beside,
+        hex,
         separator: layout.separator,
         stamped: layout.stamped,
         line,

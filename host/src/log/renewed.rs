@@ -93,7 +93,12 @@ mod tests {
     /// A motor with friction and an encoder of 1320 counts under sines, and the voltage as it was logged: renewed every `hold` samples
     /// of 5 ms; the drive follows it where `steps`, `late` samples later.
     fn logged(sines: &[(f64, f64)], hold: usize, steps: bool, late: usize) -> Record {
-        let time: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.005).collect();
+        slowly(sines, hold, steps, late, 0.06, 3000)
+    }
+
+    /// The same of a motor with this time constant, s, for so many samples.
+    fn slowly(sines: &[(f64, f64)], hold: usize, steps: bool, late: usize, tau_s: f64, count: u32) -> Record {
+        let time: Vec<f64> = (0..count).map(|k| f64::from(k) * 0.005).collect();
         let wanted: Vec<f64> =
             time.iter().map(|t| sines.iter().map(|(size, rate)| size * (rate * t).sin()).sum()).collect();
         let held: Vec<f64> = (0..wanted.len()).map(|k| wanted[k - k % hold]).collect();
@@ -106,7 +111,7 @@ mod tests {
             let v = applied[k.saturating_sub(late)];
             for _ in 0..5 {
                 let drive = if w == 0.0 { v - v.clamp(-0.5, 0.5) } else { v - 0.5 * w.signum() };
-                let next = w + 0.001 / 0.06 * (2.0 * drive - w);
+                let next = w + 0.001 / tau_s * (2.0 * drive - w);
                 w = if w * next < 0.0 { 0.0 } else { next };
                 x += 0.001 * w;
             }
@@ -128,6 +133,16 @@ mod tests {
             }
             assert_eq!(stale_voltage(&logged(sines, 1, true, 0)), None);
         }
+    }
+
+    /// Each renewal turns a slow shaft by a small part of a count: only a long log tells, and a short one says nothing of either.
+    #[test]
+    fn a_slow_motor_tells_a_stale_voltage_in_a_long_log() {
+        let name =
+            |steps, count| stale_voltage(&slowly(SINES[0], 10, steps, 0, 0.3, count)).map(|(name, ..)| name);
+        assert_eq!(name(false, 36_000), Some("stale_voltage"));
+        assert_eq!(name(true, 36_000), None);
+        assert_eq!(name(true, 3000), None);
     }
 
     #[test]

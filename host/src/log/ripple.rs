@@ -19,7 +19,7 @@ pub(super) struct Answer {
 /// Teeth at either end of the steps that are left out of the comparison.
 const MARGIN: usize = 3;
 /// Teeth that are compared, from the first on, and latenesses within one that are tried.
-const MOST_TEETH: usize = 300;
+const MOST_TEETH: usize = 2000;
 const LATENESSES: usize = 32;
 
 /// The answer of `angle` to the teeth of `volts`, which change at the rows `changes`, most of them `hold` rows after the one before;

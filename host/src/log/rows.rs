@@ -157,7 +157,7 @@ impl<'a> Rows<'a> {
             };
             let value = match column.quantity {
                 Quantity::Direction => direction(text),
-                _ => field(text).map(|value| value * column.factor),
+                _ => field(text).map(|value| column.si(value)),
             };
             let value = value.map_err(|why| Unread::Bad(column.header.as_str(), why))?;
             self.last[k] = Some(value);
@@ -172,7 +172,8 @@ impl<'a> Rows<'a> {
             TimeSource::Rate(rate) => Ok((self.count.saturating_sub(1)) as f64 / rate),
             TimeSource::Stamps => {
                 let stamp = self.splitter.stamp().unwrap_or_default();
-                self.clock.read(stamp, 1.0, None).ok_or_else(|| {
+                // A board counts milliseconds, a serial monitor reads a clock.
+                self.clock.read(stamp, 1e-3, stamp.parse().ok()).ok_or_else(|| {
                     (self.wanted.time.header(), "no stamp tells when this line was received".into())
                 })
             }
@@ -245,8 +246,9 @@ pub(super) fn number(text: &str) -> Option<f64> {
     text.parse::<f64>().ok().or_else(|| {
         let decimal_comma = text.contains(',');
         let point = decimal_comma.then(|| text.replacen(',', ".", 1));
-        let text = point.as_deref().unwrap_or(text);
-        point.as_ref().and_then(|text| text.parse().ok()).or_else(|| with_thousands(text))
+        let plain = point.as_deref().unwrap_or(text);
+        let with_point = point.as_ref().and_then(|text| text.parse().ok());
+        with_point.or_else(|| with_thousands(plain)).or_else(|| points_and_comma(text)).or_else(|| hex(text))
     })
 }
 
@@ -257,9 +259,34 @@ fn with_thousands(text: &str) -> Option<f64> {
         return None;
     }
     let whole = text.split('.').next().unwrap_or_default();
-    let mut groups = whole.trim_start_matches(['-', '+']).split(BETWEEN);
+    is_grouped(whole, &BETWEEN).then(|| text.replace(BETWEEN, "").parse().ok()).flatten()
+}
+
+/// `1.234,5` of a German spreadsheet and `1,234.5` of an English one: which of both is decimal is told where both are there.
+fn points_and_comma(text: &str) -> Option<f64> {
+    let (decimal, between) = if text.rfind(',')? > text.rfind('.')? { (',', '.') } else { ('.', ',') };
+    let (whole, part) = text.rsplit_once(decimal)?;
+    let plain = || format!("{}.{part}", whole.replace(between, "")).parse().ok();
+    is_grouped(whole, &[between]).then(plain).flatten()
+}
+
+/// Whether a whole number has its digits in threes, but for the first.
+fn is_grouped(whole: &str, between: &[char]) -> bool {
+    let mut groups = whole.trim_start_matches(['-', '+']).split(between);
     let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
     let first = groups.next().is_some_and(|group| (1..=3).contains(&group.len()) && digits(group));
-    let alike = groups.all(|group| group.len() == 3 && digits(group));
-    (first && alike).then(|| text.replace(BETWEEN, "").parse().ok()).flatten()
+    first && groups.all(|group| group.len() == 3 && digits(group))
+}
+
+/// `0x1A3F`; all digits of 32 or 64 bits are those of a number with a sign.
+fn hex(text: &str) -> Option<f64> {
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;
+    // A sign that is no digit is none.
+    let number =
+        digits.bytes().all(|b| b.is_ascii_hexdigit()).then(|| u64::from_str_radix(digits, 16).ok())??;
+    Some(match digits.len() {
+        8 => f64::from(number as u32 as i32),
+        16 => number as i64 as f64,
+        _ => number as f64,
+    })
 }

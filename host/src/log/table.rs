@@ -126,7 +126,7 @@ pub(super) fn columns(
     if matches!(wanted.time, TimeSource::Stamps) {
         say(
             file.to_string(),
-            "the times are those at which the serial monitor received the lines, some ms late and uneven"
+            "the times are those at which the serial monitor received the lines, or the board printed them, some ms late and uneven"
                 .into(),
             "print millis() or micros() in every line",
         );

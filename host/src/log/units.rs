@@ -124,9 +124,11 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// How to turn a number of a file into SI: multiply, and divide by the counts per turn if it counts.
+/// How to turn a number of a file into SI: take away the zero, multiply, and divide by the counts per turn if it counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
+    /// The number that means nothing: 1500 of the pulses of a servo or an ESC, 0 nearly everywhere else.
+    pub zero: f64,
     /// Factor to SI; where the number is not one of turns, the factor after division by what one turn of the output shaft is of it.
     pub factor: f64,
     /// What the number has to be divided by.
@@ -164,29 +166,32 @@ impl PerTurn {
 
 impl Unit {
     /// The number is in SI already.
-    pub const SI: Unit = Unit { factor: 1.0, per_turn: None };
+    pub const SI: Unit = Unit { zero: 0.0, factor: 1.0, per_turn: None };
 
-    /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, a full scale: `255`.
+    /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, the number that is full duty (`255`), or
+    /// those that are none and full (`1500..2000`).
     ///
     /// # Errors
     /// Names the units that the quantity may come in.
     pub fn parse(quantity: Quantity, text: &str) -> Result<Unit, String> {
-        if quantity == Quantity::Duty
-            && let Ok(full_scale) = text.parse::<f64>()
-            && full_scale.is_finite()
-            && full_scale != 0.0
-        {
-            return Ok(Unit { factor: 1.0 / full_scale, per_turn: None });
-        }
+        let begin = text.find(['*', '/']).unwrap_or(text.len());
+        let by_numbers = (quantity == Quantity::Duty).then(|| none_and_full(&text[..begin])).flatten();
         let known = quantity.units();
-        let (name, mut factor, rest) = known
-            .iter()
-            .filter_map(|&(name, factor)| text.strip_prefix(name).map(|rest| (name, factor, rest)))
-            .filter(|(_, _, rest)| rest.is_empty() || rest.starts_with(['*', '/']))
-            .max_by_key(|(name, ..)| name.len())
-            .or_else(|| text.starts_with(['*', '/']).then_some(("", 1.0, text)))
-            .ok_or_else(|| unknown(quantity, text))?;
-        let mut scales = rest;
+        let (name, zero, mut factor) = match by_numbers {
+            Some((none, full)) => ("", none, 1.0 / (full - none)),
+            None => known
+                .iter()
+                .filter(|(name, _)| {
+                    text.strip_prefix(name)
+                        .is_some_and(|rest| rest.is_empty() || rest.starts_with(['*', '/']))
+                })
+                .max_by_key(|(name, _)| name.len())
+                .map(|&(name, factor)| (name, 0.0, factor))
+                .or_else(|| text.starts_with(['*', '/']).then_some(("", 0.0, 1.0)))
+                .ok_or_else(|| unknown(quantity, text))?,
+        };
+        let begin = if by_numbers.is_some() { begin } else { name.len() };
+        let mut scales = &text[begin..];
         while let Some(operator) = scales.chars().next() {
             let tail = &scales[1..];
             let end = tail.find(['*', '/']).unwrap_or(tail.len());
@@ -202,14 +207,32 @@ impl Unit {
             "m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s" => Some(PerTurn::Metres),
             _ => None,
         };
-        Ok(Unit { factor, per_turn })
+        Ok(Unit { zero, factor, per_turn })
     }
+
+    /// The number `value` of a file in SI, but for what it has to be divided by where it is none of turns.
+    pub fn to_si(self, value: f64) -> f64 {
+        (value - self.zero) * self.factor
+    }
+}
+
+/// The numbers that are no duty and full duty: `255` is `0..255`.
+fn none_and_full(text: &str) -> Option<(f64, f64)> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    let (none, full) = match text.split_once("..") {
+        Some((none, full)) => (number(none)?, number(full)?),
+        None => (0.0, number(text)?),
+    };
+    (full != none).then_some((none, full))
 }
 
 fn unknown(quantity: Quantity, text: &str) -> String {
     let names: Vec<&str> = quantity.units().iter().map(|&(name, _)| name).collect();
-    let full_scale =
-        if quantity == Quantity::Duty { ", or the number that means full duty, for example 255" } else { "" };
+    let full_scale = if quantity == Quantity::Duty {
+        ", or the number that means full duty, for example 255, or those that mean none and full, for example 1500..2000"
+    } else {
+        ""
+    };
     format!(
         "\"{text}\" is no unit of {quantity}: use {}{full_scale}; a scale may follow, for example {}*0.5 or {}/-1",
         names.join(", "),

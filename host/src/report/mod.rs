@@ -33,6 +33,8 @@ use figure::Figure;
 pub const STYLE: &str = include_str!("assets/style.css");
 /// How figures are drawn in the colours of the page.
 pub const PLOTS: &str = include_str!("assets/plots.js");
+/// The strip below a record that shows which part of it is looked at.
+pub const OVERVIEW: &str = include_str!("assets/overview.js");
 const PAGE: &str = include_str!("assets/report.html");
 
 /// The plotting library, uPlot 1.6.32 (MIT), which comes along with its licence.
@@ -57,7 +59,7 @@ pub struct Figures {
 /// Figures and cards of `story`.
 pub fn figures(story: &Story) -> (Figures, Vec<missing::Card>) {
     let compare = story.records.iter().enumerate();
-    let compare = compare.map(|(k, shown)| records::figure(&format!("record-{k}"), shown, story.floor, None));
+    let compare = compare.map(|(k, shown)| records::whole(&format!("record-{k}"), shown, story.floor));
     let shown: Vec<&Shown> = story.records.iter().collect();
     let torques = [&story.base_torques, &story.model_torques];
     let setting = missing::Setting { rivals: &story.rivals, in_model: in_model(story) };
@@ -124,6 +126,7 @@ pub fn html(story: &Story) -> Result<String> {
         "style": style,
         "library": LIBRARY,
         "plots": PLOTS,
+        "overview": OVERVIEW,
         "data": data,
     });
     template.render(Serde(&content)).map_err(fault)

@@ -16,13 +16,45 @@ const HALF_SPAN_S: f64 = 0.025;
 /// A window of time, s.
 pub type Window = (f64, f64);
 
+/// Turns of the voltage that [`POINTS`] show apart, and the most points of a record that is drawn once and for all.
+const TURNS: usize = 60;
+const MOST_POINTS: usize = 10_000;
+/// A turn of the voltage is one by this share of its reach.
+const TURN: f64 = 0.1;
+
+/// The figure of a whole record for a page that cannot ask for more of it: the denser, the more points, so that a part of it shows
+/// its turns too.
+pub fn whole(id: &str, shown: &Shown, floor: f64) -> Figure {
+    let points = POINTS * turns(&shown.model.voltage_v).div_ceil(TURNS).max(1);
+    drawn(id, shown, floor, None, points.min(MOST_POINTS))
+}
+
+/// How often a voltage turns round.
+fn turns(volts: &[f64]) -> usize {
+    let (low, high) = volts.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let reach = TURN * (high - low);
+    let (mut way, mut last, mut count) = (0.0, volts.first().copied().unwrap_or(0.0), 0);
+    for &v in volts {
+        if way >= 0.0 && v < last - reach || way <= 0.0 && v > last + reach {
+            (way, last, count) = ((v - last).signum(), v, count + 1);
+        } else if (v - last) * way > 0.0 {
+            last = v;
+        }
+    }
+    count
+}
+
 /// The figure of one record: measured and simulated, speeds, residual and voltage over one time axis.
 pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Figure {
+    drawn(id, shown, floor, window, POINTS)
+}
+
+fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: usize) -> Figure {
     let [run, base] = &[&shown.model, &shown.base].map(|run| part(run, window));
     let unit = run.quantity.unit();
     let (left, base_left) = (residual(run), residual(base));
     let (from, to) = places_within(&run.time_s, window);
-    let kept = keep(&[&run.measured, &run.simulated, &left, &run.voltage_v], from, to, POINTS);
+    let kept = keep(&[&run.measured, &run.simulated, &left, &run.voltage_v], from, to, points);
     let curve = |role, name: &str, column: &[f64]| Curve::line(role, name, 0, pick(column, &kept, 6));
     let mut columns = vec![pick(&run.time_s, &kept, 7)];
     let of_angle = run.quantity == Quantity::Angle;
@@ -38,7 +70,7 @@ pub fn figure(id: &str, shown: &Shown, floor: f64, window: Option<Window>) -> Fi
     )];
     if of_angle {
         let [measured, simulated] = [speed(run, &run.measured), speed(run, &run.simulated)];
-        let kept = keep(&[&measured, &simulated], from, to, POINTS);
+        let kept = keep(&[&measured, &simulated], from, to, points);
         let base = speed(base, &base.simulated);
         columns.push(pick(&run.time_s, &kept, 7));
         let curve = |role, name: &str, column: &[f64]| Curve::line(role, name, 1, pick(column, &kept, 5));
@@ -165,6 +197,25 @@ mod tests {
         assert!(times(&whole).len() <= POINTS + 2);
         assert!(times(&part).len() >= 500 && times(&part)[1] == 40.0, "{:?}", times(&part)[1]);
         assert_eq!(part["x"]["range"], serde_json::json!([40.0, 40.5]));
+    }
+
+    #[test]
+    fn a_dense_record_has_more_points_and_never_more_than_the_most() {
+        let mut shown = turning();
+        let points = |shown: &Shown| whole("r", shown, 1e-3).columns[0].values().len();
+        let still = points(&shown);
+        assert!(still <= POINTS + 2, "a voltage that never turns: {still}");
+        let square =
+            |every: usize| (0..100_000).map(|k| if k / every % 2 == 0 { 5.0 } else { -5.0 }).collect();
+        for (every, count, more) in [(500, 199, 4), (20, 4999, 8)] {
+            shown.model.voltage_v = square(every);
+            assert_eq!(turns(&shown.model.voltage_v), count);
+            assert!(
+                (more * still..=MOST_POINTS + 2).contains(&points(&shown)),
+                "{} of {still}",
+                points(&shown)
+            );
+        }
     }
 
     #[test]

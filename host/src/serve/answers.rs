@@ -31,8 +31,8 @@ const STYLE: &str = include_str!("assets/page.css");
 const SCRIPTS: [(&str, &str); 8] = [
     ("uplot.js", report::LIBRARY),
     ("plots.js", report::PLOTS),
+    ("overview.js", report::OVERVIEW),
     ("page.js", include_str!("assets/page.js")),
-    ("overview.js", include_str!("assets/overview.js")),
     ("steps.js", include_str!("assets/steps.js")),
     ("data.js", include_str!("assets/data.js")),
     ("log.js", include_str!("assets/log.js")),

@@ -8,11 +8,14 @@ use std::path::{Path, PathBuf};
 
 use motorlens::error::Result;
 use motorlens::log::guess::look;
-use motorlens::log::{Format, ReadOptions, Record, data_faults, read};
+use motorlens::log::{Format, Record, data_faults, read};
+use readers::{told, wrong};
 
 #[path = "../../../host/tests/formats_support/mod.rs"]
 pub mod formats_support;
 pub mod packing;
+#[path = "../../../host/tests/formats_support/readers.rs"]
+pub mod readers;
 mod seeds;
 
 /// What all of a reader's numbers and buffers may take together, B.
@@ -25,17 +28,10 @@ static MEMORY: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, 
 /// Looking for faults of the data takes long where there are many rows, and is no part of reading.
 const CHECKED_ROWS: usize = 200;
 
-/// The ways to read a table: the guess, names, and numbers with every kind of quantity and time.
-pub const WAYS: [&str; 8] = [
-    "",
-    "time=0:ms,voltage=1,angle=2:deg",
-    "time=0+1:ns,voltage=2,speed=3:rpm",
-    "interval=0:us,duty=1:255,angle=2:mm",
-    "voltage=0,angle=1",
-    "time=t_ms:ms,duty=pwm:255,angle=enc:counts",
-    "time=0,target=1:deg,angle=2:deg",
-    "time=0,duty=1:100,supply=2:mV,speed=3:counts/s,current=4:mA",
-];
+/// The first bytes of an input that is read as SysId's JSON, and as BAM's.
+pub const SYSID: u8 = 253;
+/// See [`SYSID`].
+pub const BAM: u8 = 254;
 
 /// Names the directory into which a target writes the seeds, instead of reading inputs.
 pub const SEEDS: &str = "MOTORLENS_FUZZ_SEEDS";
@@ -72,39 +68,27 @@ fn place() -> PathBuf {
 pub fn answer(content: &[u8], format: Format, way: &str) {
     let path = place();
     std::fs::write(&path, content).expect("the temporary file");
-    let mut options = ReadOptions {
-        format,
-        map: (!way.is_empty()).then(|| way.parse().expect("a mapping of WAYS")),
-        supply_volts: Some(12.0),
-        rate_hz: Some(100.0),
-        ..ReadOptions::default()
-    };
-    options.motor.counts_per_rev = Some(1320.0);
-    options.motor.metres_per_rev = Some(0.008);
-    holds(read(&path, &options));
+    holds(read(&path, &told(format, way)));
     if way.is_empty() {
         // What the page's dialogue asks for.
         let _ = look(&path);
     }
 }
 
-/// What holds for every answer of the reader: clean records, or a message with cause and remedy.
-fn holds(answer: Result<Vec<Record>>) {
-    let records = match answer {
-        Ok(records) => records,
-        Err(error) => {
-            assert!(error.exit_code() == 3 && error.to_string().contains("\n  do: "), "{error}");
-            return;
-        }
-    };
-    for record in &records {
-        let columns = [Some(&record.voltage_v), record.angle_rad.as_ref(), record.speed_rad_s.as_ref()];
-        for column in columns.into_iter().flatten() {
-            assert_eq!(column.len(), record.len());
-            assert!(column.iter().all(|value| value.is_finite()));
-        }
-        assert!(record.time_s.windows(2).all(|pair| pair[0] < pair[1]));
+/// Reads `content` as the first byte of its input says: as SysId's or BAM's JSON, or a table in one of the [`readers::WAYS`].
+pub fn way(first: u8, content: &[u8]) {
+    match first {
+        SYSID => answer(content, Format::WpilibSysid, ""),
+        BAM => answer(content, Format::BamJson, ""),
+        _ => answer(content, Format::Csv, readers::WAYS[usize::from(first) % readers::WAYS.len()]),
     }
+}
+
+/// What holds for every answer of the reader.
+fn holds(answer: Result<Vec<Record>>) {
+    let wrong = wrong(&answer);
+    assert!(wrong.is_none(), "{wrong:?}");
+    let records = answer.unwrap_or_default();
     if records.iter().map(Record::len).sum::<usize>() <= CHECKED_ROWS {
         data_faults(&records);
     }

@@ -7,6 +7,7 @@ use parquet::basic::Compression;
 
 use crate::formats_support::{Wpilog, canonical_columns, mcap_of, npy, parquet_of, zip_of};
 use crate::packing::parts;
+use crate::{BAM, SYSID};
 
 /// The files of `host/tests/formats`, written by the programs that people use.
 macro_rules! fixture {
@@ -95,13 +96,19 @@ fn text() -> Vec<Vec<u8>> {
         table(7, "  time  duty  Vbat  rate  amp\n", |_, t, u, x| {
             format!("{t:6.2}{:6}{:6}{x:6.1}{x:6.2}", 20.0 * u, 11100)
         }),
+        table(0, "", |k, _, u, x| format!(">u:{}:{u}§V|g\n>theta:{}:{x:.3}", 10 * k, 10 * k)),
+        table(0, "", |k, _, u, x| format!("millis: {}\nvolts: {u}\nangle: {x:.3}", 10 * k)),
+        table(8, "", |k, t, u, x| {
+            format!("I ({k}) motor: {:.0},{:.0},0x{:04X}", 1e3 * t, 1500.0 + 60.0 * u, (9e3 * x.abs()) as u16)
+        }),
+        table(5, "t_ms,pwm,enc\n", |k, _, u, x| format!("{k},{u},{:X}", (9e3 * x.abs()) as u16)),
         table(0, "t_ms,pwm,pwm,setpoint,enc\n", |k, t, u, x| {
             format!("{:.0},{u},{},90,{:.0}", 1e3 * t, k % 2, 1e3 * x)
         }),
     ]
 }
 
-/// SysId's and BAM's JSON; their first bytes choose the format.
+/// SysId's and BAM's JSON; their first bytes choose the format, as [`crate::way`] reads them.
 fn json() -> Vec<Vec<u8>> {
     let row = |k: u32| [f64::from(k) * 0.02, 4.0, f64::from(k), 2.0];
     let rows: Vec<_> = (0..24).map(row).collect();
@@ -118,7 +125,7 @@ fn json() -> Vec<Vec<u8>> {
     let bam =
         serde_json::json!({"kp": 8, "mass": 0.5, "length": 0.1, "trajectory": "sin", "entries": entries});
     let seed = |way: u8, text: serde_json::Value| [&[way], text.to_string().as_bytes()].concat();
-    vec![seed(8, sysid.clone()), seed(8, drive), seed(9, bam.clone()), seed(0, sysid), seed(0, bam)]
+    vec![seed(SYSID, sysid.clone()), seed(SYSID, drive), seed(BAM, bam.clone()), seed(0, sysid), seed(0, bam)]
 }
 
 /// Data logs with SysId's entries, with others, and written as lists.

@@ -2,14 +2,9 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use motorlens::log::Format;
-use motorlens_fuzz::{WAYS, answer, begin, must_answer};
+use motorlens_fuzz::{begin, must_answer, way};
 
 fuzz_target!(init: begin(), |input: &[u8]| {
-    let Some((way, content)) = input.split_first() else { return };
-    must_answer(|| match usize::from(*way) {
-        way if way < WAYS.len() => answer(content, Format::Csv, WAYS[way]),
-        way if way % 2 == 0 => answer(content, Format::WpilibSysid, ""),
-        _ => answer(content, Format::BamJson, ""),
-    });
+    let Some((first, content)) = input.split_first() else { return };
+    must_answer(|| way(*first, content));
 });

@@ -1,4 +1,5 @@
-//! A data log written as a list, one value a line: `Timestamp,Name,Value` (or `Key` for `Name`), times in seconds.
+//! A data log written as a list, one value a line: `Timestamp,Name,Value` (or `Key` for `Name`), times in seconds; or
+//! `time_s,signal,value`.
 //!
 //! DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own times, as in the data log itself.
 
@@ -11,6 +12,9 @@ use crate::log::fields::{Separator, Splitter};
 use crate::log::preamble::is_nothing;
 use crate::log::text::TextReader;
 
+/// What the column of the names is called beside one of times in seconds, in small letters.
+const NAMES: [&str; 7] = ["name", "key", "signal", "topic", "channel", "variable", "field"];
+
 /// The separator of a list, if this is the beginning of one.
 fn separator(start: &[u8]) -> Option<u8> {
     // Of UTF-16 the letters of a header remain when its zeros go.
@@ -21,9 +25,10 @@ fn separator(start: &[u8]) -> Option<u8> {
             .split(char::from(*separator))
             .map(|name| name.trim_matches(|c: char| !c.is_ascii_alphanumeric()).to_ascii_lowercase());
         let (time, name, value) = (names.next(), names.next(), names.next());
-        time.as_deref() == Some("timestamp")
-            && name.is_some_and(|name| name == "name" || name == "key")
-            && value.as_deref() == Some("value")
+        let is =
+            |text: &Option<String>, words: &[&str]| text.as_deref().is_some_and(|text| words.contains(&text));
+        let wpilib = is(&time, &["timestamp"]) && is(&name, &["name", "key"]);
+        (wpilib || is(&time, &["time_s"]) && is(&name, &NAMES)) && is(&value, &["value"])
     };
     [b',', b';', b'\t'].into_iter().find(is_header)
 }

@@ -27,6 +27,7 @@ mod parquet;
 #[cfg(feature = "log-xlsx")]
 mod sheets;
 mod table;
+mod teleplot;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
 mod xlsx;
@@ -118,7 +119,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 11] = [
+const FORMATS: [Known; 12] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -130,6 +131,12 @@ const FORMATS: [Known; 11] = [
         extension: "csv",
         is: list::is,
         how: How::Read(list::read),
+    },
+    Known {
+        name: "a list of values with their names",
+        extension: "txt",
+        is: teleplot::is,
+        how: How::Read(teleplot::read),
     },
     Known {
         name: "a NumPy array",

@@ -1,6 +1,6 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
-use super::words;
+use super::{registers, words};
 use crate::log::direction;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -30,8 +30,14 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         .map(|(index, said)| said.quantity.filter(|_| !said.wanted && useful(index)))
         .collect();
     // A voltage that hardly changes beside a duty or a target is the supply's; whole numbers far beyond any supply are a duty.
+    // Beside a torque one that changes even less is too: a drive that is told a torque logs what it is fed with.
     let driven = quantities.iter().any(|q| q.is_some_and(|(q, _)| q == Quantity::Duty))
         || said.iter().any(|said| said.target);
+    let steady = match driven {
+        true => 0.4,
+        false if said.iter().any(|said| said.effort) => 0.1,
+        false => 0.0,
+    };
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
         let range = Range::of(values(index));
@@ -40,7 +46,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         if quantity == Quantity::Voltage && plain == 2 && is_pin {
             *guess = Some((Quantity::Direction, 1));
         } else if quantity == Quantity::Voltage {
-            if driven && range.low > 0.0 && range.high - range.low < 0.4 * range.high {
+            if range.low > 0.0 && range.high - range.low < steady * range.high {
                 *guess = Some((Quantity::Supply, plain));
             } else if range.whole && range.peak() > 60.0 && said[index].unit.is_none() {
                 *guess = Some((Quantity::Duty, plain));
@@ -75,6 +81,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             }
         }
     }
+    let words_of_all = names.join(" ").to_lowercase();
     let mut parts: Vec<Part> = Vec::new();
     for quantity in Quantity::ALL {
         // The plainest name; of equals the first, which moves.
@@ -86,7 +93,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         });
         let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
         let Some((index, _)) = best else { continue };
-        let unit = unit_of(quantity, said[index].unit, values(index).collect::<Vec<_>>().as_slice());
+        let all: Vec<f64> = values(index).collect();
+        let register = said[index].register.then(|| registers::unit(quantity, &all, &words_of_all)).flatten();
+        let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         parts.push(Part { quantity, index, rest: None, unit });
     }
     // A servo's angle is told in the unit of its target.
@@ -181,6 +190,8 @@ fn full_duty(range: &Range, said: Option<&'static str>) -> String {
     let full = [255.0, 400.0, 511.0, 512.0, 1000.0, 1023.0, 2047.0, 4095.0, 10_000.0, 32_767.0, 65_535.0];
     if let Some(unit) = said {
         unit.to_owned()
+    } else if let Some(none) = range.pulse_of_no_duty() {
+        format!("{none}..2000")
     } else if peak <= 1.0 {
         "1".into()
     } else if peak <= 100.0 && (range.has_round_tens || !range.whole) {
@@ -242,13 +253,26 @@ pub(super) struct Range {
     whole: bool,
     /// It holds 100 itself, or nothing but tens: percent.
     has_round_tens: bool,
+    first: f64,
 }
+
+/// What the pulses of a servo or an ESC span, us, with what some boards allow themselves; full duty back is 1000, none 1500 (of
+/// a drive that turns one way only 1000) and full duty forth 2000.
+const PULSES: (f64, f64) = (900.0, 2100.0);
+/// A drive that begins below this stands still there.
+const ONE_WAY: f64 = 1100.0;
 
 impl Range {
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut range =
-            Self { low: f64::INFINITY, high: f64::NEG_INFINITY, whole: true, has_round_tens: true };
+        let mut range = Self {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            whole: true,
+            has_round_tens: true,
+            first: f64::NAN,
+        };
         for value in values {
+            range.first = if range.first.is_nan() { value } else { range.first };
             range.low = range.low.min(value);
             range.high = range.high.max(value);
             range.whole &= value.fract() == 0.0;
@@ -259,6 +283,17 @@ impl Range {
             (range.low, range.high) = (0.0, 0.0);
         }
         range
+    }
+
+    /// The length of the pulse that is no duty, us, where the values are such pulses.
+    fn pulse_of_no_duty(&self) -> Option<u32> {
+        let are = self.low >= PULSES.0 && self.high <= PULSES.1 && self.high > self.low.max(ONE_WAY);
+        are.then_some(if self.first < ONE_WAY { 1000 } else { 1500 })
+    }
+
+    /// Whether all of it is whole.
+    pub fn is_whole(&self) -> bool {
+        self.whole
     }
 
     pub fn peak(&self) -> f64 {
@@ -281,6 +316,11 @@ mod tests {
         ] {
             let range = Range::of((0..=100).map(|k| (f64::from(k) / 100.0 * peak / step).round() * step));
             assert_eq!(full_duty(&range, None), full, "{peak}");
+        }
+        for (pulses, full) in
+            [([1500.0, 1720.0, 1210.0], "1500..2000"), ([1000.0, 1400.0, 1900.0], "1000..2000")]
+        {
+            assert_eq!(full_duty(&Range::of(pulses.into_iter()), None), full, "{pulses:?}");
         }
     }
 }

@@ -6,6 +6,7 @@
 mod columns;
 mod look;
 mod preview;
+mod registers;
 pub mod words;
 
 use std::fmt::Write as _;
@@ -59,7 +60,16 @@ impl Proposal {
         }
         let duty = self.map.split(',').find_map(|part| part.strip_prefix("duty=")?.rsplit_once(':'));
         if let Some((_, full)) = duty.filter(|(_, full)| !["1", "100"].contains(full)) {
-            all.push(format!("put the number that is full duty in the place of {full}"));
+            all.push(match full.split_once("..") {
+                Some(_) => format!("put the pulses of no and of full duty, us, in the place of {full}"),
+                None => format!("put the number that is full duty in the place of {full}"),
+            });
+        }
+        if self.map.contains(&format!(":{}", words::ELECTRICAL)) {
+            all.push("put the motor's pole pairs in the place of 7".into());
+        }
+        if self.map.contains(":rev/4096") {
+            all.push("put the steps of one turn of the servo in the place of 4096".into());
         }
         if let Some(counts) = &self.counts_per_rev {
             all.push(format!(

@@ -25,7 +25,8 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
     let per_turn = per_turn_of(part);
-    let factor = Unit::parse(part.quantity, &part.unit).map_or(1.0, |unit| unit.factor);
+    let unit = Unit::parse(part.quantity, &part.unit).unwrap_or(Unit::SI);
+    let factor = unit.factor;
     let own = if part.quantity == Quantity::Duty { "" } else { part.unit.as_str() };
     let mut text =
         format!("{:<8} {name}: {} .. {} {own}", part.quantity.key(), short(range.low), short(range.high));
@@ -36,8 +37,8 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
         };
     } else if factor != 1.0 {
         let si = part.quantity.si();
-        let unit = if of.is_empty() { si } else { of };
-        let _ = write!(text, " = {} .. {} {unit}", short(range.low * factor), short(range.high * factor));
+        let of = if of.is_empty() { si } else { of };
+        let _ = write!(text, " = {} .. {} {of}", short(unit.to_si(range.low)), short(unit.to_si(range.high)));
     }
     if part.quantity == Quantity::Time {
         let rate = timing::rate(&values) / factor;

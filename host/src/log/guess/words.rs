@@ -15,6 +15,8 @@ pub struct Said {
     pub wanted: bool,
     /// It is where a servo was told to go.
     pub target: bool,
+    /// It is a register of a servo.
+    pub register: bool,
     /// It is an effort, which robots' messages have as a torque and drives as whatever they are commanded.
     pub effort: bool,
 }
@@ -22,16 +24,16 @@ pub struct Said {
 use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 27] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 28] = [
     (
         Time,
         3,
         None,
         &["time", "zeit", "timestamp", "ts", "tout", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"],
     ),
-    (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems"]),
+    (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems", "ms_today"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
-    (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec"]),
+    (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec", "x_value"]),
     (Interval, 4, None, &["dt", "interval", "deltat", "looptime", "cycletime", "elapsed", "abtastzeit"]),
     (Duty, 3, None, &["pwm", "duty", "dutycycle", "tastgrad", "throttle", "pwmvalue"]),
     (
@@ -48,6 +50,8 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 27] = [
             "ctrl",
             "ena",
             "enb",
+            "esc",
+            "pulse",
             "stellgroesse",
             "stellgröße",
         ],
@@ -115,6 +119,8 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 27] = [
     ),
     (Speed, 2, None, &["w", "y"]),
     (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
+    // Electrical turns: pole pairs times those of the shaft. A speed of a vehicle beside it is made of it.
+    (Speed, 8, Some(ELECTRICAL), &["erpm"]),
     (Speed, 5, Some("rpm"), &["drehzahl"]),
     (Speed, 4, Some("rev/s"), &["rps"]),
     (Speed, 4, Some("deg/s"), &["dps"]),
@@ -128,6 +134,15 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 27] = [
     (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "curr"]),
     (Current, 3, Some("mA"), &["ma"]),
 ];
+
+/// The unit of electrical turns a minute, of a motor with as many pole pairs as most.
+pub const ELECTRICAL: &str = "rpm/7";
+
+/// A motion with one of these was commanded: `cmd_vel`, `input_pos`.
+const COMMANDED: [&str; 4] = ["cmd", "command", "commands", "input"];
+
+/// A name with one of these is that of a register of a servo, whose numbers are whole steps.
+const REGISTERS: [&str; 2] = ["present", "goal"];
 
 /// A name with one of these is of where to go, ...
 const TARGETS: [&str; 12] = [
@@ -306,6 +321,10 @@ pub fn said(name: &str) -> Said {
     if best.is_some_and(|(of, ..)| of == Angle) && any_of(&["delta", "diff", "increment", "increments"]) {
         best = None;
     }
+    // The voltage and the current along the d axis of a field-oriented drive turn nothing.
+    if best.is_some_and(|(of, ..)| matches!(of, Voltage | Current)) && any_of(&["d", "vd", "ud", "id"]) {
+        best = None;
+    }
     // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
     let quantity = match (best, unit) {
         (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
@@ -334,7 +353,13 @@ pub fn said(name: &str) -> Said {
     const SUGGESTED: [&str; 3] = ["counts", "counts/s", "m"];
     let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&["drehzahl"]);
     let told = unit.is_some() || by_itself;
-    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, effort }
+    // The shaft at the input of a gear moves, and is not told to.
+    let commanded = matches!(quantity, Some((Angle | Speed, _)))
+        && any_of(&COMMANDED)
+        && !any_of(&["shaft", "encoder", "enc", "counts", "ticks"]);
+    let (wanted, target) = (wanted || commanded, target || commanded);
+    let register = any_of(&REGISTERS);
+    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, register, effort }
 }
 
 /// The unit that a name says in so many words, and of what it is one.
@@ -464,6 +489,9 @@ mod tests {
             ("ms", Time, Some("ms")),
             ("v", Voltage, None),
             ("Velocidad", Speed, None),
+            ("input_shaft_angle", Angle, None),
+            ("erpm", Speed, Some("rpm/7")),
+            ("esc_us", Duty, None),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
@@ -474,9 +502,18 @@ mod tests {
 
     #[test]
     fn a_setpoint_is_known_by_its_name() {
-        for name in
-            ["setpoint", "target_rpm", "goal_position", "speed_ref", "Sollwert", "pos_error", "desiredAngle"]
-        {
+        for name in [
+            "setpoint",
+            "target_rpm",
+            "goal_position",
+            "speed_ref",
+            "Sollwert",
+            "pos_error",
+            "desiredAngle",
+            "cmd_vel",
+            "position_command",
+            "input_pos",
+        ] {
             assert!(said(name).wanted, "{name}");
         }
         assert_eq!(said("colour").quantity, None);

@@ -248,14 +248,16 @@ const Plots = (() => {
   }
   const all = () => document.querySelectorAll(".plot");
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all().forEach((div) => { if (div.dataset.drawn) draw(div); }));
-  // On paper everything is open, drawn in dark on white and as wide as the page.
+  // On paper everything is open, every record below the one before, drawn in dark on white and as wide as the page.
   addEventListener("beforeprint", () => {
     document.documentElement.dataset.paper = "yes";
+    for (const record of document.querySelectorAll(".record[hidden]")) { record.hidden = false; record.dataset.shut = "yes"; }
     for (const details of document.querySelectorAll("details")) { if (!details.open) { details.dataset.closed = "yes"; details.open = true; } }
     all().forEach(draw);
   });
   addEventListener("afterprint", () => {
     delete document.documentElement.dataset.paper;
+    for (const record of document.querySelectorAll(".record[data-shut]")) { record.hidden = true; delete record.dataset.shut; }
     for (const details of document.querySelectorAll("details[data-closed]")) { details.open = false; delete details.dataset.closed; }
     all().forEach((div) => { if (div.dataset.drawn) draw(div); });
   });

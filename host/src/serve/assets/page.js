@@ -31,6 +31,7 @@ function size(x, unit) {
 // 1 Compare
 const chosen = () => Number($("record").value || 0);
 let asked = 0;
+const overview = Overview.on($("record-overview"));
 async function showRecord(fresh = true) {
   const mine = ++asked, window = part ? `?from=${part[0]}&to=${part[1]}` : "";
   const figure = await ask(`/api/record/${chosen()}${window}`);
@@ -42,7 +43,7 @@ async function showRecord(fresh = true) {
   if (!fresh) return Plots.update(plot, figure);
   Plots.show(plot, figure, (range) => { if (!brushed(range)) lookAt(range); });
   Plots.draw(plot);
-  Overview.show(figure, lookAt);
+  overview.show(figure, lookAt);
   // A dense record begins with a part in which its turns are seen apart, and stays where it was looked at.
   const x = figure.columns[0], here = [figure.title, x[0], x[x.length - 1]].join();
   if (lookedAt.here !== here) lookedAt = { here, part: Overview.first(figure) };
@@ -55,7 +56,7 @@ async function lookAt(range) {
   part = lookedAt.part = range;
   plot.dataset.detail = "";
   offerCut();
-  Overview.at(range);
+  overview.at(range);
   try { await showRecord(false); plot.dataset.detail = "yes"; } catch (error) { alarm(error); }
 }
 function place(p, value) { return p.log ? Math.log(value / p.low) / Math.log(p.high / p.low) : (value - p.low) / (p.high - p.low); }

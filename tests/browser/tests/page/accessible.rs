@@ -64,7 +64,7 @@ fn print_opens_and_draws_everything_and_cuts_nothing() {
     let directory = tempfile::tempdir().unwrap();
     let mut browser = report(directory.path());
     browser.value(
-        "addEventListener('beforeprint', () => setTimeout(() => {}, 0)); addEventListener('beforeprint', () => { globalThis.printed = [...document.querySelectorAll('.plot')].filter((p) => !p.closest('[hidden]') && p.clientWidth && !p.querySelector('canvas') && parseInt(p.style.minHeight) > 0).length; globalThis.shut = document.querySelectorAll('details:not([open])').length; \
+        "addEventListener('beforeprint', () => setTimeout(() => {}, 0)); addEventListener('beforeprint', () => { globalThis.printed = [...document.querySelectorAll('.plot')].filter((p) => !p.closest('[hidden]') && p.clientWidth && !p.querySelector('canvas') && parseInt(p.style.minHeight) > 0).length; globalThis.shut = document.querySelectorAll('details:not([open]), .record[hidden]').length; \
          globalThis.drawn = [getComputedStyle(document.documentElement).getPropertyValue('--ink').trim(), Math.max(...[...document.querySelectorAll('.plot canvas')].filter((c) => c.clientWidth).map((c) => c.getBoundingClientRect().right)) <= 719]; })",
     );
     // Whoever works in the dark prints black on white.
@@ -75,6 +75,7 @@ fn print_opens_and_draws_everything_and_cuts_nothing() {
     assert_eq!((browser.value("printed"), browser.value("shut")), (0.into(), 0.into()));
     assert_eq!(browser.value("drawn"), serde_json::json!(["#1a1c1e", true]));
     assert_eq!(browser.value("document.documentElement.dataset.paper"), serde_json::Value::Null);
+    assert_eq!(browser.number("document.querySelectorAll('.record:not([hidden])').length"), 1.0);
     // Nothing is wider than the paper: A4 less its margins at 96 dots an inch.
     browser.call("Emulation.setEmulatedMedia", serde_json::json!({ "media": "print" }));
     browser.size(718, 1000, false);

@@ -55,6 +55,20 @@ fn a_dense_record_begins_zoomed_in_and_its_window_is_dragged_over_all_of_it() {
         .value("$('record-plot').dispatchEvent(new KeyboardEvent('keydown', { key: '0', bubbles: true }))");
     browser.wait("part === null && $('record-plot').dataset.detail == 'yes'");
     assert_eq!(browser.value("$('record-overview').hidden"), json!(false));
+    // The report opens on the same part, with a strip of its own that leads to every other.
+    let report = browser.value("fetch('/export/report.html').then((r) => r.text())");
+    let file = directory.path().join("report.html");
+    std::fs::write(&file, report.as_str().expect("a report")).expect("a file");
+    browser.open(&format!("file://{}", file.display()));
+    browser.wait("document.querySelector('.record .plot canvas')");
+    browser.wait("!document.querySelector('.record .overview').hidden");
+    let shown = "document.querySelector('.record .overview [role=slider]')";
+    let said = |browser: &mut Browser| browser.value(&format!("{shown}.getAttribute('aria-valuetext')")).to_string();
+    let told = said(&mut browser);
+    assert!(told.starts_with("\"0.00 to ") && told.ends_with(" s of 60.00 s\"") && !told.contains("60.00 to"), "{told}");
+    browser.value(&format!("{shown}.focus()"));
+    browser.key("End", None);
+    browser.wait(&format!("{shown}.getAttribute('aria-valuetext').includes(' to 60.00 s')"));
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
