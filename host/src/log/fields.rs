@@ -3,6 +3,7 @@
 //! A sample is a line, so lines are split one at a time: the number of a line in a message is then exact, whatever
 //! blank lines and remarks stand between the samples.
 
+use std::cell::RefCell;
 use std::ops::Range;
 
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
@@ -31,8 +32,6 @@ pub struct Splitter {
     units: Vec<String>,
     /// Columns of hexadecimal numbers without a mark, which they get.
     hex: Vec<usize>,
-    /// Made at the first line with a quote: its making costs more than the splitting of many lines.
-    reader: Option<Reader>,
     text: String,
     fields: Vec<Range<usize>>,
     stamp: Option<String>,
@@ -46,7 +45,6 @@ impl Splitter {
             stamped,
             units: Vec::new(),
             hex: Vec::new(),
-            reader: None,
             text: String::new(),
             fields: Vec::new(),
             stamp: None,
@@ -138,16 +136,15 @@ impl Splitter {
     fn split_quoted(&mut self, line: &str) -> bool {
         let (mut text, mut ends) = (vec![0; line.len() + 1], vec![0; line.len() + 1]);
         let delimiter = if let Separator::Byte(byte) = self.separator { byte } else { b',' };
-        let reader = self.reader.get_or_insert_with(|| ReaderBuilder::new().delimiter(delimiter).build());
-        reader.reset();
-        let (result, read, written, mut count) = reader.read_record(line.as_bytes(), &mut text, &mut ends);
-        let mut closed = result == ReadRecordResult::Record && read == line.len();
-        if result == ReadRecordResult::InputEmpty {
+        let (closed, count) = with_reader(delimiter, |reader| {
+            let (result, read, written, count) = reader.read_record(line.as_bytes(), &mut text, &mut ends);
+            if result != ReadRecordResult::InputEmpty {
+                return (result == ReadRecordResult::Record && read == line.len(), count);
+            }
             // The end of the input closes the last field; within a quote, it comes too early.
             let (end, _, _, last) = reader.read_record(b"\n", &mut text[written..], &mut ends[count..]);
-            count += last;
-            closed = end == ReadRecordResult::Record;
-        }
+            (end == ReadRecordResult::Record, count + last)
+        });
         let mut start = 0;
         for &end in &ends[..count] {
             let field = String::from_utf8_lossy(&text[start..end]);
@@ -180,6 +177,24 @@ impl Splitter {
     pub fn iter(&self) -> impl Iterator<Item = &str> {
         (0..self.fields.len()).filter_map(|index| self.get(index))
     }
+}
+
+thread_local! {
+    /// Readers of quoted lines by what separates the fields, made once: their making costs more than the splitting of many lines.
+    static READERS: RefCell<Vec<(u8, Reader)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Does something with the reader of quoted lines whose fields `delimiter` separates.
+fn with_reader<T>(delimiter: u8, act: impl FnOnce(&mut Reader) -> T) -> T {
+    READERS.with_borrow_mut(|all| {
+        let place = all.iter().position(|(known, _)| *known == delimiter).unwrap_or_else(|| {
+            all.push((delimiter, ReaderBuilder::new().delimiter(delimiter).build()));
+            all.len() - 1
+        });
+        let reader = &mut all[place].1;
+        reader.reset();
+        act(reader)
+    })
 }
 
 /// Whether a text may be a hexadecimal number without a mark, of at most 32 bits.

@@ -206,7 +206,7 @@ mod tests {
         let still = points(&shown);
         assert!(still <= POINTS + 2, "a voltage that never turns: {still}");
         let square =
-            |every: usize| (0..100_000).map(|k| if k / every % 2 == 0 { 5.0 } else { -5.0 }).collect();
+            |every: usize| (0..100_000).map(|k| if (k / every) & 1 == 0 { 5.0 } else { -5.0 }).collect();
         for (every, count, more) in [(500, 199, 4), (20, 4999, 8)] {
             shown.model.voltage_v = square(every);
             assert_eq!(turns(&shown.model.voltage_v), count);
