@@ -3,8 +3,8 @@
 //! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, interval (the time since the row before), voltage, duty,
 //! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns. COLUMN is a header or a
 //! 0-based number. UNIT is a unit of the quantity (if left out, that which the header says, or SI), then any number of
-//! `*factor` or `/divisor`; for duty it is the number that means full duty. Where duty is given instead of voltage, the
-//! voltage is duty times the supply column, or times `--supply-volts`.
+//! `*factor` or `/divisor`; for duty it is the number that means full duty, or those of none and full (`1500..2000`). Where duty is
+//! given instead of voltage, the voltage is duty times the supply column, or times `--supply-volts`.
 
 use std::str::FromStr;
 
