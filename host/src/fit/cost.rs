@@ -139,20 +139,21 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     series.truncate(n);
 }
 
-/// The error by time scale ([`super::scales`]), robust and in units of the noise at each scale; behind it the plain error, an angle's
-/// about its mean, since an encoder starts anywhere.
+/// The plain error, an angle's about its mean, since an encoder starts anywhere; behind it the error by time scale ([`super::scales`]),
+/// robust and in units of the noise at each scale.
 #[inline(always)]
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
-    for (p, y) in series.iter_mut().zip(&grid.measured) {
-        *p = Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
-    }
+    let error = |(p, y): (&Block, &f64)| Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
+    let errors: Vec<Block> = series.iter().zip(&grid.measured).map(error).collect();
+    let samples = errors.len();
+    series.clear();
+    // A level rounds up by one at most.
+    series.reserve(2 * samples + usize::BITS as usize);
     let even = grid.even_weight();
-    let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(series) };
-    let plain: Vec<Block> =
-        series.iter().map(|e| Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even))).collect();
-    let samples = series.len();
-    transform(series);
-    let mut first = 0;
+    let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&errors) };
+    series.extend(errors.iter().map(|e| Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even))));
+    transform(errors, series);
+    let mut first = samples;
     let mut weight = 0.0;
     for (size, own) in levels(samples).into_iter().zip(grid.weights()) {
         let weighed = |d: f64| robust(d * own);
@@ -165,7 +166,6 @@ fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     if let Some(last) = series.last_mut() {
         *last = Lanes(last.0.map(|d| robust(d * mean)));
     }
-    series.extend(plain);
 }
 
 /// Mean of each lane.

@@ -32,14 +32,11 @@ pub fn levels(samples: usize) -> Vec<usize> {
     sizes
 }
 
-/// Replaces `series` by its coefficients, level after level from the finest; its last number is the mean times the root of the
+/// Appends the coefficients of `smooth` to `series`, level after level from the finest; the last number is the mean times the root of the
 /// length (nearly so where the length is no power of two). What is quadratic in time leaves nothing but at the coarsest levels.
 #[inline(always)]
-pub fn transform<S: Scalar>(series: &mut Vec<S>) {
+pub fn transform<S: Scalar>(mut smooth: Vec<S>, series: &mut Vec<S>) {
     let half = S::lit(std::f64::consts::FRAC_1_SQRT_2);
-    let mut smooth = std::mem::take(series);
-    // A level rounds up by one at most.
-    series.reserve(smooth.len() + usize::BITS as usize);
     while smooth.len() >= 2 {
         let n = smooth.len();
         let pairs = n.div_ceil(2);
@@ -50,6 +47,8 @@ pub fn transform<S: Scalar>(series: &mut Vec<S>) {
             smooth[k] = (a + b) * half;
         }
         smooth.truncate(pairs);
+        // An hour's log is large, and half of it is enough now.
+        smooth.shrink_to_fit();
         for k in 0..pairs {
             if let Some(foreseen) = foreseen(&smooth, n / 2, k) {
                 series[first + k] -= foreseen;
@@ -101,13 +100,19 @@ impl Grid {
 mod tests {
     use super::*;
 
+    fn transformed(errors: Vec<f64>) -> Vec<f64> {
+        let mut series = Vec::new();
+        transform(errors, &mut series);
+        series
+    }
+
     #[test]
     fn what_is_quadratic_in_time_leaves_nothing_at_levels_of_three_pairs_and_more() {
         for n in [64, 65, 100, 127] {
             let t = |k: i32| f64::from(k) / f64::from(n);
-            let mut series: Vec<f64> = (0..n).map(|k| 3.0 - 2.0 * t(k) + 5.0 * t(k).powi(2)).collect();
-            let sizes = levels(series.len());
-            transform(&mut series);
+            let parabola = (0..n).map(|k| 3.0 - 2.0 * t(k) + 5.0 * t(k).powi(2)).collect();
+            let sizes = levels(n as usize);
+            let series = transformed(parabola);
             // Of an odd number the last pair overlaps: below it only the first level is exact.
             let fine = if n == 64 { 64 - 4 } else { sizes[0] };
             let most = series[..fine].iter().fold(0.0_f64, |most, d| most.max(d.abs()));
@@ -122,8 +127,7 @@ mod tests {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
         };
-        let mut series: Vec<f64> = (0..4096).map(|_| noise()).collect();
-        transform(&mut series);
+        let series = transformed((0..4096).map(|_| noise()).collect());
         let mut first = 0;
         for size in levels(4096).into_iter().take_while(|size| *size >= 128) {
             let level = &series[first..first + size];
@@ -137,8 +141,7 @@ mod tests {
     #[test]
     fn every_level_of_any_length_has_the_coefficients_that_are_announced() {
         for n in [2, 3, 5, 63, 64, 65, 1000] {
-            let mut series = vec![1.0; n];
-            transform(&mut series);
+            let series = transformed(vec![1.0; n]);
             assert_eq!(series.len(), levels(n).iter().sum::<usize>() + 1, "{n}");
             let details = &series[..series.len() - 1];
             assert!(details.iter().all(|d: &f64| d.abs() < 1e-12), "a constant has no details: {n}");

@@ -79,7 +79,8 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<f64> {
         let count = blocks(grid);
         let mut own = vec![DVector::zeros(n); count];
         let sizes = levels(grid.len());
-        let mut at = 0;
+        // The plain error stands before the coefficients.
+        let mut at = grid.len();
         let mut row = DVector::zeros(n);
         for (j, size) in sizes.iter().enumerate() {
             // The mean stands behind the last level.
