@@ -4,7 +4,7 @@
 //! are ranked by the error's *increments* over 50 ms, under a pseudo-Huber loss, and polished on the error itself.
 
 use super::grid::{Grid, Quantity};
-use super::scales::{levels, transform};
+use super::scales::{append_coefficients, levels};
 use super::simulate::{Block, LANES};
 use motorlens_shared::lanes::Lanes;
 
@@ -143,16 +143,16 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
 /// robust and in units of the noise at each scale.
 #[inline(always)]
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
-    let error = |(p, y): (&Block, &f64)| Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
-    let errors: Vec<Block> = series.iter().zip(&grid.measured).map(error).collect();
-    let samples = errors.len();
-    series.clear();
-    // A level rounds up by one at most.
-    series.reserve(2 * samples + usize::BITS as usize);
+    for (p, y) in series.iter_mut().zip(&grid.measured) {
+        *p = Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
+    }
+    let samples = series.len();
+    append_coefficients(series);
     let even = grid.even_weight();
-    let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&errors) };
-    series.extend(errors.iter().map(|e| Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even))));
-    transform(errors, series);
+    let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&series[..samples]) };
+    for e in &mut series[..samples] {
+        *e = Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even));
+    }
     let mut first = samples;
     let mut weight = 0.0;
     for (size, own) in levels(samples).into_iter().zip(grid.weights()) {

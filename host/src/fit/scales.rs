@@ -32,30 +32,50 @@ pub fn levels(samples: usize) -> Vec<usize> {
     sizes
 }
 
-/// Appends the coefficients of `smooth` to `series`, level after level from the finest; the last number is the mean times the root of the
-/// length (nearly so where the length is no power of two). What is quadratic in time leaves nothing but at the coarsest levels.
+/// Appends its coefficients to `series`, level after level from the finest; the last number is the mean times the root of the length
+/// (nearly so where the length is no power of two). What is quadratic in time leaves nothing but at the coarsest levels.
 #[inline(always)]
-pub fn transform<S: Scalar>(mut smooth: Vec<S>, series: &mut Vec<S>) {
+pub fn append_coefficients<S: Scalar>(series: &mut Vec<S>) {
     let half = S::lit(std::f64::consts::FRAC_1_SQRT_2);
+    let split = |a: S, b: S| ((b - a) * half, (a + b) * half);
+    let mut n = series.len();
+    // A level rounds up by one at most.
+    series.reserve(n + usize::BITS as usize);
+    if n < 2 {
+        series.extend_from_within(..);
+        return;
+    }
+    // The first level reads the series itself: an hour's log is not copied.
+    let mut smooth: Vec<S> = Vec::with_capacity(n.div_ceil(2));
+    let first = series.len();
+    for k in 0..n.div_ceil(2) {
+        let (difference, sum) = split(series[(2 * k).min(n - 2)], series[(2 * k + 1).min(n - 1)]);
+        series.push(difference);
+        smooth.push(sum);
+    }
+    take_off_foreseen(&mut series[first..], &smooth, n / 2);
     while smooth.len() >= 2 {
-        let n = smooth.len();
-        let pairs = n.div_ceil(2);
+        n = smooth.len();
         let first = series.len();
-        for k in 0..pairs {
-            let (a, b) = (smooth[(2 * k).min(n - 2)], smooth[(2 * k + 1).min(n - 1)]);
-            series.push((b - a) * half);
-            smooth[k] = (a + b) * half;
+        for k in 0..n.div_ceil(2) {
+            let (difference, sum) = split(smooth[(2 * k).min(n - 2)], smooth[(2 * k + 1).min(n - 1)]);
+            series.push(difference);
+            smooth[k] = sum;
         }
-        smooth.truncate(pairs);
-        // An hour's log is large, and half of it is enough now.
-        smooth.shrink_to_fit();
-        for k in 0..pairs {
-            if let Some(foreseen) = foreseen(&smooth, n / 2, k) {
-                series[first + k] -= foreseen;
-            }
-        }
+        smooth.truncate(n.div_ceil(2));
+        take_off_foreseen(&mut series[first..], &smooth, n / 2);
     }
     series.extend(smooth);
+}
+
+/// Takes off the differences within pairs what the pairs' `sums` foresee of them.
+#[inline(always)]
+fn take_off_foreseen<S: Scalar>(differences: &mut [S], sums: &[S], whole: usize) {
+    for (k, difference) in differences.iter_mut().enumerate() {
+        if let Some(foreseen) = foreseen(sums, whole, k) {
+            *difference -= foreseen;
+        }
+    }
 }
 
 /// What the sums `s` of pairs foresee of the difference within pair `k`, by a parabola; the first `whole` pairs lie side by side, one more
@@ -100,10 +120,10 @@ impl Grid {
 mod tests {
     use super::*;
 
-    fn transformed(errors: Vec<f64>) -> Vec<f64> {
-        let mut series = Vec::new();
-        transform(errors, &mut series);
-        series
+    fn transformed(mut series: Vec<f64>) -> Vec<f64> {
+        let n = series.len();
+        append_coefficients(&mut series);
+        series.split_off(n)
     }
 
     #[test]

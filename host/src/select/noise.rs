@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
-use crate::fit::scales::{levels, transform};
+use crate::fit::scales::{append_coefficients, levels};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 
@@ -31,15 +31,14 @@ pub struct Coefficients {
 impl Coefficients {
     /// Of the error `measured - simulated` on `grid`.
     pub fn of(grid: &Grid, simulated: &[f64]) -> Self {
-        let errors: Vec<f64> =
+        let mut series: Vec<f64> =
             grid.measured.iter().zip(simulated).map(|(y, p)| (y - p).clamp(-1e12, 1e12)).collect();
-        let count = errors.len();
+        let count = series.len();
         let sizes = levels(count);
-        let mean = if grid.mean_counts() { 0.0 } else { errors.iter().sum::<f64>() / count.max(1) as f64 };
-        let squares = (errors.iter().map(|e| (e - mean).powi(2)).sum(), count);
-        let mut series = Vec::with_capacity(count + usize::BITS as usize);
-        transform(errors, &mut series);
-        let mut first = 0;
+        let mean = if grid.mean_counts() { 0.0 } else { series.iter().sum::<f64>() / count.max(1) as f64 };
+        let squares = (series.iter().map(|e| (e - mean).powi(2)).sum(), count);
+        append_coefficients(&mut series);
+        let mut first = count;
         let mut levels: Vec<Vec<f64>> = Vec::new();
         let mut octaves = Vec::new();
         for (j, size) in sizes.into_iter().enumerate() {
