@@ -1,5 +1,5 @@
 //! Values that stand one a line, each with its name: Teleplot's `>name:value` and `>name:stamp:value§unit|flags` with stamps in
-//! milliseconds (https://github.com/nesnes/teleplot), and `name: value` as boards print it.
+//! milliseconds (<https://github.com/nesnes/teleplot>), and `name: value` as boards print it.
 //!
 //! Where the values have stamps, each holds until the next of its name. Where they have none, a row is what stands between two values
 //! of one name, so that a rate or a column of times has to tell the time.
