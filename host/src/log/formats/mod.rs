@@ -4,6 +4,8 @@
 //! bytes into a `Table` (all columns on one clock) or into `Events` (values with times of their own, held until the next). Either
 //! goes the way of a CSV from there on: the same names, blanks, mapping, guess and checks.
 
+#[cfg(feature = "log-xlsx")]
+mod biff;
 mod bytes;
 #[cfg(feature = "log-mcap")]
 mod cdr;

@@ -4,15 +4,18 @@ use std::io::Cursor;
 
 use calamine::{Data, Ods, Range, Reader, Xls};
 
+use super::chains::Chains;
 use super::xlsx::{Cell, Grid, first_table};
-use super::{Content, Fault, chains};
+use super::{Content, Fault, biff};
 
 /// Reads the first sheet of an Excel 97 workbook that is a table.
 ///
 /// # Errors
 /// A fault where the file is damaged or no workbook, or no sheet is a table.
 pub fn xls(all: &[u8]) -> Result<Content, Fault> {
-    chains::check(all)?;
+    if let Some(book) = Chains::of(all)?.stream(&["Workbook", "Book"]) {
+        biff::check(&book)?;
+    }
     let mut book = Xls::new(Cursor::new(all)).map_err(|why| damaged(&why))?;
     let sheets = book.sheet_names();
     first_table(&sheets, |sheet| rows(sheet, &book.worksheet_range(sheet).map_err(|why| damaged(&why))?))
