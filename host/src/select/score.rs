@@ -20,7 +20,7 @@ use crate::fit::simulate::LANES;
 const BLOCK_S: f64 = 1.0;
 
 /// Blocks of a record.
-pub(super) fn blocks(grid: &Grid) -> usize {
+fn blocks(grid: &Grid) -> usize {
     let span = grid.time_s.last().unwrap_or(&0.0) - grid.time_s.first().unwrap_or(&0.0);
     ((span / BLOCK_S).round() as usize).max(1)
 }
@@ -79,8 +79,7 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<f64> {
         let count = blocks(grid);
         let mut own = vec![DVector::zeros(n); count];
         let sizes = levels(grid.len());
-        // The plain error stands before the coefficients.
-        let mut at = grid.len();
+        let mut at = 0;
         let mut row = DVector::zeros(n);
         for (j, size) in sizes.iter().enumerate() {
             // The mean stands behind the last level.
@@ -117,12 +116,9 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// One block speaks for at most so much more than the middle one of its record, natural logarithms or standard deviations, when it is asked
-/// how sure a gain is: a few blocks in which a wrong law goes astray are no proof, and must not hide what all others say.
-const MOST_OF_A_BLOCK: (f64, f64) = (5.0, 3.0);
-
-/// Blocks of a record of which their own scatter can be told.
-const FEWEST: usize = 4;
+/// One block speaks for at most so much, natural logarithms, when it is asked how sure a gain is: a few blocks in which a wrong law goes
+/// astray are no proof, and must not hide what all others say.
+const MOST_OF_A_BLOCK: f64 = 5.0;
 
 /// How much better one model is than another on blocks that neither was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,51 +130,22 @@ pub struct Gain {
 }
 
 impl Gain {
-    /// Of `new` over `old`, scores block by block, of records that have so many `blocks` each.
-    ///
-    /// A programme decides what its record can show: the multisine may tell all about a delay and the slow triangle nothing. So the blocks
-    /// of a record are compared with each other and not with those of other records (stratified sampling: W. Cochran, *Sampling
-    /// Techniques*, 3rd ed., 1977, ch. 5). Short records are one stratum.
-    pub fn of(new: &[f64], old: &[f64], blocks: &[usize]) -> Self {
+    /// Of `new` over `old`, scores block by block.
+    pub fn of(new: &[f64], old: &[f64]) -> Self {
         let differences: Vec<f64> = new.iter().zip(old).map(|(a, b)| a - b).collect();
-        let mut strata = vec![Vec::new()];
-        let mut rest = &differences[..];
-        for count in blocks {
-            let (own, behind) = rest.split_at((*count).min(rest.len()));
-            if own.len() < FEWEST {
-                strata[0].extend_from_slice(own)
-            } else {
-                strata.push(own.to_vec())
-            }
-            rest = behind;
-        }
-        let of = strata.iter().filter(|stratum| !stratum.is_empty()).map(|stratum| sum_and_variance(stratum));
-        let (sum, variance) = of.fold((0.0, 0.0), |all, own| (all.0 + own.0, all.1 + own.1));
-        Self { total: differences.iter().sum(), sure: sum / variance.max(1e-12).sqrt() }
+        let n = differences.len().max(2) as f64;
+        let total = differences.iter().sum::<f64>();
+        let bounded: Vec<f64> =
+            differences.iter().map(|d| d.clamp(-MOST_OF_A_BLOCK, MOST_OF_A_BLOCK)).collect();
+        let mean = bounded.iter().sum::<f64>() / n;
+        let off: Vec<f64> = bounded.iter().map(|d| d - mean).collect();
+        let variance = off.iter().map(|d| d * d).sum::<f64>() / (n - 1.0);
+        let lagged = off.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (n - 1.0);
+        let long_run = (variance + 2.0 * lagged.max(0.0)).max(1e-12);
+        // Where every block says the same, a block's own bound is all the doubt there is.
+        let error = (n * long_run.max(0.25)).sqrt();
+        Self { total, sure: mean * n / error }
     }
-}
-
-/// Sum of the bounded differences of a stratum, and the variance of that with their autocorrelation.
-fn sum_and_variance(differences: &[f64]) -> (f64, f64) {
-    let n = differences.len() as f64;
-    let centre = median(differences.to_vec());
-    let scatter = median(differences.iter().map(|d| (d - centre).abs()).collect());
-    // The scatter of a normal distribution is 1.48 times the median of what is off.
-    let most = MOST_OF_A_BLOCK.0.max(MOST_OF_A_BLOCK.1 * 1.4826 * scatter);
-    let bounded: Vec<f64> = differences.iter().map(|d| d.clamp(centre - most, centre + most)).collect();
-    let sum = bounded.iter().sum::<f64>();
-    let off: Vec<f64> = bounded.iter().map(|d| d - sum / n).collect();
-    let free = (n - 1.0).max(1.0);
-    let variance = off.iter().map(|d| d * d).sum::<f64>() / free;
-    let lagged = off.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / free;
-    // Where every block says the same, a block's own bound is all the doubt there is.
-    (sum, n * (variance + 2.0 * lagged.max(0.0)).max(0.25))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
 }
 
 #[cfg(test)]
@@ -191,29 +158,9 @@ mod tests {
         let even: Vec<f64> = (0..40).map(|k| 1.0 + 0.1 * f64::from(k % 3)).collect();
         let mut single = vec![0.0; 40];
         single[7] = 44.0;
-        let (even, single) = (Gain::of(&even, &old, &[8; 5]), Gain::of(&single, &old, &[8; 5]));
+        let (even, single) = (Gain::of(&even, &old), Gain::of(&single, &old));
         assert!(even.total > 40.0 && even.sure > 10.0, "{even:?}");
         assert!(single.total > 40.0 && single.sure < 1.7, "{single:?}");
-    }
-
-    #[test]
-    fn a_gain_of_one_record_is_sure_where_all_of_its_blocks_share_it() {
-        let mut new = vec![-0.2; 40];
-        for (k, block) in new[24..32].iter_mut().enumerate() {
-            *block = 9.0 + (k % 3) as f64;
-        }
-        let sure = Gain::of(&new, &[0.0; 40], &[8; 5]).sure;
-        assert!(sure > 10.0, "{sure}");
-        // Of a single record such blocks may be chance.
-        let alone = Gain::of(&new, &[0.0; 40], &[40]).sure;
-        assert!(alone < 3.0, "{alone}");
-    }
-
-    #[test]
-    fn blocks_of_short_records_are_compared_with_each_other() {
-        let new: Vec<f64> = (0..12).map(|k| if k % 2 == 0 { 3.0 } else { -2.0 }).collect();
-        let sure = Gain::of(&new, &[0.0; 12], &[1; 12]).sure;
-        assert!((0.1..2.0).contains(&sure), "{sure}");
     }
 
     #[test]
