@@ -15,16 +15,8 @@ pub(super) struct Wanted {
     pub quantity: Quantity,
     pub index: usize,
     pub header: String,
-    /// The number that means nothing, and the factor to SI.
-    pub zero: f64,
-    pub factor: f64,
-}
-
-impl Wanted {
-    /// A number of the column in SI.
-    pub fn si(&self, value: f64) -> f64 {
-        (value - self.zero) * self.factor
-    }
+    /// Its factor is that to SI: what it has to be divided by is in it.
+    pub unit: Unit,
 }
 
 /// What tells the time of a row.
@@ -195,7 +187,7 @@ impl Choice<'_> {
             );
             return Err(BadInput::new(self.path, why, remedy).at_line(self.line).in_column(header).into());
         }
-        Ok(Some(Wanted { quantity, index, header: header.to_owned(), zero: 0.0, factor: 1.0 }))
+        Ok(Some(Wanted { quantity, index, header: header.to_owned(), unit: Unit::SI }))
     }
 
     fn only_one(&self, name: &str) -> Result<()> {
@@ -212,7 +204,7 @@ impl Choice<'_> {
         .into())
     }
 
-    fn named(&self, quantity: Quantity, column: &str, unit: Unit) -> Result<Wanted> {
+    fn named(&self, quantity: Quantity, column: &str, mut unit: Unit) -> Result<Wanted> {
         let index = self.index_of(column).ok_or_else(|| {
             BadInput::new(
                 self.path,
@@ -226,11 +218,11 @@ impl Choice<'_> {
             self.only_one(column)?;
         }
         let header = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
-        let mut factor = unit.factor;
         if let Some(per_turn) = unit.per_turn {
-            factor /= self.one_turn(per_turn, quantity, column).map_err(|fault| fault.in_column(&header))?;
+            unit.factor /=
+                self.one_turn(per_turn, quantity, column).map_err(|fault| fault.in_column(&header))?;
         }
-        Ok(Wanted { quantity, index, header, zero: unit.zero, factor })
+        Ok(Wanted { quantity, index, header, unit })
     }
 
     /// What one turn of the output shaft is of a number that is none of turns.

@@ -157,7 +157,7 @@ impl<'a> Rows<'a> {
             };
             let value = match column.quantity {
                 Quantity::Direction => direction(text),
-                _ => field(text).map(|value| column.si(value)),
+                _ => field(text).map(|value| column.unit.to_si(value)),
             };
             let value = value.map_err(|why| Unread::Bad(column.header.as_str(), why))?;
             self.last[k] = Some(value);
@@ -177,11 +177,11 @@ impl<'a> Rows<'a> {
                     (self.wanted.time.header(), "no stamp tells when this line was received".into())
                 })
             }
-            TimeSource::Column(column) => self.moment(column, column.factor),
+            TimeSource::Column(column) => self.moment(column, column.unit.factor),
             TimeSource::Columns(seconds, rest) => {
                 let whole = self.moment(seconds, 1.0)?;
                 let text = self.splitter.get(rest.index).unwrap_or_default();
-                Ok(whole + field(text).map_err(|why| (rest.header.as_str(), why))? * rest.factor)
+                Ok(whole + field(text).map_err(|why| (rest.header.as_str(), why))? * rest.unit.factor)
             }
             TimeSource::Intervals(column) => {
                 let text = self.splitter.get(column.index).unwrap_or_default();
@@ -189,7 +189,7 @@ impl<'a> Rows<'a> {
                     if dt < 0.0 {
                         Err(format!("\"{text}\" is no time since the row before"))
                     } else {
-                        Ok(dt * column.factor)
+                        Ok(dt * column.unit.factor)
                     }
                 });
                 // Of a row that cannot be read the time passes all the same.

@@ -156,7 +156,7 @@ fn signs(path: &Path, column: &Wanted, values: &[f64]) -> Result<Vec<f64>> {
         let fix = "a direction is 1 and -1, 1 and 0, 1 and 2, or two words such as FWD and REV: map the column that has these";
         BadInput::new(path, why, fix).in_column(&column.header)
     })?;
-    Ok(signs.into_iter().map(|sign| sign * column.factor.signum()).collect())
+    Ok(signs.into_iter().map(|sign| sign * column.unit.factor.signum()).collect())
 }
 
 /// Gives what drives the motor the sign that a column of directions holds.

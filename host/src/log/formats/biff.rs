@@ -6,6 +6,7 @@
 use std::collections::HashSet;
 
 use super::Fault;
+use super::bytes::{u16_at, u32_at};
 
 /// Columns and rows of a sheet.
 const COLUMNS: u32 = 256;
@@ -26,7 +27,7 @@ const CELLS: [u16; 7] = [0x0006, 0x00FD, 0x00D6, 0x0203, 0x0204, 0x0205, 0x027E]
 pub fn check(stream: &[u8]) -> Result<(), Fault> {
     let mut seen = HashSet::new();
     for (_, kind, record) in records(stream, 0) {
-        if let (BOUND_SHEET, Some(place)) = (kind, long(record, 0)) {
+        if let (BOUND_SHEET, Some(place)) = (kind, u32_at(record, 0)) {
             check_sheet(stream, place as usize, &mut seen)?;
         }
     }
@@ -42,17 +43,19 @@ fn check_sheet(stream: &[u8], place: usize, seen: &mut HashSet<usize>) -> Result
         let beyond = match kind {
             DIMENSIONS => {
                 let [rows, columns] = match record.len() {
-                    10 => [short(record, 2).map(u32::from), short(record, 6).map(u32::from)],
-                    _ => [long(record, 4), short(record, 10).map(u32::from)],
+                    10 => [u16_at(record, 2).map(u32::from), u16_at(record, 6).map(u32::from)],
+                    _ => [u32_at(record, 4), u16_at(record, 10).map(u32::from)],
                 };
                 let cells = u64::from(rows.unwrap_or(0)) * u64::from(columns.unwrap_or(0));
                 cells > u64::from(ROWS * COLUMNS)
             }
             NUMBERS => {
-                let last = short(record, record.len().saturating_sub(2));
-                [short(record, 2), last].iter().flatten().any(|column| u32::from(*column) >= COLUMNS)
+                let last = u16_at(record, record.len().saturating_sub(2));
+                [u16_at(record, 2), last].iter().flatten().any(|column| u32::from(*column) >= COLUMNS)
             }
-            _ if CELLS.contains(&kind) => short(record, 2).is_some_and(|column| u32::from(column) >= COLUMNS),
+            _ if CELLS.contains(&kind) => {
+                u16_at(record, 2).is_some_and(|column| u32::from(column) >= COLUMNS)
+            }
             _ => false,
         };
         if beyond {
@@ -65,19 +68,10 @@ fn check_sheet(stream: &[u8], place: usize, seen: &mut HashSet<usize>) -> Result
 /// Place, type and bytes of the records of `stream` from `place` on.
 fn records(stream: &[u8], place: usize) -> impl Iterator<Item = (usize, u16, &[u8])> {
     let at = move |at: usize| {
-        let (kind, length) = (short(stream, at)?, short(stream, at + 2)?);
+        let (kind, length) = (u16_at(stream, at)?, u16_at(stream, at + 2)?);
         Some((at, kind, stream.get(at + 4..at + 4 + usize::from(length))?))
     };
     std::iter::successors(at(place), move |(before, _, record)| at(before + 4 + record.len()))
-}
-
-fn short(bytes: &[u8], at: usize) -> Option<u16> {
-    let two = bytes.get(at..at.checked_add(2)?)?;
-    Some(u16::from_le_bytes([two[0], two[1]]))
-}
-
-fn long(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from(short(bytes, at)?) | u32::from(short(bytes, at + 2)?) << 16)
 }
 
 #[cfg(test)]

@@ -88,9 +88,31 @@ impl<'a> Bytes<'a> {
     numbers! {u8: u8, i8: i8, u16: u16, i16: i16, u32: u32, i32: i32, u64: u64, i64: i64, f32: f32, f64: f64}
 }
 
+/// The little-endian number of two bytes that stands at `at`; none beyond the end.
+#[allow(dead_code)] // not every build has every reader
+pub fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
+    Some(u16::from_le_bytes(*bytes.get(at..)?.first_chunk()?))
+}
+
+/// The same of four bytes.
+#[allow(dead_code)] // not every build has every reader
+pub fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_at_a_place_is_none_beyond_the_end() {
+        let bytes = [1, 2, 0, 0, 3];
+        assert_eq!(
+            (u16_at(&bytes, 3), u16_at(&bytes, 4), u16_at(&bytes, usize::MAX)),
+            (Some(0x300), None, None)
+        );
+        assert_eq!((u32_at(&bytes, 1), u32_at(&bytes, 2)), (Some(0x0300_0002), None));
+    }
 
     #[test]
     fn numbers_come_in_either_order_and_the_end_is_named() {

@@ -4,6 +4,7 @@
 //! each sector names the one that follows it.
 
 use super::Fault;
+use super::bytes::u32_at;
 
 /// Numbers from here on are no sectors but ends and marks.
 const NO_SECTOR: u32 = 0xFFFF_FFFA;
@@ -33,7 +34,7 @@ impl<'a> Chains<'a> {
     /// # Errors
     /// A fault that names the table where a chain comes back to itself.
     pub fn of(all: &'a [u8]) -> Result<Self, Fault> {
-        let number = |at: usize| number(all, at);
+        let number = |at: usize| u32_at(all, at);
         let shift = all.get(30).copied().unwrap_or_default();
         if ![9, 12].contains(&shift) {
             return Err(Fault::broken(30, "where the size of its sectors stands"));
@@ -77,15 +78,15 @@ impl<'a> Chains<'a> {
 
     /// The bytes of the first stream that has one of `names`; none where there is no such.
     pub fn stream(&self, names: &[&str]) -> Option<Vec<u8>> {
-        let directory = self.sectors(number(self.all, 48)?);
+        let directory = self.sectors(u32_at(self.all, 48)?);
         let entry = |name: &str| {
             let name: Vec<u8> = name.encode_utf16().chain([0]).flat_map(u16::to_le_bytes).collect();
             directory.chunks_exact(ENTRY).find(|entry| entry.starts_with(&name))
         };
         let entry = names.iter().find_map(|name| entry(name))?;
-        let (first, length) = (number(entry, 116)?, number(entry, 120)?);
+        let (first, length) = (u32_at(entry, 116)?, u32_at(entry, 120)?);
         let mut bytes = if length < SHORT {
-            let held = self.sectors(number(&directory, 116)?);
+            let held = self.sectors(u32_at(&directory, 116)?);
             let sector = |k: u32| held.get((k as usize) << SHORT_SHIFT..(k as usize + 1) << SHORT_SHIFT);
             chain(&self.short, first).filter_map(sector).flatten().copied().collect()
         } else {
@@ -104,11 +105,6 @@ impl<'a> Chains<'a> {
         };
         chain(&self.following, first).filter_map(bytes).flatten().copied().collect()
     }
-}
-
-fn number(bytes: &[u8], at: usize) -> Option<u32> {
-    let four = bytes.get(at..at + 4)?;
-    Some(u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
 }
 
 fn is_sector(number: &u32) -> bool {

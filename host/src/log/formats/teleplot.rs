@@ -99,15 +99,15 @@ fn text_of(all: &[u8]) -> std::io::Result<String> {
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let text =
         text_of(all).map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
-    let marked = text.lines().filter_map(entry).any(|entry| entry.marked);
-    let entries = || text.lines().filter_map(entry).filter(move |entry| entry.marked == marked);
-    let count = |stamped: bool| {
-        entries().flat_map(|entry| entry.values).filter(|(stamp, _)| stamp.is_some() == stamped).count()
-    };
-    if count(true) > count(false) {
-        Ok(Content::Events(events(entries())))
+    let mut entries: Vec<Entry> = text.lines().filter_map(entry).collect();
+    if entries.iter().any(|entry| entry.marked) {
+        entries.retain(|entry| entry.marked);
+    }
+    let values = || entries.iter().flat_map(|entry| &entry.values);
+    if 2 * values().filter(|(stamp, _)| stamp.is_some()).count() > values().count() {
+        Ok(Content::Events(events(&entries)))
     } else {
-        rows(entries()).map(Content::Table)
+        rows(&entries).map(Content::Table)
     }
 }
 
@@ -124,10 +124,10 @@ fn titled(entry: &Entry) -> String {
 const LONGEST_STEP_MS: f64 = 500.0;
 
 /// The values with their stamps.
-fn events<'a>(entries: impl Iterator<Item = Entry<'a>>) -> Events {
+fn events(entries: &[Entry]) -> Events {
     let mut all: BTreeMap<String, Series> = BTreeMap::new();
     for entry in entries {
-        let series = all.entry(titled(&entry)).or_default();
+        let series = all.entry(titled(entry)).or_default();
         for (stamp, value) in &entry.values {
             let Some(stamp) = stamp else { continue };
             // A name is of one type: that of its first value.
@@ -140,19 +140,18 @@ fn events<'a>(entries: impl Iterator<Item = Entry<'a>>) -> Events {
         }
     }
     let longest = all.values().map(|series| series.times.as_slice()).max_by_key(|times| times.len());
-    if longest
-        .is_some_and(|ms| ms.iter().all(|ms| ms.fract() == 0.0) && median_interval(ms) > LONGEST_STEP_MS)
-    {
-        all.values_mut().flat_map(|series| &mut series.times).for_each(|ms| *ms *= 1e-3);
-    }
-    all.values_mut().flat_map(|series| &mut series.times).for_each(|ms| *ms *= 1e-3);
+    let micros = longest.is_some_and(|stamps| {
+        stamps.iter().all(|stamp| stamp.fract() == 0.0) && median_interval(stamps) > LONGEST_STEP_MS
+    });
+    let second = if micros { 1e6 } else { 1e3 };
+    all.values_mut().flat_map(|series| &mut series.times).for_each(|stamp| *stamp /= second);
     Events::new(all, BTreeSet::new())
 }
 
 /// The values without stamps, as rows. A row begins with a time where there is one, else with the name that came first.
-fn rows<'a>(entries: impl Iterator<Item = Entry<'a>>) -> Result<Table, Fault> {
+fn rows(entries: &[Entry]) -> Result<Table, Fault> {
     let entries: Vec<(String, &str)> =
-        entries.filter_map(|entry| Some((titled(&entry), entry.values.last()?.1))).collect();
+        entries.iter().filter_map(|entry| Some((titled(entry), entry.values.last()?.1))).collect();
     let is_time = |name: &String| words::said(name).quantity.is_some_and(|(of, _)| of == Quantity::Time);
     let mut names: Vec<String> = Vec::new();
     for (name, _) in &entries {
