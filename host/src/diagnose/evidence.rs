@@ -3,6 +3,7 @@
 use crate::fit::fixed;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::scales::CHOOSING;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 use crate::fit::sketch::Sketch;
@@ -11,7 +12,7 @@ use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
 use crate::select::crossed::{Fold, folds};
 use crate::select::fitted::Fitted;
-use crate::select::noise::{Coefficients, Noise};
+use crate::select::noise::{Coefficients, Noise, Response};
 use motorlens_shared::effects::Kind;
 
 /// A model that leaves less than so many times the noise, every time scale alike, leaves nothing that these records show.
@@ -65,7 +66,7 @@ impl Evidence {
         let second = |k: &usize| self.repeats.iter().any(|(_, second)| second == k);
         let kept = (0..self.train.grids.len()).filter(|k| !second(k));
         let mut problem = self.train.on(kept.map(|k| self.train.grids[k].clone()).collect()).sketch(sketch);
-        noise.weigh(&mut problem);
+        noise.weigh(&mut problem, CHOOSING);
         problem
     }
 
@@ -94,7 +95,8 @@ impl Evidence {
             })
         };
         let apart: Vec<Coefficients> = self.repeats.iter().filter_map(pair).collect();
-        (!apart.is_empty()).then(|| Noise::of(&apart, self.reading))
+        (!apart.is_empty())
+            .then(|| Noise::of(&apart, self.reading, Response::of(&self.train, model.base.tau_m)))
     }
 
     /// What a perfect model would leave: measured where a programme was run twice, else white noise of `model`'s quietest scale.

@@ -194,6 +194,7 @@ mod tests {
     use super::*;
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
+    use crate::fit::scales::CHOOSING;
     use crate::select::fitted::Fitted;
     use motorlens_shared::effects::Kind;
     use motorlens_virtual_motor::Kind as Hidden;
@@ -211,7 +212,7 @@ mod tests {
         let layout = evidence.train.layout(&[Kind::QuadraticDrag]);
         let probe = layout.pack(&base.values().with(Kind::QuadraticDrag, vec![4.0 * found]));
         let mut problem = evidence.train.clone();
-        base.noise.weigh(&mut problem);
+        base.noise.weigh(&mut problem, CHOOSING);
         let at_base = problem.search(&base.layout, Objective::Scales, &base.x, 0, 1e-3);
         let tangent = Tangent::of(&problem, &base.layout, &at_base, true, Objective::Scales);
         let [whole, best] = &tangent.project(&problem, &layout, std::slice::from_ref(&probe))[0];

@@ -87,7 +87,7 @@ pub fn add(
     let better = new.beats(&old, &evidence, &old);
 
     let whole = &evidence.whole;
-    let (old_values, new_values) = (old.values(), new.values());
+    let (old_values, new_values) = (old.simulating(&evidence).values(), new.simulating(&evidence).values());
     let errors = |v: &Values| Errors {
         train: pooled(&free_runs(whole, v)).unwrap_or_default(),
         validation: if validation.is_empty() { None } else { unseen(whole, validation, motor, v) },

@@ -19,7 +19,8 @@ pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Sear
     for kind in effects {
         model = select::with(&evidence, &model, *kind).unwrap_or(model);
     }
-    Searched { values: model.values(), history: Vec::new(), evaluations: evidence.simulations() }
+    let values = model.simulating(&evidence).values();
+    Searched { values, history: Vec::new(), evaluations: evidence.simulations() }
 }
 
 /// Least squares on the error itself, once, from the ordinary size of everything: what a textbook would do.

@@ -4,7 +4,7 @@
 //! are ranked by the error's *increments* over 50 ms, under a pseudo-Huber loss, and polished on the error itself.
 
 use super::grid::{Grid, Quantity};
-use super::scales::{levels, transform};
+use super::scales::{append_coefficients, levels};
 use super::simulate::{Block, LANES};
 use motorlens_shared::lanes::Lanes;
 
@@ -139,30 +139,45 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     series.truncate(n);
 }
 
-/// The error by time scale ([`super::scales`]): half the cost of a coefficient is robust and in units of the noise at its scale, half is
-/// the plain square of the simulation error, which a slow misfit cannot escape by being called noise.
+/// The plain error, an angle's about its mean, since an encoder starts anywhere; behind it the error by time scale ([`super::scales`]),
+/// robust and in units of the noise at each scale.
 #[inline(always)]
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     for (p, y) in series.iter_mut().zip(&grid.measured) {
         *p = Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
     }
     let samples = series.len();
-    transform(series);
-    let even = 0.5 * grid.even_weight().powi(2);
-    let mut first = 0;
+    append_coefficients(series);
+    let even = grid.even_weight();
+    let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&series[..samples]) };
+    for e in &mut series[..samples] {
+        *e = Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even));
+    }
+    let mut first = samples;
+    let mut weight = 0.0;
     for (size, own) in levels(samples).into_iter().zip(grid.weights()) {
-        let half = 0.5 * own * own;
-        let weighed = |d: f64| {
-            let (_, share) = limit(d * own);
-            d * (half * share + even).sqrt()
-        };
+        let weighed = |d: f64| robust(d * own);
         series[first..first + size].iter_mut().for_each(|d| *d = Lanes(d.0.map(weighed)));
         first += size;
+        weight = own;
     }
-    let mean = if grid.mean_counts() { (2.0 * even).sqrt() } else { 0.0 };
+    // The mean is known from the longest scale's noise at best.
+    let mean = if grid.mean_counts() { weight } else { 0.0 };
     if let Some(last) = series.last_mut() {
-        *last = Lanes(last.0.map(|d| d * mean));
+        *last = Lanes(last.0.map(|d| robust(d * mean)));
     }
+}
+
+/// Mean of each lane.
+#[inline(always)]
+fn mean(errors: &[Block]) -> [f64; LANES] {
+    let mut mean = [0.0; LANES];
+    for e in errors {
+        for l in 0..LANES {
+            mean[l] += e.0[l] / errors.len() as f64;
+        }
+    }
+    mean
 }
 
 /// Sums of the squares of the same residuals, and how many they are; what is left of `predictions` has no meaning.

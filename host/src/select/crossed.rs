@@ -8,6 +8,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
+use crate::fit::scales::CHOOSING;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 use crate::fit::sketch::Sketch;
@@ -56,7 +57,7 @@ pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Ve
     let mut errors_ln = Vec::new();
     for Fold { fit, test } in &data.folds {
         let mut fit = fit.clone();
-        noise.weigh(&mut fit);
+        noise.weigh(&mut fit, CHOOSING);
         let found = fit.search(layout, Objective::Scales, x, STEPS, 1e-3);
         let plain = layout.all_plain(&found.x);
         data.train.count_passes_of(&fit);

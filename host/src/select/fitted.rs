@@ -5,16 +5,18 @@ use std::sync::OnceLock;
 use motorlens_shared::effects::Kind;
 
 use super::crossed::{Fall, crossed};
-use super::noise::{Noise, coefficients};
-use super::score::{Gain, scores};
+use super::gain::Gain;
+use super::noise::{Coefficients, Noise, Response, coefficients};
+use super::score::Scored;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::scales::{CHOOSING, KEEPING};
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
 pub const WORTH: f64 = 10.0;
-/// ... and standard errors. On 24 plain motors, half of them disturbed, no effect of the library came to more than 7 and 2.
-pub const SURE: f64 = 2.2;
+/// ... and standard errors: beyond chance for the twenty effects that are tried at once (2.6 are 0.5 % of a normal distribution).
+pub const SURE: f64 = 2.6;
 
 /// Standard errors that `blocks` blocks have to show: those of a normal distribution as a Student t distribution has them, since so few
 /// blocks know their own scatter only roughly (first term of the Cornish-Fisher expansion).
@@ -49,8 +51,9 @@ pub struct Fitted {
     pub x: Vec<f64>,
     /// What it leaves, by time scale.
     pub noise: Noise,
-    /// Held-out log-likelihood, block by block.
-    pub scores: Vec<f64>,
+    /// Held-out log-likelihood under its own noise.
+    score: f64,
+    scored: Scored,
     /// Logarithms of its cross-validated simulation errors, record by record, once they were asked for.
     crossed: OnceLock<Vec<f64>>,
 }
@@ -58,20 +61,30 @@ pub struct Fitted {
 impl Fitted {
     /// Fits `layout` from `x`: so many `rounds` of weighing by the model's own noise and searching for at most `steps`.
     pub fn new(data: &Evidence, layout: Layout, x: &[f64], rounds: usize, steps: usize) -> Self {
+        Self::weighed(data, layout, x, rounds, steps, CHOOSING)
+    }
+
+    /// The same with the plain simulation error at the weight `plain`.
+    fn weighed(data: &Evidence, layout: Layout, x: &[f64], rounds: usize, steps: usize, plain: f64) -> Self {
         let mut problem = data.train.clone();
         let mut x = x.to_vec();
+        let noise_of = |errors: &[Coefficients], x: &[f64]| {
+            let response = Response::of(&data.train, layout.unpack(x).base.tau_m);
+            Noise::of(errors, data.reading, response)
+        };
         let mut errors = coefficients(&problem, &layout, &x);
-        let mut noise = Noise::of(&errors, data.reading);
+        let mut noise = noise_of(&errors, &x);
         for _ in 0..rounds.max(1) {
-            noise.weigh(&mut problem);
+            noise.weigh(&mut problem, plain);
             (_, x) = problem.race(&layout, Objective::Scales, &x, steps, 1e-4);
             errors = coefficients(&problem, &layout, &x);
-            noise = Noise::of(&errors, data.reading);
+            noise = noise_of(&errors, &x);
         }
-        noise.weigh(&mut problem);
-        let scores = scores(&problem, &layout, &x, &errors, &noise);
+        noise.weigh(&mut problem, plain);
+        let scored = Scored::new(&problem, &layout, &x, errors, &noise);
         data.train.count_passes_of(&problem);
-        Self { layout, x, noise, scores, crossed: OnceLock::new() }
+        let score = scored.under(&noise).iter().sum();
+        Self { layout, x, noise, score, scored, crossed: OnceLock::new() }
     }
 
     /// Fits the model `values`.
@@ -81,13 +94,19 @@ impl Fitted {
         Self::new(data, layout, &x, rounds, steps)
     }
 
-    /// The same, corrected by the plain simulation error until that stops falling: the last drift of a long run, which hardly shows in the
-    /// likelihood. Kept where the likelihood hardly falls; where a disturbance made the drift, it does.
+    /// The same for use: fitted with the plain simulation error at its full weight, and corrected by that alone until it stops falling:
+    /// the last drift of a long run hardly shows in the likelihood. The correction is kept where the likelihood hardly falls; where a
+    /// disturbance made the drift, it does.
     #[must_use]
-    pub fn simulating(self, data: &Evidence) -> Self {
-        let fine = data.train.search(&self.layout, Objective::Position, &self.x, LAST, 1e-6);
-        let fine = Self::new(data, self.layout.clone(), &fine.x, 1, 0);
-        if fine.score() > self.score() - WORTH && fine.noise.mean() < self.noise.mean() { fine } else { self }
+    pub fn simulating(&self, data: &Evidence) -> Self {
+        let kept = |x: &[f64], (rounds, steps): (usize, usize)| {
+            Self::weighed(data, self.layout.clone(), x, rounds, steps, KEEPING)
+        };
+        let kept_first = kept(&self.x, SETTLED);
+        let corrected = data.train.search(&self.layout, Objective::Position, &kept_first.x, LAST, 1e-6);
+        let fine = kept(&corrected.x, (1, 0));
+        let better = fine.score() > kept_first.score() - WORTH && fine.noise.mean() < kept_first.noise.mean();
+        if better { fine } else { kept_first }
     }
 
     /// Plain parameters.
@@ -105,20 +124,22 @@ impl Fitted {
         self.layout.free().len()
     }
 
-    /// Sum of the scores.
+    /// Held-out log-likelihood under its own noise: ranks models of the same records.
     pub fn score(&self) -> f64 {
-        self.scores.iter().sum()
+        self.score
     }
 
     /// What a further effect must gain beside all that it explains of what `base` leaves, natural logarithms.
     pub fn asks(&self, base: &Self) -> f64 {
-        let explained = (self.score() - base.score()).max(0.0);
+        let explained = self.gain_over(base).total.max(0.0);
         WORTH.max(SHARE / (1.0 - SHARE) * explained)
     }
 
     /// By how much it is better than `other`.
     pub fn gain_over(&self, other: &Self) -> Gain {
-        Gain::of(&self.scores, &other.scores)
+        let better = if self.score() < other.score() { other } else { self };
+        let noise = better.noise.with_all_left();
+        Gain::of(&self.scored.under(&noise), &other.scored.under(&noise), &self.scored.blocks())
     }
 
     /// The same, searched to the end.
@@ -132,7 +153,7 @@ impl Fitted {
     /// likelihood says so, and more surely where the cross-validated simulation error rises, or that error surely falls. A slow effect
     /// under a disturbance shows in the second: in the likelihood each block has a drift of its own, and says little.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        let sure = sure_enough(self.scores.len());
+        let sure = sure_enough(self.scored.blocks().iter().sum());
         let fall = || Fall::of(self.unseen(data), other.unseen(data));
         let likelier = self.gain_over(other).sure;
         self.is_worth_more(other, base)
@@ -142,7 +163,7 @@ impl Fitted {
 
     /// Whether its likelihood is higher than that of `other` by what is worth mentioning.
     fn is_worth_more(&self, other: &Self, base: &Self) -> bool {
-        let explained = self.score() - base.score();
+        let explained = self.gain_over(base).total;
         self.gain_over(other).total > WORTH.max(SHARE * explained)
     }
 

@@ -9,6 +9,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::scales::CHOOSING;
 use crate::fit::search::Problem;
 use crate::fit::sketch::Sketch;
 
@@ -152,7 +153,7 @@ impl Screen {
 
     /// The gain that a cost here comes to on all records, natural logarithms.
     fn gain(&self, (cost, _): &Start) -> f64 {
-        0.5 * self.whole * (self.own - cost)
+        0.5 * self.whole * (self.own - cost) / (1.0 + CHOOSING)
     }
 
     /// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`.

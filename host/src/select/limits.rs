@@ -76,12 +76,11 @@ pub fn detection_limits(
 /// The records as they were had `model` been all there is and nothing disturbed it, weighted by its noise.
 fn noiseless(data: &Evidence, model: &Fitted) -> Problem {
     let mut problem = data.train.clone().sketch(SKETCH);
-    model.noise.weigh(&mut problem);
+    // The likelihood alone: no plain square beside it.
+    model.noise.with_all_left().weigh(&mut problem, 0.0);
     let plain = model.layout.all_plain(&model.x);
     for grid in &mut problem.grids {
         grid.measured = predict_one(&model.layout.kinds, &plain, &data.train.rig, grid);
-        // The likelihood alone: no plain square beside it.
-        grid.even = f64::MIN_POSITIVE.sqrt();
     }
     problem
 }
@@ -124,7 +123,7 @@ fn limit(
     let gains: Vec<f64> = xs
         .chunks(LANES)
         .flat_map(|chunk| tangent.project(problem, &layout, chunk))
-        .map(|[whole, _]| KEPT * whole.left)
+        .map(|[whole, _]| 0.5 * KEPT * whole.left)
         .collect();
     let typical = of.plain(of.typical.abs(), &problem.rig);
     let shows = |k: usize| gains[k] > asked;

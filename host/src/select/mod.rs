@@ -1,12 +1,13 @@
 //! Which model the records speak for: one criterion for every effect (docs/DIAGNOSIS.md).
 //!
 //! [`crate::diagnose::evidence`] -> [`fitted`] (least squares on the whitened simulation error, its [`noise`] by time scale) -> [`score`]
-//! (held-out log-likelihood) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`found`].
+//! (held-out log-likelihood) -> [`gain`] (of one over another) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`found`].
 
 pub mod crossed;
 pub mod fitted;
 pub mod forward;
 pub mod found;
+pub mod gain;
 pub mod limits;
 pub mod noise;
 pub mod run;

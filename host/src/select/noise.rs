@@ -2,13 +2,15 @@
 //!
 //! Levels of [`crate::fit::scales`] are pooled over records by the time that they span, an octave each. The variance is that of a
 //! Student t distribution, so that a few outliers do not make all else look certain. Quantisation bounds it from below: no model
-//! can be known to predict better than a reading is.
+//! can be known to predict better than a reading is. What a disturbance torque can leave bounds it from above: a torque that
+//! grew towards longer times would be something that the model lacks.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
-use crate::fit::scales::{levels, transform};
+use crate::fit::scales::{append_coefficients, levels};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
 
@@ -21,7 +23,9 @@ pub struct Coefficients {
     /// Octave of each level: log2 of the time it spans in milliseconds, rounded.
     pub octaves: Vec<i32>,
     /// The levels.
-    pub levels: Vec<Vec<f64>>,
+    pub levels: Vec<Vec<f32>>,
+    /// Sum of squares of the error itself, an angle's about its mean, and of how many samples.
+    squares: (f64, usize),
 }
 
 impl Coefficients {
@@ -29,27 +33,30 @@ impl Coefficients {
     pub fn of(grid: &Grid, simulated: &[f64]) -> Self {
         let mut series: Vec<f64> =
             grid.measured.iter().zip(simulated).map(|(y, p)| (y - p).clamp(-1e12, 1e12)).collect();
-        let sizes = levels(series.len());
-        transform(&mut series);
-        let mut first = 0;
-        let mut levels: Vec<Vec<f64>> = Vec::new();
+        let count = series.len();
+        let sizes = levels(count);
+        let mean = if grid.mean_counts() { 0.0 } else { series.iter().sum::<f64>() / count.max(1) as f64 };
+        let squares = (series.iter().map(|e| (e - mean).powi(2)).sum(), count);
+        append_coefficients(&mut series);
+        let mut first = count;
+        let mut levels: Vec<Vec<f32>> = Vec::new();
         let mut octaves = Vec::new();
         for (j, size) in sizes.into_iter().enumerate() {
-            levels.push(series[first..first + size].to_vec());
+            levels.push(series[first..first + size].iter().map(|d| *d as f32).collect());
             octaves.push(octave(grid.interval_s, j));
             first += size;
         }
         if grid.mean_counts()
             && let (Some(last), Some(coarsest)) = (series.last(), levels.last_mut())
         {
-            coarsest.push(*last);
+            coarsest.push(*last as f32);
         }
-        Self { octaves, levels }
+        Self { octaves, levels, squares }
     }
 }
 
 /// Octave of level `j` where samples come every `interval_s`.
-fn octave(interval_s: f64, j: usize) -> i32 {
+pub(super) fn octave(interval_s: f64, j: usize) -> i32 {
     (interval_s * 1e3 * 2.0_f64.powi(j as i32 + 1)).log2().round() as i32
 }
 
@@ -64,31 +71,68 @@ pub fn coefficients(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Coeffi
 /// Variance of the error at each octave, in the square of the measured unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
-    variances: BTreeMap<i32, (f64, usize)>,
+    /// As it is, and of how many coefficients.
+    left: BTreeMap<i32, (f64, usize)>,
+    /// As much of it as noise may be.
+    noise: BTreeMap<i32, f64>,
     mean_square: f64,
 }
 
+/// How a torque on the shaft shows in what is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Response {
+    tau_m_s: f64,
+    angle: bool,
+}
+
+impl Response {
+    /// Of a motor whose mechanical time constant is `tau_m_s`, in the records of `problem`.
+    pub fn of(problem: &Problem, tau_m_s: f64) -> Self {
+        let angle = problem.grids.first().is_none_or(|grid| !grid.mean_counts());
+        Self { tau_m_s: tau_m_s.clamp(1e-3, 2.0), angle }
+    }
+
+    /// Variance of a coefficient that spans `2^octave` ms under a white torque, but for a factor: the squared gain of the motor at the
+    /// middle of the wavelet's band, three quarters of a period in that time.
+    fn power(self, octave: i32) -> f64 {
+        let frequency_hz = 750.0 / 2.0_f64.powi(octave);
+        let speed = 1.0 / (1.0 + (TAU * frequency_hz * self.tau_m_s).powi(2));
+        if self.angle { speed / frequency_hz.powi(2) } else { speed }
+    }
+}
+
 impl Noise {
-    /// Of `coefficients`, at least `least` (the variance of one reading by its quantisation).
-    pub fn of(coefficients: &[Coefficients], least: f64) -> Self {
+    /// Of `coefficients`, at least `least` (the variance of one reading by its quantisation), of a motor with this `response`.
+    pub fn of(coefficients: &[Coefficients], least: f64, response: Response) -> Self {
         let mut pooled: BTreeMap<i32, Vec<f64>> = BTreeMap::new();
         for record in coefficients {
             for (octave, level) in record.octaves.iter().zip(&record.levels) {
-                pooled.entry(*octave).or_default().extend(level.iter().map(|d| d * d));
+                pooled.entry(*octave).or_default().extend(level.iter().map(|d| f64::from(*d).powi(2)));
             }
         }
-        let all = || pooled.values().flatten();
-        let mean_square = (all().sum::<f64>() / all().count().max(1) as f64).max(least);
-        let variances = pooled
-            .iter()
-            .map(|(octave, squares)| (*octave, (variance(squares).max(least), squares.len())))
-            .collect();
-        Self { variances, mean_square }
+        let (sum, count) = coefficients.iter().fold((0.0, 0), |a, c| (a.0 + c.squares.0, a.1 + c.squares.1));
+        let left = |squares: &Vec<f64>| (variance(squares).max(least), squares.len());
+        Self {
+            left: pooled.iter().map(|(octave, squares)| (*octave, left(squares))).collect(),
+            noise: disturbed(pooled, response).into_iter().map(|(o, v)| (o, v.max(least))).collect(),
+            mean_square: (sum / count.max(1) as f64).max(least),
+        }
     }
 
-    /// At `octave`.
+    /// The same where all that is left is noise: that of a model which the records cannot better.
+    #[must_use]
+    pub fn with_all_left(&self) -> Self {
+        let noise = self.noise.iter().map(|(octave, v)| (*octave, v.max(self.left(*octave)))).collect();
+        Self { noise, ..self.clone() }
+    }
+
+    /// Of the noise at `octave`.
     pub fn variance(&self, octave: i32) -> f64 {
-        self.variances.get(&octave).map_or(1.0, |(v, _)| *v)
+        self.noise.get(&octave).copied().unwrap_or(1.0)
+    }
+
+    fn left(&self, octave: i32) -> f64 {
+        self.left.get(&octave).map_or(1.0, |(v, _)| *v)
     }
 
     /// Mean square of the error itself.
@@ -100,9 +144,9 @@ impl Noise {
     /// every horizon counts.
     pub fn over(&self, floor: &Self) -> f64 {
         const ENOUGH: usize = 8;
-        let ratios = self.variances.iter().filter(|(_, (_, count))| *count >= ENOUGH);
+        let ratios = self.left.iter().filter(|(_, (_, count))| *count >= ENOUGH);
         let (sum, count) = ratios.fold((0.0, 0.0), |(sum, count), (octave, (v, _))| {
-            (sum + (v / floor.variance(*octave)).max(1.0).ln(), count + 1.0)
+            (sum + (v / floor.left(*octave)).max(1.0).ln(), count + 1.0)
         });
         (0.5 * sum / f64::max(count, 1.0)).exp()
     }
@@ -111,24 +155,53 @@ impl Noise {
     #[must_use]
     pub fn white(&self) -> Self {
         const ENOUGH: usize = 30;
-        let known = self.variances.values().filter(|(_, count)| *count >= ENOUGH);
+        let known = self.left.values().filter(|(_, count)| *count >= ENOUGH);
         let least = known.map(|(v, _)| *v).reduce(f64::min).unwrap_or_else(|| self.mean());
         Self {
-            variances: self.variances.iter().map(|(o, (_, n))| (*o, (least, *n))).collect(),
+            left: self.left.iter().map(|(o, (_, n))| (*o, (least, *n))).collect(),
+            noise: self.noise.keys().map(|o| (*o, least)).collect(),
             mean_square: least,
         }
     }
 
-    /// Sets the weights of `problem`'s records: half by this noise, half by its mean alone. The first half makes the fit efficient under
-    /// coloured noise; the second keeps it a simulation fit, which slow misfit cannot escape by being called noise (L. Ljung, *System
-    /// Identification*, 2nd ed., ch. 8 and 13).
-    pub fn weigh(&self, problem: &mut Problem) {
+    /// Sets the weights of `problem`'s records: each time scale by this noise, and the plain error by its mean and so much: the first makes
+    /// the fit efficient under coloured noise, the second keeps it a simulation fit (L. Ljung, *System Identification*, 2nd ed., ch. 8
+    /// and 13).
+    pub fn weigh(&self, problem: &mut Problem, plain: f64) {
         for grid in &mut problem.grids {
             let weight = |j: usize| 1.0 / self.variance(octave(grid.interval_s, j)).sqrt();
             grid.scales = (0..levels(grid.len()).len()).map(weight).collect();
-            grid.even = 1.0 / self.mean().sqrt();
+            grid.even = (plain / self.mean()).max(f64::MIN_POSITIVE).sqrt();
         }
     }
+}
+
+/// Variances of `pooled` squares by octave, as a disturbance can make them: what such a torque leaves, taken back through the motor's
+/// `response`, does not rise from one octave to the next longer one. Octaves where it would are pooled (isotonic regression: R. Barlow et
+/// al., *Statistical Inference under Order Restrictions*, 1972). So what a wrong model leaves at long times is not called noise, and the few
+/// coefficients there need not tell their variance by themselves.
+fn disturbed(pooled: BTreeMap<i32, Vec<f64>>, response: Response) -> Vec<(i32, f64)> {
+    struct Pool {
+        octaves: Vec<i32>,
+        squares: Vec<f64>,
+        torque: f64,
+    }
+    let mut pools: Vec<Pool> = Vec::new();
+    for (octave, squares) in pooled {
+        let squares: Vec<f64> = squares.iter().map(|d| d / response.power(octave)).collect();
+        let torque = variance(&squares);
+        pools.push(Pool { octaves: vec![octave], squares, torque });
+        while let [.., shorter, longer] = &mut pools[..]
+            && longer.torque > shorter.torque
+        {
+            shorter.octaves.append(&mut longer.octaves);
+            shorter.squares.append(&mut longer.squares);
+            shorter.torque = variance(&shorter.squares);
+            pools.pop();
+        }
+    }
+    let of = |pool: Pool| pool.octaves.into_iter().map(move |o| (o, pool.torque * response.power(o)));
+    pools.into_iter().flat_map(of).collect()
 }
 
 /// Scale of a Student t distribution by maximum likelihood.
@@ -139,4 +212,49 @@ fn variance(squares: &[f64]) -> f64 {
         v = squares.iter().map(|d| (FREEDOM + 1.0) / (FREEDOM + d / v) * d).sum::<f64>() / n + 1e-300;
     }
     v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(variances: &[f64], response: Response) -> Noise {
+        let level =
+            |v: &f64| (0..64).map(|k| v.sqrt() as f32 * if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let record = Coefficients {
+            octaves: (3..3 + variances.len() as i32).collect(),
+            levels: variances.iter().map(level).collect(),
+            squares: (1.0, 1),
+        };
+        Noise::of(&[record], 0.0, response)
+    }
+
+    #[test]
+    fn what_a_white_torque_leaves_is_noise_at_every_scale() {
+        for angle in [false, true] {
+            let response = Response { tau_m_s: 0.05, angle };
+            let white: Vec<f64> = (3..12).map(|octave| response.power(octave)).collect();
+            let noise = noise(&white, response);
+            for (octave, v) in (3..12).zip(&white) {
+                assert!((noise.variance(octave) / noise.left(octave) - 1.0).abs() < 1e-6, "{octave} {v}");
+            }
+        }
+    }
+
+    /// A slow misfit of an angle: sixty-four times the variance an octave, where a torque makes sixteen at most.
+    #[test]
+    fn what_rises_faster_towards_long_times_than_a_torque_can_make_it_is_not_called_noise() {
+        let response = Response { tau_m_s: 0.05, angle: true };
+        let steep: Vec<f64> = (0..9).map(|k| 64.0_f64.powi(k)).collect();
+        let noise = noise(&steep, response);
+        assert!(noise.variance(11) < 0.2 * noise.left(11), "{noise:?}");
+        assert!(noise.over(&noise.white()) > 8.0, "what is left is told as it is");
+    }
+
+    #[test]
+    fn counting_noise_alike_at_all_scales_stays_as_it_is() {
+        let response = Response { tau_m_s: 0.05, angle: true };
+        let noise = noise(&[2.0; 6], response);
+        assert!((3..9).all(|octave| (noise.variance(octave) / noise.left(octave) - 1.0).abs() < 1e-6));
+    }
 }

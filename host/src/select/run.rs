@@ -81,10 +81,10 @@ pub fn run(
         step(&next);
         steps.push(next);
     }
+    let rivals = rivals(data, &steps, &all, &given);
     if let Some(last) = steps.pop() {
         steps.push(last.simulating(data));
     }
-    let rivals = rivals(data, &steps, &all, &given);
     Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
 }
 

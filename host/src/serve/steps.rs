@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::Values;
+use crate::fit::scales::CHOOSING;
 use crate::select::fitted::{Fitted, SETTLED};
 
 /// The state of a search after a step.
@@ -46,7 +47,7 @@ pub fn search(
     tell: &mut dyn FnMut(Step),
 ) -> Option<Fitted> {
     let mut problem = evidence.train.on(evidence.train.grids.clone());
-    before.noise.weigh(&mut problem);
+    before.noise.weigh(&mut problem, CHOOSING);
     let layout = problem.layout(&start.kinds());
     let old = &before.layout;
     let was = |name: &str| old.axes.iter().position(|a| a.name == name).map(|k| old.plain(k, before.x[k]));
