@@ -1,5 +1,6 @@
 //! Project tasks: `cargo xtask test` is the whole test run, the other subcommands are its parts and the tools around it.
 
+mod added_effect;
 mod apt;
 mod arm;
 mod avr;

@@ -7,7 +7,8 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    arm, avr, bench, browser, cortex_m0, exports, fuzz, instructions, licences, pico, process, python, sizes,
+    added_effect, arm, avr, bench, browser, cortex_m0, exports, fuzz, instructions, licences, pico, process,
+    python, sizes,
 };
 
 /// What to run.
@@ -25,7 +26,7 @@ const ON_BOARDS: [&str; 3] = ["motorlens-shared", "motorlens-model", "motorlens-
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 18] = [
+const PARTS: [Part; 19] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -42,6 +43,7 @@ const PARTS: [Part; 18] = [
         tests.args(["test", "--workspace", "--locked", "--no-fail-fast"]).env("MOTORLENS_LONG_TESTS", "1");
         process::run_tests(&mut tests)
     }),
+    ("an effect is added by its file and its row", || one(added_effect::check())),
     ("exports in their tools", exports::tests),
     ("Python package", python::tests),
     ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
