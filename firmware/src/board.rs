@@ -118,11 +118,12 @@ mod tests {
             off.clone(),
             off.clone(),
             top.clone(), // for what the log's numbers mean
-            top.clone(), // the first sample
+            top.clone(), // the first sample: the voltage so far, the first duty, its bounds, the second duty
+            top.clone(),
             top.clone(),
             PwmStep::set_duty_cycle(500),
-            top, // the second
-            off,
+            top,
+            off, // the contact, before anything else
         ]);
         let parts = Parts {
             bridge: Bridge::new(pwm.clone(), forward.clone(), backward.clone(), enable.clone()),

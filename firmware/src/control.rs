@@ -1,5 +1,10 @@
-//! The sampling interrupt: read, supervise, play, log.
+//! The sampling interrupt: read, play, supervise, log, plan.
+//!
+//! The duty of each interval is worked out in the one before, so that it is there right after the count is read: the voltage changes
+//! at the sampling instant and not when the programme's next value has been worked out. A sample is logged at the end of its
+//! interval, when the means of supply and current over it are known.
 
+use crate::analog::{Means, Wiring};
 use crate::encoder::Extended;
 use crate::hardware::{Analog, Hardware};
 use crate::log::Log;
@@ -32,6 +37,15 @@ impl Wait {
     }
 }
 
+/// What a sampling instant brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Next {
+    /// The programme's voltage as a duty.
+    Duty(i16),
+    /// The programme is over.
+    End,
+}
+
 /// The control of one motor.
 pub struct Control<H: 'static> {
     hardware: H,
@@ -45,7 +59,13 @@ pub struct Control<H: 'static> {
     wait: Wait,
     origin_us: Option<u32>,
     heard_us: u32,
-    duty: i16,
+    /// What is to be applied at the next instant.
+    planned: Option<Next>,
+    /// The sample whose interval goes on; supply and current are still missing.
+    open: Option<Sample>,
+    /// The last means of supply, mV, and current, mA.
+    supply_mv: u16,
+    current_ma: i16,
     ticks: u32,
     worst_cycles: u32,
 }
@@ -70,7 +90,10 @@ impl<H: Hardware> Control<H> {
             wait: Wait { began_us: 0, count: 0, since_us: 0 },
             origin_us: None,
             heard_us: 0,
-            duty: 0,
+            planned: None,
+            open: None,
+            supply_mv: setup.supply_mv,
+            current_ma: 0,
             ticks: 0,
             worst_cycles: 0,
         }
@@ -83,31 +106,40 @@ impl<H: Hardware> Control<H> {
         self.worst_cycles = self.worst_cycles.max(self.hardware.cycles().wrapping_sub(begin));
     }
 
+    /// An interrupt between two sampling instants.
+    pub fn between(&mut self) {
+        self.hardware.analog().gather();
+    }
+
     fn sample(&mut self) {
         // First, so that the instant of the count is the instant of the interrupt.
         let count = self.encoder.look(self.hardware.count());
         let now = self.hardware.now_us();
         self.ticks = self.ticks.wrapping_add(1);
         if self.state != RunState::Running {
+            // What is converted while nothing runs belongs to no sample.
+            let _ = self.hardware.analog().means();
             return;
         }
+        if self.hardware.emergency() {
+            return self.stop(Cause::Emergency);
+        }
         let elapsed_us = self.origin_us.map_or(0, |origin| now.wrapping_sub(origin));
-        let analog = self.hardware.analog();
-        let measured_mv = analog.supply_mv();
-        let supply_good = measured_mv.is_none_or(|supply_mv| self.setup.trusts(supply_mv));
-        // What is out of bounds is no supply: until the supervisor ends the run over it the stated one holds.
-        let supply_mv = measured_mv.filter(|_| supply_good).unwrap_or(self.setup.supply_mv);
-        let current_ma = analog.current_ma();
-        // Never zero, and the interrupt has no division that could panic.
-        let top = self.hardware.pwm_top().max(1);
+        let duty = self.open.map_or(0, |sample| sample.duty);
+        let on_time = self.origin_us.is_some() && !self.missed(elapsed_us);
+        let applied = match self.planned {
+            Some(Next::Duty(duty)) if on_time => Some(self.hardware.apply(self.setup.drive, duty)),
+            _ => None,
+        };
+        let means = self.close();
         let look = Look {
             elapsed_us,
             silence_us: now.wrapping_sub(self.heard_us),
             count,
-            voltage_mv: i32::from(self.duty) * i32::from(supply_mv) / i32::from(top),
-            supply_good,
-            current_ma,
-            emergency: self.hardware.emergency(),
+            voltage_mv: i32::from(duty) * i32::from(self.supply_mv) / i32::from(self.top()),
+            supply_good: means.supply_mv.is_none_or(|supply_mv| self.setup.trusts(supply_mv)),
+            current_ma: means.current_ma,
+            emergency: false,
         };
         if let Some(cause) = self.supervisor.check(&self.setup, &look) {
             return self.stop(cause);
@@ -117,33 +149,75 @@ impl<H: Hardware> Control<H> {
                 return;
             }
             self.origin_us = Some(now);
+            self.plan();
+        } else if !on_time {
+            self.skip_missed(elapsed_us);
         }
-        let late_us = self.skip_missed(elapsed_us);
-        let Some(volts) = self.player.as_mut().and_then(Player::next) else {
-            return self.stop(Cause::Finished);
+        let applied = match (applied, self.planned) {
+            (Some(applied), _) => applied,
+            (None, Some(Next::Duty(duty))) => self.hardware.apply(self.setup.drive, duty),
+            (None, _) => return self.stop(Cause::Finished),
         };
-        let limit = i32::from(top) * i32::from(self.setup.duty_limit) / 1000;
-        let duty = volts * 1000.0 / f32::from(supply_mv.max(1)) * f32::from(top);
-        // `as` saturates, so any voltage ends within the limit.
-        let duty = ((if duty < 0.0 { duty - 0.5 } else { duty + 0.5 }) as i32).clamp(-limit, limit);
-        self.duty = self.hardware.apply(self.setup.drive, duty as i16);
-        let current_ma = current_ma.unwrap_or(0);
-        self.log.push(Sample { duty: self.duty, count, supply_mv, current_ma, late_us });
+        let late_us = i64::from(elapsed_us) - self.due(self.log.next()) as i64;
+        let late_us = late_us.clamp(i64::from(i16::MIN) + 1, i64::from(i16::MAX)) as i16;
+        self.open = Some(Sample { duty: applied, count, supply_mv: self.supply_mv, current_ma: 0, late_us });
+        self.plan();
     }
 
-    /// Marks the sampling instants that went by unused, and says how late this one is, us.
-    fn skip_missed(&mut self, elapsed_us: u32) -> i16 {
-        let rate = u64::from(self.setup.rate_hz.max(1));
-        let due = |index: u32| u64::from(index) * 1_000_000 / rate;
-        while due(self.log.next() + 1) <= u64::from(elapsed_us) {
-            self.log.push(Sample::MISSED);
-            // The programme goes on with the clock, not with the samples.
-            if let Some(player) = &mut self.player {
-                player.next();
-            }
+    /// Logs the sample whose interval ends, with the means over it, which are returned.
+    fn close(&mut self) -> Means {
+        let means = self.hardware.analog().means();
+        // What is out of bounds is no supply: until the supervisor ends the run over it the stated one holds.
+        let trusted = means.supply_mv.filter(|supply_mv| self.setup.trusts(*supply_mv));
+        self.supply_mv = trusted.unwrap_or(self.setup.supply_mv);
+        self.current_ma = means.current_ma.unwrap_or(0);
+        self.push_open();
+        means
+    }
+
+    fn push_open(&mut self) {
+        if let Some(sample) = self.open.take() {
+            self.log.push(Sample { supply_mv: self.supply_mv, current_ma: self.current_ma, ..sample });
         }
-        let late = i64::from(elapsed_us) - due(self.log.next()) as i64;
-        late.clamp(i64::from(i16::MIN) + 1, i64::from(i16::MAX)) as i16
+    }
+
+    /// Works out the next duty.
+    fn plan(&mut self) {
+        let top = self.top();
+        let limit = i32::from(top) * i32::from(self.setup.duty_limit) / 1000;
+        self.planned = Some(match self.player.as_mut().and_then(Player::next) {
+            Some(volts) => {
+                let duty = volts * 1000.0 / f32::from(self.supply_mv.max(1)) * f32::from(top);
+                // `as` saturates, so any voltage ends within the limit.
+                let duty = (if duty < 0.0 { duty - 0.5 } else { duty + 0.5 }) as i32;
+                Next::Duty(duty.clamp(-limit, limit) as i16)
+            }
+            None => Next::End,
+        });
+    }
+
+    /// Never zero: the interrupt has no division that could panic.
+    fn top(&self) -> u16 {
+        self.hardware.pwm_top().max(1)
+    }
+
+    /// When sample number `index` is due, us from the run's begin.
+    fn due(&self, index: u32) -> u64 {
+        u64::from(index) * 1_000_000 / u64::from(self.setup.rate_hz.max(1))
+    }
+
+    /// Whether the next sampling instant has gone by too, so that the planned duty comes too late.
+    fn missed(&self, elapsed_us: u32) -> bool {
+        let next = self.log.next() + u32::from(self.open.is_some());
+        self.due(next + 1) <= u64::from(elapsed_us)
+    }
+
+    /// Marks the sampling instants that went by unused, and plans anew: the programme goes on with the clock, not with the samples.
+    fn skip_missed(&mut self, elapsed_us: u32) {
+        while self.due(self.log.next() + 1) <= u64::from(elapsed_us) {
+            self.log.push(Sample::MISSED);
+            self.plan();
+        }
     }
 
     /// Begins a run of `player` with the present setup, once the motor stands still; it waits with the bridge off.
@@ -155,15 +229,16 @@ impl<H: Hardware> Control<H> {
         let count = self.encoder.look(self.hardware.count());
         self.wait = Wait { began_us: now, count, since_us: now };
         self.heard_us = now;
-        (self.origin_us, self.duty) = (None, 0);
+        (self.origin_us, self.planned, self.open) = (None, None, None);
         self.state = RunState::Running;
     }
 
     /// Takes the bridge off. A run that is under way ends with this cause; the log stays.
     pub fn stop(&mut self, cause: Cause) {
         self.hardware.release();
-        self.duty = 0;
         if self.state == RunState::Running {
+            // Its interval is cut short: the means are those of the one before.
+            self.push_open();
             self.state = RunState::Stopped(cause);
             self.player = None;
             self.log.end();
@@ -174,6 +249,7 @@ impl<H: Hardware> Control<H> {
     pub fn configure(&mut self, setup: Setup) {
         self.setup = setup;
         self.hardware.set_rate(setup.rate_hz, setup.pwm_hz());
+        self.hardware.analog().wire(Wiring::from(&setup));
     }
 
     /// The host was heard.
@@ -223,7 +299,7 @@ impl<H: Hardware> Control<H> {
 
     /// Whether supply and current are measured.
     pub fn measures(&self) -> (bool, bool) {
-        (H::Analog::SUPPLY, H::Analog::CURRENT)
+        (self.setup.divider > 0, self.setup.amplifier > 0)
     }
 
     /// The hardware, for what only the board knows of it.

@@ -1,5 +1,6 @@
 //! What the control loop needs of a board.
 
+use crate::analog::{Means, Wiring};
 use motorlens_shared::link::DriveMode;
 
 /// A position counter. embedded-hal has no trait for one.
@@ -8,30 +9,28 @@ pub trait Encoder {
     fn count(&mut self) -> u16;
 }
 
-/// Analogue measurements, where they are fitted.
+/// Analogue measurements, where a board has a converter.
 pub trait Analog {
-    /// Whether [`Self::supply_mv`] measures.
-    const SUPPLY: bool;
-    /// Whether [`Self::current_ma`] measures.
-    const CURRENT: bool;
-    /// The supply voltage, mV.
-    fn supply_mv(&mut self) -> Option<u16>;
-    /// The motor's current, mA.
-    fn current_ma(&mut self) -> Option<i16>;
+    /// Whether there is one.
+    const CONVERTER: bool;
+    /// Says what is wired to it; nothing is, until it is said.
+    fn wire(&mut self, wiring: Wiring);
+    /// Adds up what was converted since the last time. Called at least every millisecond.
+    fn gather(&mut self);
+    /// The means since the last time that they were asked for.
+    fn means(&mut self) -> Means;
 }
 
-/// A board without analogue measurements.
+/// A board without a converter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoAnalog;
 
 impl Analog for NoAnalog {
-    const SUPPLY: bool = false;
-    const CURRENT: bool = false;
-    fn supply_mv(&mut self) -> Option<u16> {
-        None
-    }
-    fn current_ma(&mut self) -> Option<i16> {
-        None
+    const CONVERTER: bool = false;
+    fn wire(&mut self, _: Wiring) {}
+    fn gather(&mut self) {}
+    fn means(&mut self) -> Means {
+        Means::default()
     }
 }
 

@@ -9,11 +9,15 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod analog;
 pub mod beat;
 pub mod board;
 pub mod bridge;
 pub mod control;
+#[cfg(feature = "defmt")]
+pub mod diagnostics;
 pub mod encoder;
+mod fault;
 pub mod hardware;
 pub mod log;
 pub mod outbox;

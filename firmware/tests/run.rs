@@ -99,7 +99,7 @@ fn every_fault_stops_the_motor_names_its_cause_and_keeps_the_log() {
         (Setup::default(), |bench| bench.control(|c| c.hardware_mut().emergency = true), Cause::Emergency),
         (Setup { run_limit_ms: 700, ..Setup::default() }, |_| (), Cause::RunLimit),
         (
-            Setup { current_limit_ma: 800, stall_ms: 0, ..Setup::default() },
+            Setup { current_limit_ma: 800, amplifier: 1650, stall_ms: 0, ..Setup::default() },
             |bench| bench.control(|c| c.hardware_mut().motor.disturb(0.05)),
             Cause::OverCurrent,
         ),
@@ -316,7 +316,7 @@ fn the_boot_loader_is_entered_only_after_the_answer_and_with_the_bridge_off() {
 #[test]
 fn a_supply_input_that_floats_ends_the_run_before_the_motor_is_driven() {
     for floating_mv in [0, 300, 5_900, 18_100, 36_000] {
-        let mut bench = ready(Setup::default(), &[]);
+        let mut bench = ready(Setup { divider: 1100, ..Setup::default() }, &[]);
         bench.control(|control| control.hardware_mut().floating_mv = Some(floating_mv));
         start(&mut bench, &sine(2.0), 7);
         for _ in 0..300 {
@@ -329,6 +329,44 @@ fn a_supply_input_that_floats_ends_the_run_before_the_motor_is_driven() {
         assert!(matches!(bench.ask(ToBoard::Hello { oldest: 1, newest: 2 }), FromBoard::Hello(_)));
         assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::Supply));
     }
+}
+
+#[test]
+fn a_sample_has_the_supply_of_its_own_interval_and_the_duty_is_worked_out_from_the_last_one() {
+    let mut bench = ready(Setup { divider: 1100, ..Setup::default() }, &[]);
+    let step = Programme::single("step", Shape::Step { level_v: 6.0 }, 0.5);
+    start(&mut bench, &step, 1);
+    // The supply of each millisecond, which ends with the interrupt.
+    let supply = |ms: u16| 11_000 + 100 * (ms % 7);
+    for ms in 0..700 {
+        bench.control(|control| control.hardware_mut().floating_mv = Some(supply(ms)));
+        bench.send(ToBoard::KeepAlive);
+        bench.pass(0.001);
+    }
+    let log = samples(&bench);
+    assert_eq!(log.len(), 500);
+    let first = (0..700).find(|ms| supply(*ms) == log[0].supply_mv && supply(ms + 1) == log[1].supply_mv).unwrap();
+    for (place, sample) in (first..).zip(&log) {
+        assert_eq!(sample.supply_mv, supply(place), "sample {}", place - first);
+    }
+    for pair in log.windows(3) {
+        // Planned at the begin of the interval before, when the supply of the one before that was known.
+        let wanted = 6000.0 / f64::from(pair[0].supply_mv) * f64::from(TOP);
+        assert_eq!(f64::from(pair[2].duty), wanted.round(), "{pair:?}");
+    }
+}
+
+#[test]
+fn an_input_that_is_not_said_to_be_wired_is_not_read() {
+    let mut bench = ready(Setup::default(), &[]);
+    bench.control(|control| control.hardware_mut().floating_mv = Some(300));
+    start(&mut bench, &sine(0.5), 7);
+    pass_attended(&mut bench, 1.0);
+    assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::Finished));
+    assert!(samples(&bench).iter().all(|sample| (sample.supply_mv, sample.current_ma) == (12_000, 0)));
+    let limited = Setup { current_limit_ma: 800, ..Setup::default() };
+    let refusal = FromBoard::Refused(Refusal::Setup(SetupFault::NoCurrentSense));
+    assert_eq!(bench.ask(ToBoard::Configure(limited)), refusal);
 }
 
 #[test]

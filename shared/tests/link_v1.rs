@@ -88,7 +88,7 @@ fn commands_keep_their_bytes() {
 #[test]
 fn answers_keep_their_bytes() {
     let scaling = Scaling { pwm_top: 4200, rate_hz: 1000 };
-    golden(
+    grown(
         FromBoard::Capabilities(Capabilities {
             effects: 22,
             segments: 16,
@@ -99,6 +99,7 @@ fn answers_keep_their_bytes() {
             measures_supply: true,
             measures_current: false,
             scaling,
+            converter: false,
         }),
         "12ac020116108008d00f80fa8628a09c010109e820e807c5ef20f200",
     );

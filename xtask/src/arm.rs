@@ -102,27 +102,19 @@ pub struct Board {
 pub const BOARDS: [Board; 3] =
     [Board { feature: "stm32f407" }, Board { feature: "nucleo-f446re" }, Board { feature: "blackpill-f411" }];
 
-/// The features of both sensors, as they follow a board's.
-pub const SENSING: &str = ",supply-sense,current-sense";
-
-/// Builds the emulated board's image, with both sensors, and returns its ELF.
+/// Builds the emulated board's image and returns its ELF.
 pub fn build_image() -> Result<PathBuf> {
-    build_image_for(&BOARDS[0], SENSING)
+    build_image_for(&BOARDS[0])
 }
 
-/// Builds a board's image as the README has it, or with more features behind a comma, and returns its ELF.
-pub fn build_image_for(board: &Board, more: &str) -> Result<PathBuf> {
+/// Builds a board's image as the README has it and returns its ELF.
+pub fn build_image_for(board: &Board) -> Result<PathBuf> {
     let compiler = Compiler::find_or_install(CORTEX_M4F)?;
-    let features = format!("{}{more}", board.feature);
     let mut build = compiler.cargo("build", &image_directory());
-    process::run(build.args(["--release", "--no-default-features", "--features", &features]))?;
+    process::run(build.args(["--release", "--no-default-features", "--features", board.feature]))?;
     // A name of its own: the next board's image takes the place of this one.
     let image = compiler.artifact("motorlens-stm32f4");
-    let kept = image.with_file_name(format!(
-        "motorlens-{}{}",
-        board.feature,
-        if more.is_empty() { "" } else { "-sensing" }
-    ));
+    let kept = image.with_file_name(format!("motorlens-{}", board.feature));
     std::fs::copy(&image, &kept).with_context(|| format!("cannot copy {}", image.display()))?;
     Ok(kept)
 }

@@ -32,7 +32,7 @@ pub fn tests() -> Result<Count> {
     let program = process::root().join("target/debug/motorlens");
     let mut tests = bench_cargo("test");
     for (variable, board) in ["MOTORLENS_NUCLEO", "MOTORLENS_BLACKPILL"].iter().zip(&arm::BOARDS[1..]) {
-        tests.env(variable, arm::build_image_for(board, "")?);
+        tests.env(variable, arm::build_image_for(board)?);
     }
     tests.env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program).env("MOTORLENS_SINES", sines()?);
     process::run_tests(tests.arg("--locked"))

@@ -21,10 +21,8 @@ struct Sizes {
 
 /// Builds every board's image, prints its sizes and proofs, fails when one is over its limit or has none.
 pub fn print() -> Result<()> {
-    // Each as it is flashed without sensors, then with both.
     for board in &arm::BOARDS {
-        print_one(board.feature, &arm::build_image_for(board, "")?)?;
-        print_one(&format!("{} sensing", board.feature), &arm::build_image_for(board, arm::SENSING)?)?;
+        print_one(board.feature, &arm::build_image_for(board)?)?;
     }
     for pico in &arm::PICOS {
         print_one(pico.feature, &arm::build_pico(pico)?)?;

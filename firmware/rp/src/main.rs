@@ -29,6 +29,7 @@ use core::mem::MaybeUninit;
 use cortex_m::peripheral::NVIC;
 use cortex_m::singleton;
 use critical_section::Mutex;
+use defmt_rtt as _;
 use hal::gpio::bank0::{Gpio8, Gpio11};
 use hal::gpio::{FunctionPwm, FunctionSioOutput, Pin, PullDown, PullNone};
 use hal::pac::{self, interrupt};
@@ -37,6 +38,7 @@ use motorlens_firmware::Shared;
 use motorlens_firmware::board::Parts;
 use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
+use motorlens_firmware::diagnostics::Diagnostics;
 use motorlens_firmware::hardware::NoAnalog;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
@@ -124,9 +126,11 @@ fn main() -> ! {
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(chip::SAMPLING) };
     let mut platform = platform::Board::new(watchdog, control);
+    let mut diagnostics = Diagnostics::begin(reset, None, chip::CORE_HZ);
     loop {
         // No sleep: the bus is served from here, and has to be at any time.
         station.poll(&mut line, control, &mut platform);
+        diagnostics.look(control);
     }
 }
 

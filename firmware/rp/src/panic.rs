@@ -13,23 +13,9 @@ fn panic(_: &PanicInfo) -> ! {
     stop_for_good(Reset::Panic)
 }
 
-// An access without an address, an instruction without a meaning, a stack that has run out of its memory: nothing is trusted but the
-// registers, and the stack begins anew, because nothing returns from here.
-core::arch::global_asm!(
-    ".section .HardFault.user, \"ax\", %progbits",
-    ".global HardFault",
-    ".type HardFault, %function",
-    ".thumb_func",
-    "HardFault:",
-    "ldr r0, =_stack_start",
-    "mov sp, r0",
-    "bl {fault}",
-    "udf #0",
-    ".ltorg",
-    ".size HardFault, . - HardFault",
-    fault = sym core_fault,
-);
+motorlens_firmware::hard_fault!(core_fault);
 
+/// A fault of the core, on a new stack.
 extern "C" fn core_fault() -> ! {
     bridge_off();
     note(Reset::CoreFault);

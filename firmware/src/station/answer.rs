@@ -2,7 +2,7 @@
 
 use super::{Line, Platform, Station, with};
 use crate::Shared;
-use crate::hardware::Hardware;
+use crate::hardware::{Analog, Hardware};
 use crate::log::LOG_LENGTH;
 use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::{MAX_SEGMENTS, Player, Programme, Segment};
@@ -164,8 +164,7 @@ impl Station {
 
 fn configure<H: Hardware>(setup: Setup, control: &Shared<H>) -> Result<(), Refusal> {
     with(control, |control| {
-        let (_, current) = control.measures();
-        setup.check(LOG_LENGTH as u32, current).map_err(Refusal::Setup)?;
+        setup.check(LOG_LENGTH as u32, H::Analog::CONVERTER).map_err(Refusal::Setup)?;
         if control.status().state == RunState::Running {
             return Err(Refusal::Running);
         }
@@ -187,5 +186,6 @@ fn capabilities<H: Hardware, P: Platform>(control: &Shared<H>) -> Capabilities {
         measures_supply,
         measures_current,
         scaling,
+        converter: H::Analog::CONVERTER,
     }
 }

@@ -8,15 +8,14 @@
 //! | PB15 | enable, high while driven (TIM1_CH3N) | the driver's enable or standby, with a pull-down of 10 kOhm; a must for locked anti-phase |
 //! | PA6, PA7 | encoder A, B (TIM3, every edge), pulled up, filtered | the encoder |
 //! | PB12 | emergency input, pulled up (TIM1_BKIN) | a contact to ground that opens in an emergency; a jumper where there is none |
-//! | PA4 | supply, 1:11 | the divider (feature `supply-sense`) |
-//! | PA1 | current, 165 mV/A around 1.65 V | the amplifier (feature `current-sense`) |
+//! | PA4 | supply, read where a run's setup says by what it is divided | the divider |
+//! | PA1 | current, around half of the converter's supply, read where the setup says how many mV an ampere makes | the amplifier |
 //! | PA2, PA3 | serial line to the host, 921,600 baud (USART2) | the debugger's port or a USB adapter |
 #![no_std]
 #![no_main]
 
 mod adc;
 mod deadman;
-mod diagnostics;
 mod line;
 mod panic;
 mod platform;
@@ -32,11 +31,11 @@ use cortex_m::singleton;
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use defmt_rtt as _;
-use diagnostics::Diagnostics;
 use motorlens_firmware::Shared;
 use motorlens_firmware::board::Parts;
 use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
+use motorlens_firmware::diagnostics::Diagnostics;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
 use motorlens_shared::link::{PWM_HZ, Reset};
@@ -110,7 +109,7 @@ fn main() -> ! {
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
     wake_every_millisecond(&mut core.SYST);
-    let mut diagnostics = Diagnostics::begin(reset, panic::last_place());
+    let mut diagnostics = Diagnostics::begin(reset, panic::last_place(), CORE_HZ);
     loop {
         station.poll(&mut line, control, &mut platform);
         diagnostics.look(control);
@@ -139,13 +138,15 @@ fn SysTick() {
 #[interrupt]
 fn TIM4() {
     pwm::interrupt_begins();
-    if !timers::acknowledge_sampling() {
-        return pwm::renew_in_step();
+    let sampling = timers::acknowledge_sampling();
+    if !sampling {
+        pwm::renew_in_step();
     }
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };
         match control.borrow(section).try_borrow_mut() {
-            Ok(mut control) => control.tick(),
+            Ok(mut control) if sampling => control.tick(),
+            Ok(mut control) => control.between(),
             // The main loop holds it only with this interrupt held off: the memory is damaged.
             Err(_) => panic::stop_for_good(Reset::Panic),
         }

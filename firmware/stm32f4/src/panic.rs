@@ -10,7 +10,7 @@ use stm32f4xx_hal::pac;
 use crate::platform::note;
 
 /// Takes the bridge down by registers alone (nothing that may itself be broken is called), notes the place, and waits for the
-/// watchdog to start the board anew, which then says why ([`crate::diagnostics`]).
+/// watchdog to start the board anew, which then says why ([`motorlens_firmware::diagnostics`]).
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
@@ -50,23 +50,9 @@ pub fn last_place() -> Option<(&'static [u8], u32)> {
     (*mark == PLACED).then_some((name, *line))
 }
 
-// An access without an address, an instruction without a meaning, a stack that has run out of its memory: nothing is trusted but the
-// registers, and the stack begins anew, because nothing returns from here.
-core::arch::global_asm!(
-    ".section .HardFault.user, \"ax\", %progbits",
-    ".global HardFault",
-    ".type HardFault, %function",
-    ".thumb_func",
-    "HardFault:",
-    "ldr r0, =_stack_start",
-    "mov sp, r0",
-    "bl {fault}",
-    "udf #0",
-    ".ltorg",
-    ".size HardFault, . - HardFault",
-    fault = sym core_fault,
-);
+motorlens_firmware::hard_fault!(core_fault);
 
+/// A fault of the core, on a new stack.
 extern "C" fn core_fault() -> ! {
     bridge_off();
     note(Reset::CoreFault);

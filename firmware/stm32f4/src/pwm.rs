@@ -192,8 +192,8 @@ impl InputPin for Emergency {
 }
 
 /// Sets TIM1 so that the `ticks` of the core's clock between two interrupts of the sampling timer are a whole number of PWM periods, of about
-/// `wanted` ticks each: then the mean of the voltage over them is the duty, whatever the rate.
-pub fn fit_period(ticks: u32, wanted: u32) {
+/// `wanted` ticks each: then the mean of the voltage over them is the duty, whatever the rate. Returns the ticks of a period.
+pub fn fit_period(ticks: u32, wanted: u32) -> u32 {
     let period = whole_share(ticks, wanted);
     // SAFETY: TIM1 is this program's alone, and nothing runs while the rate is changed.
     unsafe {
@@ -202,6 +202,7 @@ pub fn fit_period(ticks: u32, wanted: u32) {
         timer.rcr().write(|w| w.bits(deadman::repetitions(ticks, period)));
         timer.egr().write(|w| w.ug().set_bit());
     }
+    period
 }
 
 /// The divisor of `ticks` that lies nearest to `wanted`. The search is short: a sampling period has many divisors.

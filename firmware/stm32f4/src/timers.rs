@@ -68,7 +68,9 @@ impl Pace for Timers {
     fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
         // Rates are checked before they come here: 100 to 2000 Hz, and 5 to 50 kHz.
         let (beats, apart) = beat::split(1_000_000 / u32::from(rate_hz));
-        crate::pwm::fit_period(apart * (crate::CORE_HZ / 1_000_000), crate::CORE_HZ / pwm_hz.max(1));
+        let ticks = apart * (crate::CORE_HZ / 1_000_000);
+        let period = crate::pwm::fit_period(ticks, crate::CORE_HZ / pwm_hz.max(1));
+        crate::adc::fit_round(period, beats * ticks);
         BEATS.store(beats, Ordering::Relaxed);
         LEFT.store(0, Ordering::Relaxed);
         // A millisecond at most: 16 bits hold it.

@@ -5,6 +5,7 @@ use core::convert::Infallible;
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use motorlens_firmware::Shared;
+use motorlens_firmware::analog::{Means, Wiring};
 use motorlens_firmware::control::Control;
 use motorlens_firmware::hardware::{Analog, Hardware, Pace};
 use motorlens_firmware::log::Log;
@@ -25,18 +26,24 @@ pub struct Rig {
     pub bridge: Bridge,
     pub jammed: bool,
     pub emergency: bool,
-    /// What the supply's input reads where no divider is wired, mV.
+    /// What the supply's input reads all through the present interval, mV, where it is not the motor's supply.
     pub floating_mv: Option<u16>,
+    pub wiring: Wiring,
 }
 
 impl Analog for Rig {
-    const SUPPLY: bool = true;
-    const CURRENT: bool = true;
-    fn supply_mv(&mut self) -> Option<u16> {
-        self.floating_mv.or(Some((self.motor.supply_v() * 1000.0).round() as u16))
+    const CONVERTER: bool = true;
+    fn wire(&mut self, wiring: Wiring) {
+        self.wiring = wiring;
     }
-    fn current_ma(&mut self) -> Option<i16> {
-        Some((self.motor.current_a() * 1000.0) as i16)
+    fn gather(&mut self) {}
+    fn means(&mut self) -> Means {
+        let supply_mv = self.floating_mv.unwrap_or((self.motor.supply_v() * 1000.0).round() as u16);
+        let current_ma = (self.motor.current_a() * 1000.0) as i16;
+        Means {
+            supply_mv: (self.wiring.divider > 0).then_some(supply_mv),
+            current_ma: (self.wiring.amplifier > 0).then_some(current_ma),
+        }
     }
 }
 
@@ -172,6 +179,7 @@ impl Bench {
             jammed: false,
             emergency: false,
             floating_mv: None,
+            wiring: Wiring::default(),
         };
         Self::of(rig, log, reset)
     }

@@ -46,6 +46,37 @@ impl Drive {
     }
 }
 
+/// What is wired to the board's converter.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct Wired {
+    /// A divider from the supply to the board's supply input, by what it divides (11 for 10 kOhm over 1 kOhm): the supply is measured
+    #[arg(long, value_name = "RATIO")]
+    pub divider: Option<f32>,
+    /// A current amplifier at the board's current input, in mV per ampere (100 for an ACS712-20A behind no divider): the current is measured
+    #[arg(long, value_name = "MV_PER_A")]
+    pub amplifier: Option<f32>,
+}
+
+impl Wired {
+    /// As the board is told it: hundredths; 0 where nothing is wired.
+    pub(super) fn divider(&self) -> Result<u16> {
+        raw(self.divider, 100.0, 1.0, 655.0, "a divider divides by 1 to 655")
+    }
+
+    /// As the board is told it: tenths of mV/A.
+    pub(super) fn amplifier(&self) -> Result<u16> {
+        raw(self.amplifier, 10.0, 0.1, 6553.0, "a current amplifier has 0.1 to 6553 mV per ampere")
+    }
+}
+
+fn raw(value: Option<f32>, unit: f32, least: f32, most: f32, rule: &str) -> Result<u16> {
+    match value {
+        None => Ok(0),
+        Some(value) if (least..=most).contains(&value) => Ok((value * unit).round() as u16),
+        Some(_) => Err(Error::usage(rule, "see motorlens capture --help")),
+    }
+}
+
 /// Options of `capture`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -56,7 +87,7 @@ pub struct Args {
     #[arg(long)]
     pub port: String,
     /// Save what the board prints as lines of text (docs/LINE_PROTOCOL.md): it plays its own programmes
-    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "stall_voltage", "stall_time", "keep_every", "pwm_frequency", "seed"])]
+    #[arg(long, conflicts_with_all = ["programme", "rate", "seconds", "amplitude", "drive", "duty_limit", "current_limit", "divider", "amplifier", "stall_voltage", "stall_time", "keep_every", "pwm_frequency", "seed"])]
     pub listen: bool,
     /// Speed of the line with --listen
     #[arg(long, default_value_t = 250_000, requires = "listen")]
@@ -85,13 +116,15 @@ pub struct Args {
     /// How the driver is driven
     #[arg(long, value_enum, default_value = "brake")]
     pub drive: Drive,
-    /// Supply of the driver in volts, where the board does not measure it
+    /// Supply of the driver in volts; where the board measures it (--divider), half to one and a half of it is allowed
     #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
     pub supply: f32,
+    #[command(flatten)]
+    pub wired: Wired,
     /// Largest share of the supply that is ever applied, 0.001 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
     pub duty_limit: f32,
-    /// Stop above this current in amperes, where the board measures it
+    /// Stop above this current in amperes, where the board measures it (--amplifier)
     #[arg(long, value_name = "AMPERES", default_value_t = 0.0)]
     pub current_limit: f32,
     /// Stop when the encoder stands while at least this is applied, in volts; `device check` measures where the motor breaks
@@ -301,6 +334,8 @@ fn setup(args: &Args) -> Result<Setup> {
         stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
+        divider: args.wired.divider()?,
+        amplifier: args.wired.amplifier()?,
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
         ..Setup::default()

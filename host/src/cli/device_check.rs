@@ -4,7 +4,7 @@ use motorlens_shared::link::Setup;
 use serde_json::json;
 
 use super::Console;
-use super::capture::{Drive, converse, run_number};
+use super::capture::{Drive, Wired, converse, run_number};
 use super::device::At;
 use super::interrupt::interrupted;
 use crate::device::check::{check, programme, setup};
@@ -22,6 +22,8 @@ pub struct Args {
     /// Supply of the driver in volts
     #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
     pub supply: f32,
+    #[command(flatten)]
+    pub wired: Wired,
     /// Frequency of the PWM, 5000 to 50000 [default: 20000]
     #[arg(long, value_name = "HZ")]
     pub pwm_frequency: Option<u32>,
@@ -41,6 +43,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         drive: args.drive.mode(),
         supply_mv: (args.supply * 1000.0).round() as u16,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
+        divider: args.wired.divider()?,
+        amplifier: args.wired.amplifier()?,
         ..Setup::default()
     });
     setup

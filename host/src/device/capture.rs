@@ -150,8 +150,8 @@ impl Capture {
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         match self.exchange.take_answer() {
             Some(Err(fault)) => self.outcome = Some(Err(fault)),
-            Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.drive.since() => {
-                // What an old board cannot read it would not answer.
+            Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.since() => {
+                // What an old board cannot read it would not answer, and what it skips it would not do.
                 self.outcome = Some(Err(Fault::Version(hello.oldest, hello.newest)));
             }
             Some(Ok(FromBoard::Done)) if self.stopping && self.script.is_empty() && self.status.is_none() => {

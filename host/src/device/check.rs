@@ -197,7 +197,7 @@ fn supply(captured: &Captured) -> Option<Finding> {
     if captured.cause == Cause::Supply {
         return wrong(
             format!("the measured supply is not within half and one and a half of the stated {stated:.1} V"),
-            "check --supply, and that the divider is wired to the supply's input, or build without supply-sense",
+            "check --supply and --divider, and that the divider is wired to the supply's input",
         );
     }
     let (lowest, highest) = (measured().fold(f64::MAX, f64::min), measured().fold(0.0, f64::max));
@@ -245,6 +245,7 @@ mod tests {
             measures_supply: true,
             measures_current: false,
             scaling: SCALING,
+            converter: true,
         };
         let status = Status {
             state: RunState::Stopped(Cause::Finished),

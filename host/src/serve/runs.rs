@@ -57,7 +57,7 @@ pub async fn run(State(app): State<Arc<App>>, Json(wish): Json<Wish>) -> Answer 
     if !(wish.counts_per_rev > 0.0 && wish.counts_per_rev.is_finite()) {
         return Err(bad("how many encoder counts make a turn of the output shaft?"));
     }
-    let setup = setup(&wish, device.measures_current).map_err(|why| bad(&why))?;
+    let setup = setup(&wish).map_err(|why| bad(&why))?;
     let plays = if wish.programme == "next" {
         let next = app.session().diagnosis.as_ref().and_then(|d| d.next.clone());
         let next = next.ok_or_else(|| bad("there is no experiment to run: find what is missing first"))?;
@@ -78,7 +78,7 @@ pub async fn run(State(app): State<Arc<App>>, Json(wish): Json<Wish>) -> Answer 
     })
 }
 
-fn setup(wish: &Wish, measures_current: bool) -> std::result::Result<Setup, String> {
+fn setup(wish: &Wish) -> std::result::Result<Setup, String> {
     let drive = match wish.drive.as_str() {
         "brake" => DriveMode::SignMagnitudeBrake,
         "coast" => DriveMode::SignMagnitudeCoast,
@@ -94,7 +94,7 @@ fn setup(wish: &Wish, measures_current: bool) -> std::result::Result<Setup, Stri
         ..Setup::default()
     };
     // The board checks again, with its own log.
-    setup.check(1024, measures_current).map_err(|fault| fault.to_string())?;
+    setup.check(1024, true).map_err(|fault| fault.to_string())?;
     Ok(setup)
 }
 

@@ -132,12 +132,14 @@ pub struct Capabilities {
     pub core_hz: u32,
     /// The PWM's frequency, Hz.
     pub pwm_hz: u32,
-    /// Whether the supply is measured.
+    /// Whether the supply is measured at the current setup.
     pub measures_supply: bool,
-    /// Whether the current is measured.
+    /// Whether the current is measured at the current setup.
     pub measures_current: bool,
     /// What the log's raw numbers mean at the current setup.
     pub scaling: Scaling,
+    /// Whether it has a converter that could measure supply and current, where [`Setup`] says what is wired. Since version 4.
+    pub converter: bool,
 }
 
 /// Why a request was not carried out.

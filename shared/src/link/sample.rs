@@ -7,16 +7,17 @@ use serde::{Deserialize, Serialize};
 /// frame to arrive falls with its length.
 pub const LOG_SAMPLES: usize = 8;
 
-/// One sampling instant: what was measured there, and the duty that is applied from there to the next.
+/// One sampling instant, and the interval from there to the next: the count is the instant's, duty, supply and current are the
+/// interval's, which holds a whole number of PWM periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sample {
     /// Applied duty in PWM ticks, sign included; [`Scaling::pwm_top`] is full voltage.
     pub duty: i16,
     /// Encoder counts since the board started: what depends on the shaft's position is the same in every run.
     pub count: i32,
-    /// Supply at the instant, mV: measured where fitted, stated otherwise.
+    /// Mean supply of the interval, mV: measured where a divider is wired, stated otherwise.
     pub supply_mv: u16,
-    /// Motor current, mA; 0 where it is not measured.
+    /// Mean current of the motor in the interval, mA; 0 where it is not measured.
     pub current_ma: i16,
     /// How much later than its nominal instant the sample was taken, us.
     pub late_us: i16,
@@ -53,7 +54,7 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The voltage at the driver's output, V: duty times supply.
+    /// The mean voltage at the driver's output in the sample's interval, V: duty times supply.
     ///
     /// One multiplication and one division in `f32`, the same bits on every machine.
     pub fn volts(&self, sample: &Sample) -> f32 {

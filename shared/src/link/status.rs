@@ -67,6 +67,12 @@ pub struct Setup {
     /// The PWM's frequency, Hz, within [`PWM_LIMITS_HZ`]; 0 is [`PWM_HZ`]. The board takes the nearest that a sampling period holds whole
     /// periods of, and tells it in its capabilities. Since version 3; an older board stays at its own.
     pub pwm_hz: u32,
+    /// The divider before the supply's input, hundredths: 1100 divides by 11. 0 says that none is wired: the input floats and is not
+    /// read, and the supply is as stated. Since version 4, as the next.
+    pub divider: u16,
+    /// The slope of the bidirectional amplifier before the current's input, tenths of mV/A: 1650 is 165 mV/A. Its output without
+    /// current is half of the converter's supply. 0 says that none is wired.
+    pub amplifier: u16,
 }
 
 /// The PWM's frequency where none is asked for, Hz: above what is heard, and what every usual driver can switch.
@@ -89,6 +95,8 @@ impl Default for Setup {
             link_timeout_ms: 500,
             keep_every: 5,
             pwm_hz: 0,
+            divider: 0,
+            amplifier: 0,
         }
     }
 }
@@ -110,18 +118,27 @@ pub enum SetupFault {
     RunLimit,
     /// The link timeout is zero, or longer than half of what the board's log holds at this rate.
     LinkTimeout,
-    /// A current limit on a board that measures no current.
+    /// A current limit where no current is measured.
     NoCurrentSense,
     /// `keep_every` is zero.
     KeepEvery,
     /// The PWM's frequency is outside [`PWM_LIMITS_HZ`]. Since version 3.
     Pwm,
+    /// A divider that divides by less than one. Since version 4.
+    Divider,
+    /// A divider or an amplifier at a board without a converter. Since version 4.
+    NoConverter,
 }
 
 impl Setup {
     /// The PWM's frequency that is asked for, Hz.
     pub fn pwm_hz(&self) -> u32 {
         if self.pwm_hz == 0 { PWM_HZ } else { self.pwm_hz }
+    }
+
+    /// The version of the link that brought the newest of what is asked for: an older board would not do it.
+    pub const fn since(&self) -> u16 {
+        if self.divider > 0 || self.amplifier > 0 { 4 } else { self.drive.since() }
     }
 
     /// Whether a supply measured as `supply_mv` fits the stated one.
@@ -131,11 +148,11 @@ impl Setup {
         share >= SUPPLY_SHARES.start() * stated && share <= SUPPLY_SHARES.end() * stated
     }
 
-    /// Checks the setup against a board whose log holds `log_samples` and that measures current or not.
+    /// Checks the setup against a board whose log holds `log_samples` and that has a converter or not.
     ///
     /// # Errors
     /// The first field at fault.
-    pub fn check(&self, log_samples: u32, measures_current: bool) -> Result<(), SetupFault> {
+    pub fn check(&self, log_samples: u32, converter: bool) -> Result<(), SetupFault> {
         let timeout_samples = u32::from(self.link_timeout_ms) * u32::from(self.rate_hz) / 1000;
         if !(100..=2000).contains(&self.rate_hz) || !1_000_000_u32.is_multiple_of(self.rate_hz.into()) {
             Err(SetupFault::Rate)
@@ -147,7 +164,11 @@ impl Setup {
             Err(SetupFault::RunLimit)
         } else if self.link_timeout_ms == 0 || timeout_samples > log_samples / 2 {
             Err(SetupFault::LinkTimeout)
-        } else if self.current_limit_ma > 0 && !measures_current {
+        } else if (self.divider > 0 || self.amplifier > 0) && !converter {
+            Err(SetupFault::NoConverter)
+        } else if (1..100).contains(&self.divider) {
+            Err(SetupFault::Divider)
+        } else if self.current_limit_ma > 0 && self.amplifier == 0 {
             Err(SetupFault::NoCurrentSense)
         } else if self.keep_every == 0 {
             Err(SetupFault::KeepEvery)
@@ -169,9 +190,11 @@ impl fmt::Display for SetupFault {
             Self::LinkTimeout => {
                 "the link timeout must be more than 0 and at most half of what the board's log holds"
             }
-            Self::NoCurrentSense => "this board measures no current, so it cannot limit it",
+            Self::NoCurrentSense => "no current is measured, so it cannot be limited: state the --amplifier that is wired",
             Self::KeepEvery => "the quick fit must keep one sample of 1 or more",
             Self::Pwm => "the PWM's frequency must be 5000 to 50,000 Hz",
+            Self::Divider => "a divider divides by 1 or more",
+            Self::NoConverter => "this board measures neither supply nor current",
         })
     }
 }
@@ -338,9 +361,13 @@ mod tests {
             (Setup { keep_every: 0, ..good }, SetupFault::KeepEvery),
             (Setup { pwm_hz: 4_999, ..good }, SetupFault::Pwm),
             (Setup { pwm_hz: 50_001, ..good }, SetupFault::Pwm),
+            (Setup { divider: 99, ..good }, SetupFault::Divider),
         ];
         for (setup, fault) in bad {
-            assert_eq!(setup.check(1024, false), Err(fault));
+            assert_eq!(setup.check(1024, true), Err(fault));
         }
+        let wired = Setup { divider: 1100, amplifier: 1650, current_limit_ma: 2000, ..good };
+        assert_eq!(wired.check(1024, true), Ok(()));
+        assert_eq!(wired.check(1024, false), Err(SetupFault::NoConverter));
     }
 }

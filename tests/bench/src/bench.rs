@@ -28,6 +28,8 @@ const BDTR_INDEX: u64 = 0x44 / 4;
 /// A stream's enable, direction, both sizes and channel, and what they are for words to a peripheral on channel 6.
 const STREAM_FIELDS: u64 = 1 | 0b11 << 6 | 0b1111 << 11 | 0b111 << 25;
 const STREAM_WANTED: u64 = 1 | 0b01 << 6 | 0b1010 << 11 | 6 << 25;
+/// Where the converter's stream says how many readings are left.
+const DMA2_S0NDTR: u64 = 0x4002_6414;
 /// USART2 and DMA1, which serves it.
 const LINE: [std::ops::Range<u64>; 2] = [0x4000_4400..0x4000_4800, 0x4002_6000..0x4002_6400];
 /// DMA2 among the controllers.
@@ -36,7 +38,7 @@ const DMA_2: usize = 1;
 const TIMER_4: usize = 2;
 /// USART2 among the serial ports.
 const USART2: usize = 1;
-/// The line and the remote end are looked at so often, ns.
+/// The line, the remote end and the converter's inputs are looked at so often, ns.
 const STOP_NS: u64 = 500_000;
 
 /// Who sits at the other end of the line.
@@ -51,7 +53,8 @@ pub struct Scene {
     pub plant: Plant,
     /// The serial line.
     pub cable: Cable,
-    /// Instructions of the longest sampling interrupt so far, from its first to its last access of a register.
+    /// Instructions of the longest sampling interrupt so far, from its first access of a register until the duty is set and the
+    /// converter's readings are gathered; what follows touches no register.
     pub longest_interrupt: u64,
     /// An upset of the chip's memory, as radiation or a stray pointer would cause; it happens once.
     pub upset: Option<Upset>,
@@ -63,6 +66,8 @@ pub struct Scene {
     pub interrupt: bool,
     /// What the board has said to the debugger (RTT), as its bytes.
     pub told: Vec<u8>,
+    /// How often the surroundings are looked at, ns.
+    pub stop_ns: u64,
 }
 
 /// What can happen to the chip.
@@ -155,8 +160,9 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         self.sampling &= !LINE.iter().any(|registers| registers.contains(&access.address));
         if self.sampling {
             let length = access.instruction_count - self.interrupt_began;
-            // The main loop's accesses follow after the interrupt's; the bridge is the last that the interrupt writes.
-            if access.kind == AccessKind::Write && [TIM1_EGR, GPIOB_BSRR].contains(&access.address) {
+            // The main loop's accesses follow after the interrupt's; these are the last of the interrupt's own.
+            let written = access.kind == AccessKind::Write && [TIM1_EGR, GPIOB_BSRR].contains(&access.address);
+            if written || (access.kind == AccessKind::Read && access.address == DMA2_S0NDTR) {
                 self.scene.longest_interrupt = self.scene.longest_interrupt.max(length);
             }
         }
@@ -167,7 +173,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             TIM4_SR => {
                 (self.interrupt_began, self.sampling) = (access.instruction_count, true);
                 plant.advance(at, machine);
-                plant.sample(machine);
+                plant.sample(at, machine);
             }
             TIM1_EGR | TIM1_BDTR | GPIOB_ODR | GPIOB_BSRR => {
                 plant.advance(at, machine);
@@ -193,6 +199,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let machine = session.board_mut();
         let scene = &mut self.scene;
         scene.plant.advance(stop.at, machine);
+        scene.plant.sense(stop.at, machine);
         if let Err(error) = self.terminal.drain(host, &mut scene.told) {
             self.stray = Some(format!("the terminal is not in memory: {error}"));
             return None;
@@ -222,7 +229,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             self.stray = Some(format!("the upset did not reach the memory: {error}"));
             return None;
         }
-        on.then_some(VirtualNanos(stop.at.0 + STOP_NS))
+        on.then_some(VirtualNanos(stop.at.0 + scene.stop_ns))
     }
 }
 
@@ -274,6 +281,7 @@ pub fn run_on<R: Remote>(
         enough: false,
         interrupt: false,
         told: Vec::new(),
+        stop_ns: STOP_NS,
     };
     let control = machine::address_of(image, "CONTROL");
     let terminal = Terminal::of(image);

@@ -98,7 +98,7 @@ fn main() -> std::io::Result<()> {
         println!("{}", if names.is_empty() { "nothing is hidden".to_owned() } else { names.join("  ") });
         if names.iter().any(|name| name.starts_with("supply_sag")) {
             println!(
-                "(supply_sag is no riddle here: the board measures its supply, so the logged voltage holds it)"
+                "(supply_sag is no riddle with --divider 11: the board measures its supply, so the logged voltage holds it)"
             );
         }
         return Ok(());

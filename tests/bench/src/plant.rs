@@ -45,6 +45,14 @@ fn alternate(registers: &RegisterFile, pin: u8) -> bool {
     registers.get(PortRegister::Moder) >> (2 * pin) & 3 == 2
 }
 
+/// What the converter's inputs were shown after a sampling interrupt: sums over looks.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sensed {
+    supply_v: f64,
+    current_a: f64,
+    looks: f64,
+}
+
 /// The motor with its driver, and what can be done to it.
 #[derive(Debug)]
 pub struct Plant {
@@ -58,6 +66,12 @@ pub struct Plant {
     pub short_a: f64,
     /// What a braking motor has pumped into a supply that cannot sink it, V above its own voltage.
     pub pumped_v: f64,
+    /// Ripple of the supply in step with the PWM's pulses, V: so much lower while the pin is high than while it is low, its mean zero.
+    pub ripple_v: f64,
+    /// The same of what the current amplifier sees, A.
+    pub ripple_a: f64,
+    /// A slow swing of the supply, V, of ten periods a second.
+    pub swing_v: f64,
     /// Whether the emergency contact is open.
     pub emergency: bool,
     /// The counter at each sampling instant since the start.
@@ -73,6 +87,7 @@ pub struct Plant {
     period_interrupt: usize,
     ticks: f64,
     shares: BTreeMap<usize, f64>,
+    sensed: BTreeMap<usize, Sensed>,
     phase: u8,
     edges: i64,
     beats: usize,
@@ -87,6 +102,9 @@ impl Plant {
             jammed: false,
             short_a: 0.0,
             pumped_v: 0.0,
+            ripple_v: 0.0,
+            ripple_a: 0.0,
+            swing_v: 0.0,
             emergency: false,
             sampled: Vec::new(),
             now: VirtualNanos(0),
@@ -100,6 +118,7 @@ impl Plant {
             period_interrupt: 0,
             ticks: 1.0,
             shares: BTreeMap::new(),
+            sensed: BTreeMap::new(),
             phase: 0,
             edges: 0,
             beats: 1,
@@ -250,13 +269,45 @@ impl Plant {
         Some(parts?.iter().sum::<f64>() / self.beats as f64)
     }
 
-    /// A sampling instant: the converter's inputs follow the motor, and the counter is remembered.
-    pub fn sample(&mut self, machine: &mut Machine) {
+    /// The means of supply, V, and current, A, that the converter's inputs were shown in the interval after sample number `index` of the
+    /// first run.
+    pub fn sensed(&self, index: usize) -> Option<(f64, f64)> {
+        let first = self.first_driven? + 1 + index * self.beats;
+        let mut all = Sensed::default();
+        for at in first..first + self.beats {
+            let part = self.sensed.get(&at)?;
+            all.supply_v += part.supply_v;
+            all.current_a += part.current_a;
+            all.looks += part.looks;
+        }
+        Some((all.supply_v / all.looks, all.current_a / all.looks))
+    }
+
+    /// A sampling instant: the counter is remembered.
+    pub fn sample(&mut self, at: VirtualNanos, machine: &mut Machine) {
         self.sampled.push(self.edges);
+        self.sense(at, machine);
+    }
+
+    /// The converter's inputs follow supply and current.
+    pub fn sense(&mut self, at: VirtualNanos, machine: &mut Machine) {
+        let period = self.ticks * NS_PER_TICK;
+        let since = at.0.saturating_sub(self.period_began.0) as f64 % period;
+        // High or low, its mean over the period is zero.
+        let high = self.enabled && since < self.duty * period;
+        let pulse = if high { self.duty - 1.0 } else { self.duty };
+        let swing = (std::f64::consts::TAU * 10.0 * at.0 as f64 * 1e-9).sin();
+        let rippled = if self.enabled { pulse } else { 0.0 };
+        let supply_v =
+            self.motor.supply_v() + self.pumped_v + self.swing_v * swing + self.ripple_v * rippled;
+        let current_a = self.motor.current_a() + self.short_a - self.ripple_a * rippled;
+        let sensed = self.sensed.entry(self.sampled.len()).or_default();
+        sensed.supply_v += supply_v;
+        sensed.current_a += current_a;
+        sensed.looks += 1.0;
         let (converter, _) = machine.mcu.converter(0);
-        let volts = (self.motor.supply_v() + self.pumped_v) / 11.0;
-        let current = 1.65 + 0.165 * (self.motor.current_a() + self.short_a);
-        for (input, volts) in [(SUPPLY_INPUT, volts), (CURRENT_INPUT, current)] {
+        let current = 1.65 + 0.165 * current_a;
+        for (input, volts) in [(SUPPLY_INPUT, supply_v / 11.0), (CURRENT_INPUT, current)] {
             let millivolts = (volts * 1000.0).round().clamp(0.0, 3300.0) as u32;
             converter.set_input(AdcChannel::new(input).expect("the converter has it"), millivolts);
         }

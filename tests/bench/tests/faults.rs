@@ -110,7 +110,7 @@ fn with_the_cable_out_for_two_seconds_the_motor_stops_and_the_session_resumes() 
 fn a_stall_an_over_current_and_the_emergency_input_each_stop_the_motor() {
     let stall = stopped_by(Cause::Stall, Setup::default(), |scene| scene.plant.jammed = true);
     assert!(stall.samples.len() < 1600, "{}", stall.samples.len());
-    let limited = Setup { current_limit_ma: 3000, ..Setup::default() };
+    let limited = Setup { current_limit_ma: 3000, amplifier: 1650, ..Setup::default() };
     let current = stopped_by(Cause::OverCurrent, limited, |scene| scene.plant.short_a = 5.0);
     assert!(current.samples.len() < 560, "{}", current.samples.len());
     let emergency = stopped_by(Cause::Emergency, Setup::default(), |scene| scene.plant.emergency = true);

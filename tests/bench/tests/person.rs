@@ -157,7 +157,7 @@ fn hidden(seed: &str) -> BTreeSet<String> {
 fn finds_what_is_hidden(seed: &str) {
     let out = fresh_directory(&format!("hidden-{seed}"));
     let bench = Bench::start(seed);
-    let mut capture = bench.program(&["capture"]);
+    let mut capture = bench.program(&["capture", "--divider", "11", "--amplifier", "165"]);
     capture.args(["--programme", "default", "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
     let captured = json(capture);
     let logs = captured["logs"].as_array().expect("a list");
@@ -262,7 +262,8 @@ fn ctrl_c_stops_the_motor_at_once_and_saves_the_log() {
 #[test]
 fn device_check_finds_the_bench_wired_right_and_where_its_motor_breaks_away() {
     let bench = Bench::start("1");
-    let checked = json(bench.program(&["device", "check"]));
+    let checked = json(bench.program(&["device", "check", "--divider", "11"]));
+    assert!(checked["findings"].as_array().is_some_and(|all| all.iter().any(|one| one["check"] == "supply")));
     assert_eq!(checked["ok"], true, "{checked}");
     let stall = checked["stall_voltage_v"].as_f64().expect("it turned");
     assert!((0.1..4.0).contains(&stall), "{checked}");

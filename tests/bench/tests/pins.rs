@@ -29,7 +29,7 @@ fn off_after(
 ) -> Done<Session> {
     // The log of the fastest sampling lasts half a second.
     let link_timeout_ms = if rate_hz > 1000 { 250 } else { 500 };
-    let setup = Setup { rate_hz, drive, link_timeout_ms, ..Setup::default() };
+    let setup = Setup { rate_hz, drive, link_timeout_ms, divider: 1100, amplifier: 1650, ..Setup::default() };
     let mut began = None;
     let hand: Hand = Box::new(move |now, capture, scene| {
         if began.is_none() && capture.samples() >= usize::from(rate_hz) * 2 / 5 && scene.plant.driven() {
@@ -115,10 +115,25 @@ fn a_supply_that_sinks_and_stays_low() {
         if since.is_zero() {
             scene.upset = Some(Upset::Supply(2800));
         }
-        // Over the watchdog's restart too, after which the supply is still low.
+        // Over the watchdog's restarts too, after which the supply is still low.
         scene.enough = since > Duration::from_millis(1200);
     });
     assert!(!done.scene.plant.driven());
+    assert!(done.session.resets().len() >= 2, "{:?}", done.session.resets());
+}
+
+#[test]
+fn a_supply_that_is_still_low_after_the_first_restarts_costs_neither_the_log_nor_the_reason() {
+    let done = off_after(OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(Upset::Supply(2800));
+        } else if since == Duration::from_millis(1300) {
+            scene.upset = Some(Upset::Supply(3300));
+        }
+    });
+    assert_log(&done, Cause::Watchdog, 400);
+    assert_eq!(done.remote.run().status.reset, Reset::Supply);
+    assert!(done.session.resets().len() >= 2, "{:?}", done.session.resets());
 }
 
 #[test]

@@ -1,35 +1,33 @@
 //! What the board says over RTT to whoever has a debugger on it: why it started, each run's begin, end and timing, and what goes
-//! wrong on the line. `cargo run --release` in this directory shows it.
+//! wrong on the line. `cargo run --release` in a board's directory shows it.
 //!
 //! Everything is said from the main loop: an interrupt, or a program that is at fault, touches no logger.
 
-use motorlens_firmware::Shared;
+use crate::Shared;
+use crate::hardware::Hardware;
 use motorlens_shared::link::{Cause, Reset, RunState, Status};
 
-use crate::{CORE_HZ, Hardware};
-
-/// The core's cycles in a microsecond.
-const PER_MICROSECOND: u32 = CORE_HZ / 1_000_000;
-
 /// What was said last.
+#[derive(Debug)]
 pub struct Diagnostics {
     state: RunState,
     missed: u32,
     worst_cycles: u32,
+    cycles_in_us: u32,
 }
 
 impl Diagnostics {
-    /// Says who starts, and why; where a panic was the reason, also its place.
-    pub fn begin(reset: Reset, panic: Option<(&[u8], u32)>) -> Self {
+    /// Says who starts, and why; where a panic was the reason and its place is known, file and line, also that.
+    pub fn begin(reset: Reset, panic: Option<(&[u8], u32)>, core_hz: u32) -> Self {
         defmt::info!("motorlens {=str}: started, reason: {=str}", env!("CARGO_PKG_VERSION"), reason(reset));
         if let (Reset::Panic, Some((file, line))) = (reset, panic) {
             defmt::error!("the panic's place: {=[u8]:a} line {=u32}", file, line);
         }
-        Diagnostics { state: RunState::Idle, missed: 0, worst_cycles: 0 }
+        Diagnostics { state: RunState::Idle, missed: 0, worst_cycles: 0, cycles_in_us: (core_hz / 1_000_000).max(1) }
     }
 
     /// Says what has changed.
-    pub fn look(&mut self, control: &Shared<Hardware>) {
+    pub fn look<H: Hardware>(&mut self, control: &Shared<H>) {
         let status = critical_section::with(|section| control.borrow_ref(section).status());
         if status.state == RunState::Running && status.missed > self.missed {
             defmt::warn!("run {=u32}: {=u32} samples missed so far", status.run, status.missed);
@@ -54,7 +52,7 @@ impl Diagnostics {
                 }
                 if status.worst_cycles > self.worst_cycles {
                     self.worst_cycles = status.worst_cycles;
-                    let microseconds = status.worst_cycles / PER_MICROSECOND;
+                    let microseconds = status.worst_cycles / self.cycles_in_us;
                     defmt::info!("longest sampling interrupt so far: {=u32} us", microseconds);
                 }
             }

@@ -1,0 +1,41 @@
+//! The bytes of version 4: what is wired to the converter, in the setup, and whether a board has one.
+
+use motorlens_shared::link::{
+    Capabilities, FromBoard, MAX_ENCODED, Packet, Refusal, Scaling, Setup, SetupFault, ToBoard, decode, encode,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
+
+/// Encodes the message under request number 300 and compares with the bytes; decodes the bytes and compares with the message.
+fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: &str) {
+    let packet = Packet { id: 300, message };
+    let mut out = [0; MAX_ENCODED];
+    let frame = encode(&packet, &mut out).unwrap();
+    let got: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
+    assert_eq!(got, hex, "{packet:?}");
+    assert_eq!(decode::<Packet<M>>(&frame[..frame.len() - 1]), Ok(packet));
+}
+
+#[test]
+fn what_is_wired_keeps_its_bytes() {
+    let wired = Setup { divider: 1100, amplifier: 1650, pwm_hz: 16_000, ..Setup::default() };
+    golden(ToBoard::Configure(wired), "CONFIGURE");
+    golden(FromBoard::Refused(Refusal::Setup(SetupFault::Divider)), "DIVIDER");
+    golden(FromBoard::Refused(Refusal::Setup(SetupFault::NoConverter)), "NOCONVERTER");
+    golden(
+        FromBoard::Capabilities(Capabilities {
+            effects: 22,
+            segments: 16,
+            log_samples: 1024,
+            fit_samples: 2000,
+            core_hz: 84_000_000,
+            pwm_hz: 20_000,
+            measures_supply: true,
+            measures_current: false,
+            scaling: Scaling { pwm_top: 4200, rate_hz: 1000 },
+            converter: true,
+        }),
+        "CAPABILITIES",
+    );
+}
