@@ -180,7 +180,8 @@ impl<R: Remote> Driver<Machine> for Around<R> {
                 if access.address == TIM1_EGR {
                     plant.begin_period(at);
                 }
-                plant.look(machine);
+                // The outputs are enabled in the period whose duty is there already.
+                plant.look(machine, [TIM1_EGR, TIM1_BDTR].contains(&access.address));
             }
             _ => {}
         }
@@ -209,7 +210,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             return None;
         }
         // A reset of the chip lets go of the pins without a write.
-        scene.plant.look(machine);
+        scene.plant.look(machine, false);
         let Some(socket) = machine.mcu.usart[USART2].chip_mut::<Socket>() else {
             self.stray = Some("the serial line came loose".to_owned());
             return None;

@@ -224,8 +224,9 @@ impl Plant {
         }
     }
 
-    /// Looks at the driver's inputs after the program or the chip may have changed them.
-    pub fn look(&mut self, machine: &mut Machine) {
+    /// Looks at the driver's inputs after the program or the chip may have changed them. Whether the timer has taken its compare
+    /// registers over, as it does where a period begins (RM0090 17.3.9), is said by `renewed`; until then the pin has the old duty.
+    pub fn look(&mut self, machine: &mut Machine, renewed: bool) {
         let (port, registers) = machine.mcu.port(PORT_B);
         let high = |pin: u8| port.level(Pin::new(pin).expect("a port has 16"), registers) == Level::High;
         self.sign = f64::from(high(FORWARD)) - f64::from(high(BACKWARD));
@@ -245,8 +246,12 @@ impl Plant {
         let top = registers.get(Register::Arr) as f64 + 1.0;
         self.ticks = top;
         self.pulses = pulsed && registers.get(Register::Bdtr) & MOE != 0;
-        let share = |compare| if self.pulses { registers.get(compare) as f64 / top } else { 0.0 };
-        (self.duty, self.second) = (share(Register::Ccr1), share(Register::Ccr2));
+        if !self.pulses {
+            (self.duty, self.second) = (0.0, 0.0);
+        } else if renewed {
+            let share = |compare| registers.get(compare) as f64 / top;
+            (self.duty, self.second) = (share(Register::Ccr1), share(Register::Ccr2));
+        }
     }
 
     /// The PWM begins a new period, and with it maybe another duty: [`Self::look`] has not seen it yet. What the pin was high since the
