@@ -1,7 +1,8 @@
 //! The bytes of version 4: what is wired to the converter, in the setup, and whether a board has one.
 
 use motorlens_shared::link::{
-    Capabilities, FromBoard, MAX_ENCODED, Packet, Refusal, Scaling, Setup, SetupFault, ToBoard, decode, encode,
+    Capabilities, FromBoard, MAX_ENCODED, Packet, Refusal, Scaling, Setup, SetupFault, ToBoard, decode,
+    encode,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -20,9 +21,9 @@ fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: 
 #[test]
 fn what_is_wired_keeps_its_bytes() {
     let wired = Setup { divider: 1100, amplifier: 1650, pwm_hz: 16_000, ..Setup::default() };
-    golden(ToBoard::Configure(wired), "CONFIGURE");
-    golden(FromBoard::Refused(Refusal::Setup(SetupFault::Divider)), "DIVIDER");
-    golden(FromBoard::Refused(Refusal::Setup(SetupFault::NoConverter)), "NOCONVERTER");
+    golden(ToBoard::Configure(wired), "06ac0203e8070ce05de807c0a907a01ff4030ef40305807dcc08f20c5c6ee7df00");
+    golden(FromBoard::Refused(Refusal::Setup(SetupFault::Divider)), "0aac020401083ce498ad00");
+    golden(FromBoard::Refused(Refusal::Setup(SetupFault::NoConverter)), "0aac020401093f67f35f00");
     golden(
         FromBoard::Capabilities(Capabilities {
             effects: 22,
@@ -36,6 +37,6 @@ fn what_is_wired_keeps_its_bytes() {
             scaling: Scaling { pwm_top: 4200, rate_hz: 1000 },
             converter: true,
         }),
-        "CAPABILITIES",
+        "12ac020116108008d00f80fa8628a09c01010ae820e8070165c2985600",
     );
 }
