@@ -30,38 +30,58 @@ pub struct Means {
 }
 
 /// Readings added up since [`Sums::take`].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sums {
     supply: u32,
     current: u32,
-    reference: u32,
     count: u32,
+    /// The converter's own supply as it was last known, mV.
+    full_mv: u32,
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Sums {
     /// Nothing added.
     pub const fn new() -> Self {
-        Self { supply: 0, current: 0, reference: 0, count: 0 }
+        Self { supply: 0, current: 0, count: 0, full_mv: CALIBRATED_MV }
     }
 
-    /// Adds a reading of each input, counts; the reference is 0 where there is none. A million of them fit.
-    pub fn add(&mut self, supply: u16, current: u16, reference: u16) {
-        self.supply += u32::from(supply);
-        self.current += u32::from(current);
-        self.reference += u32::from(reference);
-        self.count += 1;
+    /// Adds the sums of `count` readings of each input, counts. A million of them fit.
+    pub fn add(&mut self, supply: u32, current: u32, count: u32) {
+        self.supply = self.supply.wrapping_add(supply);
+        self.current = self.current.wrapping_add(current);
+        self.count = self.count.wrapping_add(count);
     }
 
-    /// The means, and begins anew. `full_mv` makes the converter's own supply, mV, of the sum of the reference's readings and their number.
-    pub fn take(&mut self, wiring: Wiring, full_mv: impl FnOnce(u32, u32) -> u32) -> Means {
-        let Self { supply, current, reference, count } = core::mem::take(self);
+    /// The mean supply, mV, of what was added after `before`, where anything was: for a bound, to a hundredth, in few steps.
+    pub fn supply_since(&self, before: &Self, divider: u16) -> Option<u16> {
+        let count = self.count.wrapping_sub(before.count);
+        if count == 0 || divider == 0 {
+            return None;
+        }
+        // Sixteenths of a count, of some hundred readings at most.
+        let mean = 16 * self.supply.wrapping_sub(before.supply) / count;
+        let pin_mv = mean * self.full_mv / (16 * FULL);
+        Some((pin_mv * u32::from(divider) / 100).min(u16::MAX.into()) as u16)
+    }
+
+    /// The means, and begins anew. The converter's own supply is `full_mv`.
+    pub fn take(&mut self, wiring: Wiring, full_mv: u32) -> Means {
+        let Self { supply, current, count, .. } = *self;
         // A converter that does not answer is a supply that ends the run, and a current that does.
         let stopped = count == 0;
         let count = count.max(1);
-        let full_mv = u64::from(full_mv(reference, count));
+        *self = Self { full_mv, ..Self::new() };
+        let full_mv = u64::from(full_mv);
         // Microvolts at the pin, half a count for what the converter cuts off.
         let pin_uv = |sum: u32| {
-            (u64::from(2 * sum + count) * full_mv * 1000 / u64::from(2 * count).max(1)) as i64 / i64::from(FULL)
+            (u64::from(2 * sum + count) * full_mv * 1000 / u64::from(2 * count).max(1)) as i64
+                / i64::from(FULL)
         };
         let supply_mv = (wiring.divider > 0).then(|| {
             let supply_uv = pin_uv(supply) * i64::from(wiring.divider) / 100;
@@ -78,7 +98,7 @@ impl Sums {
 
 /// The supply of an STM32F4's converter at which the maker has measured the internal reference, mV (RM0090 13.10 and the chips' data
 /// sheets, "internal reference voltage calibration values"), and also what is taken where no such value is found.
-const CALIBRATED_MV: u32 = 3300;
+pub const CALIBRATED_MV: u32 = 3300;
 /// Between these a calibration value is one: the reference is 1.18 to 1.24 V of 3.3 V.
 const CALIBRATION: core::ops::RangeInclusive<u16> = 1400..=1600;
 /// The converter's supply must be one that the chip runs at, mV.
@@ -128,13 +148,12 @@ pub fn most_even(period: u32, interval: u32, apart: impl IntoIterator<Item = u32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::println;
 
     const WIRED: Wiring = Wiring { divider: 1100, amplifier: 1650 };
 
     /// What a converter gives for so many volts of a full scale of `full_v`.
-    fn counts(volts: f64, full_v: f64) -> u16 {
-        (volts / full_v * f64::from(FULL)) as u16
+    fn counts(volts: f64, full_v: f64) -> u32 {
+        (volts / full_v * f64::from(FULL)) as u32
     }
 
     #[test]
@@ -142,19 +161,35 @@ mod tests {
         let mut sums = Sums::new();
         for ripple in [-0.3, 0.1, 0.2] {
             let supply = counts((12.0 + ripple) / 11.0, 3.3);
-            sums.add(supply, counts(1.65 - 0.165 * (2.0 + ripple), 3.3), 0);
+            sums.add(supply, counts(1.65 - 0.165 * (2.0 + ripple), 3.3), 1);
         }
-        let means = sums.take(WIRED, |_, _| 3300);
+        let means = sums.take(WIRED, 3300);
         let (supply, current) = (means.supply_mv.unwrap(), means.current_ma.unwrap());
         assert!(supply.abs_diff(12_000) <= 12 && current.abs_diff(-2000) <= 6, "{means:?}");
         assert_eq!(sums, Sums::new());
-        sums.add(2000, 2000, 0);
-        assert_eq!(sums.take(Wiring::default(), |_, _| 3300), Means::default());
+        sums.add(2000, 2000, 1);
+        assert_eq!(sums.take(Wiring::default(), 3300), Means::default());
+    }
+
+    #[test]
+    fn the_supply_of_the_last_readings_alone_is_there_before_the_interval_ends() {
+        let mut sums = Sums::new();
+        sums.add(40 * counts(12.0 / 11.0, 3.3), 40 * 2048, 40);
+        let before = sums;
+        assert_eq!(sums.supply_since(&before, 1100), None);
+        sums.add(30 * counts(19.0 / 11.0, 3.3), 30 * 2048, 30);
+        let supply = sums.supply_since(&before, 1100).unwrap();
+        assert!(supply.abs_diff(19_000) <= 40, "{supply}");
+        assert_eq!(sums.supply_since(&before, 0), None);
+        // Full scale of every part does not overflow.
+        let before = sums;
+        sums.add(800 * 4095, 800 * 4095, 800);
+        assert_eq!(sums.supply_since(&before, u16::MAX), Some(u16::MAX));
     }
 
     #[test]
     fn a_converter_that_gives_nothing_is_a_supply_and_a_current_out_of_bounds() {
-        let means = Sums::new().take(WIRED, |_, _| 3300);
+        let means = Sums::new().take(WIRED, 3300);
         assert_eq!(means, Means { supply_mv: Some(0), current_ma: Some(i16::MAX) });
     }
 
@@ -162,9 +197,9 @@ mod tests {
     fn the_reference_takes_the_converters_own_supply_out() {
         for full_v in [2.9, 3.3, 3.45] {
             let mut sums = Sums::new();
-            (0..60).for_each(|_| sums.add(counts(12.0 / 11.0, full_v), counts(full_v / 2.0, full_v), counts(1.21, full_v)));
+            sums.add(60 * counts(12.0 / 11.0, full_v), 60 * counts(full_v / 2.0, full_v), 60);
             let calibration = (1.21 / 3.3 * f64::from(FULL)).round() as u16;
-            let means = sums.take(WIRED, |sum, count| full_scale_mv(calibration, sum, count));
+            let means = sums.take(WIRED, full_scale_mv(calibration, 16 * counts(1.21, full_v), 16));
             let (supply, current) = (means.supply_mv.unwrap(), means.current_ma.unwrap());
             // A count of the reference is 0.07 %.
             assert!(supply.abs_diff(12_000) <= 16 && current.abs() <= 8, "{full_v} V: {means:?}");
@@ -186,7 +221,8 @@ mod tests {
         for step in 0..40 {
             let begin = f64::from(step) / 40.0;
             let phase = |k: u32| (f64::from(k) * f64::from(apart) / f64::from(period) + begin).fract();
-            let mean = |f: &dyn Fn(f64) -> f64| (0..count).map(|k| f(phase(k))).sum::<f64>() / f64::from(count);
+            let mean =
+                |f: &dyn Fn(f64) -> f64| (0..count).map(|k| f(phase(k))).sum::<f64>() / f64::from(count);
             for width in [0.1, 0.3, 0.5, 0.7, 0.9] {
                 pulse = pulse.max((mean(&|at| f64::from(at < width)) - width).abs());
             }
@@ -197,27 +233,23 @@ mod tests {
 
     #[test]
     fn conversions_fall_evenly_on_the_period_at_every_rate_and_pwm_frequency() {
-        // The STM32F4's scans and a Pico's conversions, ticks of the PWM's clock.
-        let scans = |core: u32, ticks: &[u32]| {
-            let (mut worst, mut worst_plain) = ((0.0_f64, 0.0_f64), 0.0_f64);
-            for interval_us in [500, 625, 800, 1000, 2000, 10_000] {
+        // The STM32F4's rounds and a Pico's, ticks of the core's clock.
+        let pico: std::vec::Vec<u32> = (97..=129).step_by(4).map(|apart| 2 * apart * 125 / 48).collect();
+        for (core, rounds) in [(84_000_000_u32, &[216, 268, 320][..]), (125_000_000, &pico)] {
+            for interval_us in [500, 625, 800, 1000, 1600, 2000, 10_000] {
                 let interval = interval_us * (core / 1_000_000);
                 for pwm_hz in (5_000_u32..=50_000).step_by(1_000) {
                     // As many whole periods as make up an interval.
                     let periods = (u64::from(interval) * u64::from(pwm_hz) / u64::from(core)).max(1) as u32;
                     let period = interval / periods;
-                    let chosen = most_even(period, interval, ticks.iter().copied());
-                    assert!(ticks.contains(&chosen));
+                    let chosen = most_even(period, interval, rounds.iter().copied());
                     let (pulse, triangle) = errors(chosen, period, interval);
-                    worst = (worst.0.max(pulse), worst.1.max(triangle));
-                    worst_plain = worst_plain.max(errors(ticks[0], period, interval).1);
+                    let case = std::format!(
+                        "{core} Hz, {interval_us} us, PWM {pwm_hz} Hz: {pulse:.4}, {triangle:.4}"
+                    );
+                    assert!(pulse < 0.03 && triangle < 0.01, "{case}");
                 }
             }
-            println!("pulse {:.3}, triangle {:.4}; without the choice {worst_plain:.4}", worst.0, worst.1);
-            worst
-        };
-        println!("{:?}", scans(84_000_000, &[1260, 1416, 1584, 1752, 2088, 2424]));
-        let pico: std::vec::Vec<u32> = (100..130).map(|apart| 2 * apart * 125 / 48).collect();
-        println!("{:?}", scans(125_000_000, &pico));
+        }
     }
 }

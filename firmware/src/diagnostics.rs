@@ -23,7 +23,12 @@ impl Diagnostics {
         if let (Reset::Panic, Some((file, line))) = (reset, panic) {
             defmt::error!("the panic's place: {=[u8]:a} line {=u32}", file, line);
         }
-        Diagnostics { state: RunState::Idle, missed: 0, worst_cycles: 0, cycles_in_us: (core_hz / 1_000_000).max(1) }
+        Diagnostics {
+            state: RunState::Idle,
+            missed: 0,
+            worst_cycles: 0,
+            cycles_in_us: (core_hz / 1_000_000).max(1),
+        }
     }
 
     /// Says what has changed.

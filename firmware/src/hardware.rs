@@ -15,8 +15,9 @@ pub trait Analog {
     const CONVERTER: bool;
     /// Says what is wired to it; nothing is, until it is said.
     fn wire(&mut self, wiring: Wiring);
-    /// Adds up what was converted since the last time. Called at least every millisecond.
-    fn gather(&mut self);
+    /// Adds up what was converted since the last time, and returns the mean supply of that alone, mV, where a divider is wired and
+    /// anything was converted. Called at least every millisecond.
+    fn gather(&mut self) -> Option<u16>;
     /// The means since the last time that they were asked for.
     fn means(&mut self) -> Means;
 }
@@ -28,7 +29,9 @@ pub struct NoAnalog;
 impl Analog for NoAnalog {
     const CONVERTER: bool = false;
     fn wire(&mut self, _: Wiring) {}
-    fn gather(&mut self) {}
+    fn gather(&mut self) -> Option<u16> {
+        None
+    }
     fn means(&mut self) -> Means {
         Means::default()
     }

@@ -345,7 +345,8 @@ fn a_sample_has_the_supply_of_its_own_interval_and_the_duty_is_worked_out_from_t
     }
     let log = samples(&bench);
     assert_eq!(log.len(), 500);
-    let first = (0..700).find(|ms| supply(*ms) == log[0].supply_mv && supply(ms + 1) == log[1].supply_mv).unwrap();
+    let first =
+        (0..700).find(|ms| supply(*ms) == log[0].supply_mv && supply(ms + 1) == log[1].supply_mv).unwrap();
     for (place, sample) in (first..).zip(&log) {
         assert_eq!(sample.supply_mv, supply(place), "sample {}", place - first);
     }
@@ -354,6 +355,53 @@ fn a_sample_has_the_supply_of_its_own_interval_and_the_duty_is_worked_out_from_t
         let wanted = 6000.0 / f64::from(pair[0].supply_mv) * f64::from(TOP);
         assert_eq!(f64::from(pair[2].duty), wanted.round(), "{pair:?}");
     }
+}
+
+#[test]
+fn a_supply_that_is_pumped_up_ends_the_run_at_once_and_one_that_sinks_when_it_stays() {
+    for (supply_mv, samples) in [(18_100, 1), (5_900, 3)] {
+        let mut bench = ready(Setup { divider: 1100, ..Setup::default() }, &[]);
+        start(&mut bench, &sine(2.0), 7);
+        pass_attended(&mut bench, 0.5);
+        bench.control(|control| control.hardware_mut().floating_mv = Some(supply_mv));
+        for _ in 1..samples {
+            bench.pass(0.001);
+            assert_eq!(status(&mut bench).state, RunState::Running, "{supply_mv} mV");
+        }
+        bench.pass(0.001);
+        assert_off(&bench);
+    }
+    // Where samples are rare, between two of them.
+    let mut bench = ready(Setup { divider: 1100, rate_hz: 100, ..Setup::default() }, &[]);
+    start(&mut bench, &sine(2.0), 7);
+    pass_attended(&mut bench, 0.5);
+    bench.control(Control::between);
+    assert_eq!(status(&mut bench).state, RunState::Running);
+    bench.control(|control| {
+        control.hardware_mut().floating_mv = Some(18_100);
+        control.between();
+    });
+    assert_off(&bench);
+}
+
+#[test]
+fn a_main_loop_that_no_longer_turns_while_the_motor_is_driven_is_noticed() {
+    let mut bench = ready(Setup::default(), &[]);
+    let wait = |bench: &mut Bench, us: u32| {
+        bench.control(|control| {
+            control.hardware_mut().now_us += us;
+            control.is_forsaken()
+        })
+    };
+    assert!(!wait(&mut bench, 100_000), "nothing is driven");
+    start(&mut bench, &sine(2.0), 7);
+    pass_attended(&mut bench, 0.5);
+    assert!(!wait(&mut bench, 1000), "a millisecond is what it may take");
+    assert!(wait(&mut bench, 1));
+    bench.poll();
+    assert!(!wait(&mut bench, 900));
+    assert_eq!(bench.ask(ToBoard::Stop), FromBoard::Done);
+    assert!(!wait(&mut bench, 100_000), "nothing is driven any more");
 }
 
 #[test]

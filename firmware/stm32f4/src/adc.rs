@@ -1,16 +1,16 @@
 //! Supply and current: the converter goes round its inputs by itself, and the DMA keeps what it finds.
 //!
-//! A round is the supply, the current and the internal reference, one after the other and again, all the time. The sampling
-//! interrupt adds up the rounds of an interval, which holds whole PWM periods, and how long a round takes is chosen so that
-//! rounds fall evenly on those periods ([`most_even`]): neither the ripple nor the pulses of the bridge bias the mean. The reference of each
-//! interval says what the converter's own supply was in it.
+//! A round is the supply and the current, one after the other and again, all the time. The sampling interrupt adds up the rounds of an
+//! interval, which holds whole PWM periods, and how long a round takes is chosen so that rounds fall evenly on those periods
+//! ([`most_even`]): neither the ripple nor the pulses of the bridge bias the mean. What the converter's own supply is, the internal
+//! reference says each time that a setup comes: in the rounds it would take four times as long as both inputs.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use motorlens_firmware::analog::{Means, Sums, Wiring, full_scale_mv, most_even};
+use motorlens_firmware::analog::{CALIBRATED_MV, Means, Sums, Wiring, full_scale_mv, most_even};
 use motorlens_firmware::hardware::Analog;
-use stm32f4xx_hal::adc::config::{AdcConfig, Clock};
 use stm32f4xx_hal::adc::Adc;
+use stm32f4xx_hal::adc::config::{AdcConfig, Clock};
 use stm32f4xx_hal::gpio::{Analog as AnalogPin, PA1, PA4};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::Rcc;
@@ -20,12 +20,16 @@ use stm32f4xx_hal::signature::VrefCal;
 const SUPPLY_CHANNEL: u32 = 4;
 const CURRENT_CHANNEL: u32 = 1;
 const REFERENCE_CHANNEL: u32 = 17;
-/// The core's ticks in one of the converter's: 14 MHz, of which the data sheets allow 36 at most.
-const DIVISION: u32 = 6;
-/// The fields SMPx that supply and current may have, and the cycles that they stand for; the reference has 144, which are the 10 us that
-/// it wants at least (RM0090 13.13.4, data sheets: TS_vrefint).
-const SAMPLINGS: [(u32, u32); 5] = [(0b001, 15), (0b010, 28), (0b011, 56), (0b100, 84), (0b101, 112)];
-const REFERENCE_SAMPLING: (u32, u32) = (0b110, 144);
+/// The core's ticks in one of the converter's: 21 MHz, of which the data sheets allow 36 at most.
+const DIVISION: u32 = 4;
+/// The fields SMPx that supply and current may have, and the cycles that they stand for. The reference has 480, which are more than the
+/// 10 us that it wants (RM0090 13.13.4, data sheets: TS_vrefint).
+const SAMPLINGS: [[(u32, u32); 2]; 3] =
+    [[(0b001, 15), (0b001, 15)], [(0b010, 28), (0b001, 15)], [(0b010, 28), (0b010, 28)]];
+const REFERENCE_SAMPLING: u32 = 0b111;
+/// Conversions of the reference that are added up, and looks at the end of each, which comes after 492 cycles: 1968 of the core's.
+const REFERENCES: u32 = 16;
+const LOOKS: u32 = 1000;
 /// Cycles of a conversion after its sampling.
 const CONVERSION: u32 = 12;
 
@@ -33,18 +37,20 @@ const CONVERSION: u32 = 12;
 const STREAM: usize = 0;
 const CHANNEL: u8 = 0;
 /// Inputs of a round.
-const INPUTS: usize = 3;
-/// Rounds that are kept: the fastest takes 15 us, so they last for two of the sampling timer's interrupts, which are a millisecond
+const INPUTS: usize = 2;
+/// Rounds that are kept: the fastest takes 2.57 us, so they last for two of the sampling timer's interrupts, which are a millisecond
 /// apart at most.
-const ROUNDS: usize = 134;
+const ROUNDS: usize = 800;
 const LENGTH: usize = ROUNDS * INPUTS;
 
-/// Where the stream writes, two readings to a word.
-static READINGS: [AtomicU32; LENGTH / 2] = [const { AtomicU32::new(0) }; LENGTH / 2];
+/// Where the stream writes, a round to a word: the supply in its lower half.
+static READINGS: [AtomicU32; ROUNDS] = [const { AtomicU32::new(0) }; ROUNDS];
+/// The converter's own supply, mV.
+static FULL_MV: AtomicU32 = AtomicU32::new(CALIBRATED_MV);
 
-/// The core's ticks of a round with this sampling of supply and current, cycles.
-const fn round_ticks(sampling: u32) -> u32 {
-    (2 * (sampling + CONVERSION) + REFERENCE_SAMPLING.1 + CONVERSION) * DIVISION
+/// The core's ticks of a round with these samplings of supply and current.
+fn round_ticks(samplings: &[(u32, u32); 2]) -> u32 {
+    samplings.iter().map(|(_, cycles)| (cycles + CONVERSION) * DIVISION).sum()
 }
 
 /// The converter and its two inputs.
@@ -59,22 +65,20 @@ pub struct Sense {
 impl Sense {
     /// Takes the converter; DMA2 is clocked by then.
     pub fn new(adc: pac::ADC1, supply: PA4<AnalogPin>, current: PA1<AnalogPin>, rcc: &mut Rcc) -> Self {
-        let config = AdcConfig::default().clock(Clock::Pclk2_div_6);
+        let config = AdcConfig::default().clock(Clock::Pclk2_div_4);
         let mut converter = Adc::new(adc, true, config, rcc);
         converter.enable_temperature_and_vref();
         converter.enable();
         // SAFETY: the converter and the stream are this module's alone; the stream writes inside READINGS only, as halfwords.
         unsafe {
             let registers = &*pac::ADC1::ptr();
-            registers.sqr1().modify(|_, w| w.l().bits(INPUTS as u8 - 1));
-            registers.sqr3().write(|w| w.bits(SUPPLY_CHANNEL | CURRENT_CHANNEL << 5 | REFERENCE_CHANNEL << 10));
-            registers.smpr1().write(|w| w.bits(REFERENCE_SAMPLING.0 << (3 * (REFERENCE_CHANNEL - 10))));
+            registers.smpr1().write(|w| w.bits(REFERENCE_SAMPLING << (3 * (REFERENCE_CHANNEL - 10))));
             registers.cr1().modify(|_, w| w.scan().set_bit());
             let stream = (*pac::DMA2::ptr()).st(STREAM);
             stream.par().write(|w| w.bits(registers.dr().as_ptr() as u32));
             stream.m0ar().write(|w| w.bits(READINGS.as_ptr() as u32));
         }
-        set_round(SAMPLINGS[0].0);
+        set_round(&SAMPLINGS[0]);
         Sense {
             _converter: converter,
             _inputs: (supply, current),
@@ -85,21 +89,61 @@ impl Sense {
     }
 }
 
-/// Chooses the round for `interval` ticks of the core, which hold whole PWM periods of `period` ticks.
-pub fn fit_round(period: u32, interval: u32) {
-    let ticks = most_even(period, interval, SAMPLINGS.iter().map(|(_, cycles)| round_ticks(*cycles)));
-    let chosen = SAMPLINGS.iter().find(|(_, cycles)| round_ticks(*cycles) == ticks);
-    set_round(chosen.map_or(SAMPLINGS[0].0, |(field, _)| *field));
+impl Sense {
+    /// Adds the rounds from `first` to before `last`.
+    fn add(&mut self, first: usize, last: usize) {
+        for words in READINGS.get(first..last).unwrap_or_default().chunks(TOGETHER) {
+            let both = words.iter().map(|word| word.load(Ordering::Relaxed)).fold(0, u32::wrapping_add);
+            self.sums.add(both & 0xffff, both >> 16, words.len() as u32);
+        }
+    }
 }
 
-/// Starts the rounds, with this field SMPx for supply and current.
-fn set_round(sampling: u32) {
+/// So many readings of 12 bits make a sum of 16, so that supply and current are added in one.
+const TOGETHER: usize = 16;
+
+/// Chooses the round for `interval` ticks of the core, which hold whole PWM periods of `period` ticks.
+pub fn fit_round(period: u32, interval: u32) {
+    let ticks = most_even(period, interval, SAMPLINGS.iter().map(round_ticks));
+    set_round(SAMPLINGS.iter().find(|samplings| round_ticks(samplings) == ticks).unwrap_or(&SAMPLINGS[0]));
+}
+
+/// Measures the reference some times, one conversion after the other. What does not answer reads 0, and is no reference.
+fn measure_reference(registers: &pac::adc1::RegisterBlock) {
+    // SAFETY: as in `Sense::new`; no conversion is under way.
+    unsafe {
+        registers.sqr1().modify(|_, w| w.l().bits(0));
+        registers.sqr3().write(|w| w.bits(REFERENCE_CHANNEL));
+        let mut sum = 0;
+        for _ in 0..REFERENCES {
+            registers.sr().modify(|_, w| w.eoc().clear_bit());
+            registers.cr2().modify(|_, w| w.swstart().set_bit());
+            if (0..LOOKS).any(|_| registers.sr().read().eoc().bit_is_set()) {
+                sum += registers.dr().read().bits() & 0xfff;
+            }
+        }
+        FULL_MV.store(full_scale_mv(VrefCal::get().read(), sum, REFERENCES), Ordering::Relaxed);
+    }
+}
+
+/// Measures the reference and starts the rounds, with these fields SMPx for supply and current.
+fn set_round(samplings: &[(u32, u32); 2]) {
+    let [(supply, _), (current, _)] = *samplings;
     // SAFETY: as in `Sense::new`. The converter is off while its times change, and the stream while it is set up. Requests go on after the
     // last transfer (DDS), and the stream begins again by itself (RM0090 13.8.1, 10.3.8).
     unsafe {
         let registers = &*pac::ADC1::ptr();
-        registers.cr2().modify(|_, w| w.adon().clear_bit().dma().clear_bit());
-        registers.smpr2().write(|w| w.bits(sampling << (3 * SUPPLY_CHANNEL) | sampling << (3 * CURRENT_CHANNEL)));
+        registers.cr2().modify(|_, w| w.adon().clear_bit().dma().clear_bit().cont().clear_bit());
+        registers
+            .smpr2()
+            .write(|w| w.bits(supply << (3 * SUPPLY_CHANNEL) | current << (3 * CURRENT_CHANNEL)));
+        registers.cr2().modify(|_, w| w.adon().set_bit());
+        // It wants 3 us to be stable (data sheets: t_STAB), and the reference 10 where it has just been switched on (t_START).
+        cortex_m::asm::delay(crate::CORE_HZ / 80_000);
+        measure_reference(registers);
+        registers.cr2().modify(|_, w| w.adon().clear_bit());
+        registers.sqr1().modify(|_, w| w.l().bits(INPUTS as u8 - 1));
+        registers.sqr3().write(|w| w.bits(SUPPLY_CHANNEL | CURRENT_CHANNEL << 5));
         let dma = &*pac::DMA2::ptr();
         let stream = dma.st(STREAM);
         stream.cr().modify(|_, w| w.en().clear_bit());
@@ -113,7 +157,6 @@ fn set_round(sampling: u32) {
         });
         registers.sr().modify(|_, w| w.ovr().clear_bit());
         registers.cr2().modify(|_, w| w.cont().set_bit().dma().set_bit().dds().set_bit().adon().set_bit());
-        // It wants 3 us to be stable (data sheets: t_STAB).
         cortex_m::asm::delay(crate::CORE_HZ / 200_000);
         registers.cr2().modify(|_, w| w.swstart().set_bit());
     }
@@ -126,25 +169,24 @@ impl Analog for Sense {
         self.wiring = wiring;
     }
 
-    fn gather(&mut self) {
+    fn gather(&mut self) -> Option<u16> {
+        let before = self.sums;
         // SAFETY: a read of a counter, which runs down and begins anew.
         let left = unsafe { (*pac::DMA2::ptr()).st(STREAM).ndtr().read().bits() } as usize;
         // The round that is under way is left for the next time.
         let end = LENGTH.saturating_sub(left) / INPUTS;
         let end = if end >= ROUNDS { 0 } else { end };
-        let reading = |place: usize| {
-            let word = READINGS.get(place / 2).map_or(0, |word| word.load(Ordering::Relaxed));
-            (word >> (16 * (place % 2))) as u16
-        };
-        while self.read != end {
-            let place = self.read * INPUTS;
-            self.sums.add(reading(place), reading(place + 1), reading(place + 2));
-            self.read = if self.read + 1 >= ROUNDS { 0 } else { self.read + 1 };
+        if end < self.read {
+            self.add(self.read, ROUNDS);
+            self.read = 0;
         }
+        self.add(self.read, end);
+        self.read = end;
+        self.sums.supply_since(&before, self.wiring.divider)
     }
 
     fn means(&mut self) -> Means {
         self.gather();
-        self.sums.take(self.wiring, |sum, count| full_scale_mv(VrefCal::get().read(), sum, count))
+        self.sums.take(self.wiring, FULL_MV.load(Ordering::Relaxed))
     }
 }

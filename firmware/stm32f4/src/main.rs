@@ -104,7 +104,7 @@ fn main() -> ! {
     let station = singleton!(: Station = Station::new()).expect("made once");
     critical_section::with(|section| CONTROL.borrow(section).set(Some(control)));
 
-    // The watchdog first: an interrupt that stops the program for good waits for it, and its start takes longer than a millisecond.
+    // The watchdog first: an interrupt that stops the program for good waits for it.
     let mut platform = platform::Board::new(device.IWDG, control);
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
@@ -134,7 +134,7 @@ fn SysTick() {
     }
 }
 
-/// A sampling instant, or one of the interrupts between two that only keep the bridge driven.
+/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at supply and main loop.
 #[interrupt]
 fn TIM4() {
     pwm::interrupt_begins();
@@ -145,8 +145,12 @@ fn TIM4() {
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };
         match control.borrow(section).try_borrow_mut() {
-            Ok(mut control) if sampling => control.tick(),
-            Ok(mut control) => control.between(),
+            Ok(mut control) => {
+                if control.is_forsaken() {
+                    panic::stop_for_good(Reset::Watchdog);
+                }
+                if sampling { control.tick() } else { control.between() }
+            }
             // The main loop holds it only with this interrupt held off: the memory is damaged.
             Err(_) => panic::stop_for_good(Reset::Panic),
         }

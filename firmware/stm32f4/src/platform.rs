@@ -16,6 +16,8 @@ use crate::Hardware;
 /// The board starts anew when the main loop or the sampling interrupt stood still for so long. Preparing a programme of
 /// many multisines takes the larger part of it.
 const WATCHDOG_MS: u32 = 500;
+/// Looks at the watchdog's registers: more than a millisecond.
+const UPDATE_LOOKS: u32 = 30_000;
 /// The chip's own boot loader.
 const SYSTEM_MEMORY: u32 = 0x1fff_0000;
 /// Asks for it across a reset; "boot".
@@ -58,6 +60,11 @@ impl Board {
     pub fn new(watchdog: pac::IWDG, control: &'static Shared<Hardware>) -> Self {
         let mut watchdog = IndependentWatchdog::new(watchdog);
         watchdog.start(WATCHDOG_MS.millis());
+        // Its registers take the new time over within five cycles of its own clock (RM0090 21.4.4), and it counts from the old one, which
+        // is half a minute, until it is fed after that: a program that ends before would wait as long.
+        // SAFETY: reads of a status register.
+        let _ = (0..UPDATE_LOOKS).any(|_| unsafe { (*pac::IWDG::ptr()).sr().read().bits() == 0 });
+        watchdog.feed();
         Board { watchdog, control, ticks: 0 }
     }
 }

@@ -31,14 +31,22 @@ pub struct Rig {
     pub wiring: Wiring,
 }
 
+impl Rig {
+    fn supply_mv(&self) -> u16 {
+        self.floating_mv.unwrap_or((self.motor.supply_v() * 1000.0).round() as u16)
+    }
+}
+
 impl Analog for Rig {
     const CONVERTER: bool = true;
     fn wire(&mut self, wiring: Wiring) {
         self.wiring = wiring;
     }
-    fn gather(&mut self) {}
+    fn gather(&mut self) -> Option<u16> {
+        (self.wiring.divider > 0).then(|| self.supply_mv())
+    }
     fn means(&mut self) -> Means {
-        let supply_mv = self.floating_mv.unwrap_or((self.motor.supply_v() * 1000.0).round() as u16);
+        let supply_mv = self.supply_mv();
         let current_ma = (self.motor.current_a() * 1000.0) as i16;
         Means {
             supply_mv: (self.wiring.divider > 0).then_some(supply_mv),

@@ -161,7 +161,8 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         if self.sampling {
             let length = access.instruction_count - self.interrupt_began;
             // The main loop's accesses follow after the interrupt's; these are the last of the interrupt's own.
-            let written = access.kind == AccessKind::Write && [TIM1_EGR, GPIOB_BSRR].contains(&access.address);
+            let written =
+                access.kind == AccessKind::Write && [TIM1_EGR, GPIOB_BSRR].contains(&access.address);
             if written || (access.kind == AccessKind::Read && access.address == DMA2_S0NDTR) {
                 self.scene.longest_interrupt = self.scene.longest_interrupt.max(length);
             }

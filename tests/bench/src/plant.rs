@@ -303,8 +303,7 @@ impl Plant {
         let pulse = if high { self.duty - 1.0 } else { self.duty };
         let swing = (std::f64::consts::TAU * 10.0 * at.0 as f64 * 1e-9).sin();
         let rippled = if self.enabled { pulse } else { 0.0 };
-        let supply_v =
-            self.motor.supply_v() + self.pumped_v + self.swing_v * swing + self.ripple_v * rippled;
+        let supply_v = self.motor.supply_v() + self.pumped_v + self.swing_v * swing + self.ripple_v * rippled;
         let current_a = self.motor.current_a() + self.short_a - self.ripple_a * rippled;
         let sensed = self.sensed.entry(self.sampled.len()).or_default();
         sensed.supply_v += supply_v;

@@ -62,7 +62,10 @@ fn the_log_says_the_mean_voltage_of_every_interval_while_the_supply_swings_and_r
             let done = captured(rate_hz, drive);
             machine::assert_clean(&done.session);
             let (supply, voltage, current) = errors(&done, drive);
-            println!("{rate_hz} Hz {drive:?}: {supply:.4} V, {:.3} % of 12 V, {current:.4} A", 100.0 * voltage);
+            println!(
+                "{rate_hz} Hz {drive:?}: {supply:.4} V, {:.3} % of 12 V, {current:.4} A",
+                100.0 * voltage
+            );
             assert!(voltage <= 1e-3, "{rate_hz} Hz, {drive:?}: {voltage} of the full voltage");
         }
     }
@@ -74,19 +77,22 @@ fn the_converters_registers_hold_what_manual_and_data_sheet_ask_for() {
     let mut done = captured(1000, DriveMode::SignMagnitudeBrake);
     let mcu = &mut done.session.board_mut().mcu;
     let (adc, converter) = mcu.converter(0);
-    // ADCPRE: 84 MHz by 6.
-    assert!(format!("{adc:?}").contains("clock_hz: 14000000"), "{adc:?}");
-    // Three conversions: PA4, PA1, the reference.
-    assert_eq!(converter.get(Converter::Sqr1) >> 20 & 0xf, 2);
-    assert_eq!(converter.get(Converter::Sqr3) & 0x7fff, 4 | 1 << 5 | 17 << 10);
-    // SMP17: 144 cycles of 14 MHz are the 10 us that the reference wants.
-    assert_eq!(converter.get(Converter::Smpr1) >> 21 & 0b111, 0b110);
+    // ADCPRE: 84 MHz by 4.
+    assert!(format!("{adc:?}").contains("clock_hz: 21000000"), "{adc:?}");
+    // Two conversions: PA4, PA1.
+    assert_eq!(converter.get(Converter::Sqr1) >> 20 & 0xf, 1);
+    assert_eq!(converter.get(Converter::Sqr3) & 0x3ff, 4 | 1 << 5);
+    // SMP17: 480 cycles of 21 MHz are more than the 10 us that the reference wants.
+    assert_eq!(converter.get(Converter::Smpr1) >> 21 & 0b111, 0b111);
     // SCAN; CONT, DMA, DDS, ADON.
     assert_eq!(converter.get(Converter::Cr1) >> 8 & 1, 1);
     assert_eq!(converter.get(Converter::Cr2) & 0x303, 0x303);
     let (_, stream) = mcu.controller(DMA_2);
     // Channel 0, halfwords, memory counts up, round and round, from the data register.
     let control = stream.get(Stream::S0cr);
-    assert_eq!((control >> 25 & 7, control >> 11 & 0xf, control >> 8 & 0b101, control & 1), (0, 0b0101, 0b101, 1));
+    assert_eq!(
+        (control >> 25 & 7, control >> 11 & 0xf, control >> 8 & 0b101, control & 1),
+        (0, 0b0101, 0b101, 1)
+    );
     assert_eq!(stream.get(Stream::S0par), 0x4001_204c);
 }
