@@ -375,7 +375,7 @@ fn a_supply_that_is_pumped_up_ends_the_run_at_once_and_one_that_sinks_when_it_st
     let mut bench = ready(Setup { divider: 1100, rate_hz: 100, ..Setup::default() }, &[]);
     start(&mut bench, &sine(2.0), 7);
     pass_attended(&mut bench, 0.5);
-    bench.control(Control::between);
+    bench.control(|control| control.between());
     assert_eq!(status(&mut bench).state, RunState::Running);
     bench.control(|control| {
         control.hardware_mut().floating_mv = Some(18_100);
