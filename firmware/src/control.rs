@@ -19,10 +19,6 @@ const PATIENCE_US: u32 = 6_000_000;
 /// Counts within which it stands.
 const STANDING_COUNTS: u32 = 2;
 
-/// The main loop has to turn as often while the motor is driven, us. The interrupts that look at it are a millisecond apart at most and it
-/// turns after each, so the second one after a turn that was its last finds it: the bridge is off within 2 ms.
-const TURN_US: u32 = 1000;
-
 /// Waiting for the motor to stand still.
 #[derive(Debug, Clone, Copy)]
 struct Wait {
@@ -63,7 +59,6 @@ pub struct Control<H: 'static> {
     wait: Wait,
     origin_us: Option<u32>,
     heard_us: u32,
-    turned_us: u32,
     /// What is to be applied at the next instant.
     planned: Option<Next>,
     /// The sample whose interval goes on; supply and current are still missing.
@@ -95,7 +90,6 @@ impl<H: Hardware> Control<H> {
             wait: Wait { began_us: 0, count: 0, since_us: 0 },
             origin_us: None,
             heard_us: 0,
-            turned_us: 0,
             planned: None,
             open: None,
             supply_mv: setup.supply_mv,
@@ -125,17 +119,6 @@ impl<H: Hardware> Control<H> {
         let supply_mv = self.hardware.analog().gather();
         let above = |supply_mv| supply_mv > self.setup.supply_mv && !self.setup.trusts(supply_mv);
         self.state == RunState::Running && supply_mv.is_some_and(above)
-    }
-
-    /// The main loop turns.
-    pub fn turned(&mut self) {
-        self.turned_us = self.hardware.now_us();
-    }
-
-    /// Whether the bridge is driven and the main loop has not turned for so long that it hangs.
-    pub fn is_forsaken(&mut self) -> bool {
-        let driven = self.state == RunState::Running && self.open.is_some();
-        driven && self.hardware.now_us().wrapping_sub(self.turned_us) > TURN_US
     }
 
     fn sample(&mut self) {

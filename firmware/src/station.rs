@@ -88,7 +88,6 @@ impl Station {
         platform: &mut impl Platform,
     ) {
         platform.alive();
-        with(control, |control| control.turned());
         while line.read_ready().unwrap_or(false) {
             let mut byte = [0];
             if line.read(&mut byte).unwrap_or(0) == 0 {
@@ -96,10 +95,7 @@ impl Station {
             }
             match self.decoder.push::<Packet<ToBoard>>(byte[0]) {
                 Some(Ok(packet)) => {
-                    with(control, |control| {
-                        control.heard();
-                        control.turned();
-                    });
+                    with(control, |control| control.heard());
                     self.outbox.protect(self.decoder.protected());
                     self.answer(packet, line, control, platform);
                 }

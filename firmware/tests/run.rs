@@ -385,26 +385,6 @@ fn a_supply_that_is_pumped_up_ends_the_run_at_once_and_one_that_sinks_when_it_st
 }
 
 #[test]
-fn a_main_loop_that_no_longer_turns_while_the_motor_is_driven_is_noticed() {
-    let mut bench = ready(Setup::default(), &[]);
-    let wait = |bench: &mut Bench, us: u32| {
-        bench.control(|control| {
-            control.hardware_mut().now_us += us;
-            control.is_forsaken()
-        })
-    };
-    assert!(!wait(&mut bench, 100_000), "nothing is driven");
-    start(&mut bench, &sine(2.0), 7);
-    pass_attended(&mut bench, 0.5);
-    assert!(!wait(&mut bench, 1000), "a millisecond is what it may take");
-    assert!(wait(&mut bench, 1));
-    bench.poll();
-    assert!(!wait(&mut bench, 900));
-    assert_eq!(bench.ask(ToBoard::Stop), FromBoard::Done);
-    assert!(!wait(&mut bench, 100_000), "nothing is driven any more");
-}
-
-#[test]
 fn an_input_that_is_not_said_to_be_wired_is_not_read() {
     let mut bench = ready(Setup::default(), &[]);
     bench.control(|control| control.hardware_mut().floating_mv = Some(300));

@@ -134,18 +134,14 @@ fn main() -> ! {
     }
 }
 
-/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at the main loop.
+/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at the supply.
 fn sample() {
     let sampling = timers::acknowledge_sampling();
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };
         match control.borrow(section).try_borrow_mut() {
-            Ok(mut control) => {
-                if control.is_forsaken() {
-                    panic::stop_for_good(Reset::Watchdog);
-                }
-                if sampling { control.tick() } else { control.between() }
-            }
+            Ok(mut control) if sampling => control.tick(),
+            Ok(mut control) => control.between(),
             // The main loop holds it only with this interrupt held off: the memory is damaged.
             Err(_) => panic::stop_for_good(Reset::Panic),
         }

@@ -66,8 +66,6 @@ impl Stream {
     /// Fills the outbox, by turns with what is asked for and with what is new.
     pub fn send<H: Hardware>(&mut self, outbox: &mut Outbox, control: &Shared<H>) {
         while outbox.has_room() {
-            // A frame is what takes longest in a turn.
-            with(control, |control| control.turned());
             self.turn = !self.turn;
             let sent = (self.turn && self.send_again(outbox, control))
                 || self.send_new(outbox, control)
