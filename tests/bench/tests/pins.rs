@@ -88,7 +88,7 @@ fn a_hang_with_interrupts_held_off() {
         let done = off_after(OFF, rate_hz, drive, |since, scene| {
             if since.is_zero() {
                 scene.upset = Some(Upset::Hang);
-            } else if since == Duration::from_millis(900) {
+            } else if since >= Duration::from_millis(900) {
                 // The watchdog has reset the chip by now, which the emulated core sees when it goes on.
                 scene.upset = Some(Upset::GoOn);
             }
@@ -127,7 +127,7 @@ fn a_supply_that_is_still_low_after_the_first_restarts_costs_neither_the_log_nor
     let done = off_after(OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
         if since.is_zero() {
             scene.upset = Some(Upset::Supply(2800));
-        } else if since == Duration::from_millis(1300) {
+        } else if since >= Duration::from_millis(1300) {
             scene.upset = Some(Upset::Supply(3300));
         }
     });
