@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::interrupt::interrupted;
 use super::strip::Strip;
 use super::{Console, prose};
-use crate::device::{Capture, Captured, Port, Shaft, record};
+use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
 use crate::motor_file;
@@ -55,26 +55,6 @@ pub struct Wired {
     /// A current amplifier at the board's current input, in mV per ampere (100 for an ACS712-20A behind no divider): the current is measured
     #[arg(long, value_name = "MV_PER_A")]
     pub amplifier: Option<f32>,
-}
-
-impl Wired {
-    /// As the board is told it: hundredths; 0 where nothing is wired.
-    pub(super) fn divider(&self) -> Result<u16> {
-        raw(self.divider, 100.0, 1.0, 655.0, "a divider divides by 1 to 655")
-    }
-
-    /// As the board is told it: tenths of mV/A.
-    pub(super) fn amplifier(&self) -> Result<u16> {
-        raw(self.amplifier, 10.0, 0.1, 6553.0, "a current amplifier has 0.1 to 6553 mV per ampere")
-    }
-}
-
-fn raw(value: Option<f32>, unit: f32, least: f32, most: f32, rule: &str) -> Result<u16> {
-    match value {
-        None => Ok(0),
-        Some(value) if (least..=most).contains(&value) => Ok((value * unit).round() as u16),
-        Some(_) => Err(Error::usage(rule, "see motorlens capture --help")),
-    }
 }
 
 /// Options of `capture`.
@@ -334,8 +314,8 @@ fn setup(args: &Args) -> Result<Setup> {
         stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider: args.wired.divider()?,
-        amplifier: args.wired.amplifier()?,
+        divider: wiring::divider(args.wired.divider)?,
+        amplifier: wiring::amplifier(args.wired.amplifier)?,
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
         ..Setup::default()

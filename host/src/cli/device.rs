@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use motorlens_shared::link::{FromBoard, ToBoard};
+use motorlens_shared::link::{Capabilities, FromBoard, ToBoard};
 use motorlens_shared::quickfit::{QuickFit, Request};
 use serde_json::json;
 
@@ -133,11 +133,10 @@ fn hello(at: &At, console: &Console) -> Result<()> {
     console.answer(&document, || {
         format!(
             "firmware {version} on board {unique}, core {} MHz, PWM {} kHz\n\
-             supply {}, current {}; log of {} samples, fit of {}\nstate: {:?}, run {}, {} samples\neffects: {}",
+             {}; log of {} samples, fit of {}\nstate: {:?}, run {}, {} samples\neffects: {}",
             can.core_hz / 1_000_000,
             can.pwm_hz / 1000,
-            if can.measures_supply { "measured" } else { "stated" },
-            if can.measures_current { "measured" } else { "not measured" },
+            measures(&can),
             can.log_samples,
             can.fit_samples,
             status.state,
@@ -148,6 +147,16 @@ fn hello(at: &At, console: &Console) -> Result<()> {
     });
     console.next("check the wiring", &format!("motorlens device check --port {}", at.port));
     Ok(())
+}
+
+/// Whether a board measures supply and current. One that cannot be told what is wired says what is built in.
+fn measures(can: &Capabilities) -> String {
+    if can.converter {
+        return "measures supply and current where --divider and --amplifier say what is wired".into();
+    }
+    let supply = if can.measures_supply { "measured" } else { "stated" };
+    let current = if can.measures_current { "measured" } else { "not measured" };
+    format!("supply {supply}, current {current}")
 }
 
 fn fit(args: &FitArgs, console: &Console) -> Result<()> {

@@ -8,7 +8,7 @@ use super::capture::{Drive, Wired, converse, run_number};
 use super::device::At;
 use super::interrupt::interrupted;
 use crate::device::check::{check, programme, setup};
-use crate::device::{Capture, Port};
+use crate::device::{Capture, Port, wiring};
 use crate::error::{Error, Result};
 
 /// Options of `device check`.
@@ -43,8 +43,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         drive: args.drive.mode(),
         supply_mv: (args.supply * 1000.0).round() as u16,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider: args.wired.divider()?,
-        amplifier: args.wired.amplifier()?,
+        divider: wiring::divider(args.wired.divider)?,
+        amplifier: wiring::amplifier(args.wired.amplifier)?,
         ..Setup::default()
     });
     setup

@@ -15,6 +15,7 @@ mod listen;
 mod port;
 mod record;
 mod trouble;
+pub mod wiring;
 
 pub use capture::{Capture, Captured};
 pub use collector::Collector;

@@ -24,10 +24,12 @@ pub struct Device {
     firmware: String,
     /// Its own number.
     unique: String,
-    /// Whether it measures its supply; else the user states it.
+    /// Whether it measures its supply as it was set up last; else the user states it.
     measures_supply: bool,
-    /// Whether it measures the current; else no limit on it can be kept.
-    pub measures_current: bool,
+    /// Whether it measures the current as it was set up last.
+    measures_current: bool,
+    /// Whether it can be told what is wired; else no limit on the current can be kept.
+    converter: bool,
 }
 
 impl Device {
@@ -46,6 +48,7 @@ impl Device {
             unique: hello.unique.iter().map(|byte| format!("{byte:02x}")).collect(),
             measures_supply: can.measures_supply,
             measures_current: can.measures_current,
+            converter: can.converter,
         })
     }
 }

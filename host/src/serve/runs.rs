@@ -16,7 +16,7 @@ use super::data::{self, Entry};
 use super::device::ask;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
-use crate::device::{Capture, Captured, Port, Shaft, record};
+use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
 use crate::error::{Error, Result};
 use crate::log::Record;
 use crate::motor_file::MotorFile;
@@ -36,6 +36,12 @@ pub struct Wish {
     supply_v: f32,
     /// How the driver is driven: brake, coast or anti-phase.
     drive: String,
+    /// The divider that is wired to the board's supply input, by what it divides; 0 for none.
+    #[serde(default)]
+    divider: f32,
+    /// The current amplifier that is wired to the board's current input, mV/A; 0 for none.
+    #[serde(default)]
+    amplifier: f32,
     /// Stop above this current, A; 0 is no limit.
     current_limit_a: f32,
     /// Counts per turn of the output shaft.
@@ -87,8 +93,11 @@ fn setup(wish: &Wish) -> std::result::Result<Setup, String> {
         "in-in-coast" => DriveMode::InInCoast,
         other => return Err(format!("{other} is no way to drive a bridge")),
     };
+    let wired = |value: f32| (value != 0.0).then_some(value);
     let setup = Setup {
         drive,
+        divider: wiring::divider(wired(wish.divider)).map_err(|fault| fault.to_string())?,
+        amplifier: wiring::amplifier(wired(wish.amplifier)).map_err(|fault| fault.to_string())?,
         supply_mv: (wish.supply_v * 1000.0).round() as u16,
         current_limit_ma: (wish.current_limit_a * 1000.0).round() as u16,
         ..Setup::default()

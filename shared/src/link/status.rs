@@ -190,7 +190,7 @@ impl fmt::Display for SetupFault {
             Self::LinkTimeout => {
                 "the link timeout must be more than 0 and at most half of what the board's log holds"
             }
-            Self::NoCurrentSense => "no current is measured, so it cannot be limited: state the --amplifier that is wired",
+            Self::NoCurrentSense => "no current is measured, so it cannot be limited: state the amplifier that is wired",
             Self::KeepEvery => "the quick fit must keep one sample of 1 or more",
             Self::Pwm => "the PWM's frequency must be 5000 to 50,000 Hz",
             Self::Divider => "a divider divides by 1 or more",

@@ -5,9 +5,10 @@ const MOST = 3000;
 
 function showDevice({ device, counts_per_rev, gear_ratio }) {
   $("play").hidden = $("disconnect").hidden = !device;
-  $("board").textContent = device ? `Firmware ${device.firmware}, board ${device.unique}; supply ${device.measures_supply ? "measured" : "as stated"}, current ${device.measures_current ? "measured" : "not measured"}.` : "A serial port, or the address of the virtual bench.";
+  const measures = device && (device.converter ? "supply and current are measured where you say what is wired" : `supply ${device.measures_supply ? "measured" : "as stated"}, current ${device.measures_current ? "measured" : "not measured"}`);
+  $("board").textContent = device ? `Firmware ${device.firmware}, board ${device.unique}; ${measures}.` : "A serial port, or the address of the virtual bench.";
   if (device) $("port").value = device.port;
-  $("current").disabled = Boolean(device) && !device.measures_current;
+  for (const id of ["divider", "amplifier", "current"]) $(id).disabled = Boolean(device) && !device.converter;
   if (!$("counts").value && counts_per_rev) $("counts").value = counts_per_rev;
   if (!$("gear").value && gear_ratio) $("gear").value = gear_ratio;
   for (const b of document.querySelectorAll(".run-next")) b.textContent = device ? "Run it on the motor" : "Connect a motor to run it";
@@ -27,9 +28,10 @@ $("disconnect").addEventListener("click", guard(async () => { await ask("/api/de
 $("play").addEventListener("submit", guard(async (event) => {
   event.preventDefault();
   const number = (id) => ($(id).value === "" ? null : Number($(id).value));
+  const wired = (id) => ($(id).disabled ? 0 : number(id));
   await ask("/api/device/run", {
     programme: $("programme").value, amplitude_v: number("amplitude"), seconds: number("seconds"), supply_v: number("supply"), drive: $("drive").value,
-    current_limit_a: $("current").disabled ? 0 : number("current"), counts_per_rev: number("counts"), gear_ratio: number("gear"), join: $("join").checked,
+    divider: wired("divider"), amplifier: wired("amplifier"), current_limit_a: wired("current"), counts_per_rev: number("counts"), gear_ratio: number("gear"), join: $("join").checked,
   });
 }));
 function proposeNext() {

@@ -121,3 +121,19 @@ fn a_line_with_nobody_at_its_end_gets_a_message() {
     let message = browser.text("#alarm");
     assert!(message.contains("tcp://127.0.0.1:1") && message.contains("To do"), "{message}");
 }
+
+#[test]
+fn a_current_limit_holds_once_the_page_is_told_what_amplifier_is_wired() {
+    let _alone = alone();
+    let board = Board::start(&[]);
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    connected(&mut browser, &board);
+    wished(&mut browser, "multisine", 2.0);
+    browser.value("$('current').value = 0.1");
+    browser.click("#run");
+    browser.wait("/no current is measured/.test($('alarm').textContent)");
+    browser.value("$('amplifier').value = 165, $('divider').value = 11");
+    browser.click("#run");
+    browser.wait("/over-current/.test($('alarm').textContent)");
+}
