@@ -1,11 +1,11 @@
 //! Supply and current: the converter goes round its inputs by itself, and the DMA keeps what it finds.
 //!
-//! A round is the supply and the current, one after the other and again, all the time. The sampling interrupt adds up the rounds of an
-//! interval, which holds whole PWM periods, and how long a round takes is chosen so that rounds fall evenly on those periods
-//! ([`most_even`]): neither the ripple nor the pulses of the bridge bias the mean. What the converter's own supply is, the internal
+//! A round is the supply and the current, one after the other and again, all the time that anything is wired to them. The sampling interrupt
+//! adds up the rounds of an interval, which holds whole PWM periods, and how long a round takes is chosen so that rounds fall evenly on those
+//! periods ([`most_even`]): neither the ripple nor the pulses of the bridge bias the mean. What the converter's own supply is, the internal
 //! reference says each time that a setup comes: in the rounds it would take four times as long as both inputs.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use motorlens_firmware::analog::{CALIBRATED_MV, Means, Sums, Wiring, full_scale_mv, most_even};
 use motorlens_firmware::hardware::Analog;
@@ -47,6 +47,8 @@ const LENGTH: usize = ROUNDS * INPUTS;
 static READINGS: [AtomicU32; ROUNDS] = [const { AtomicU32::new(0) }; ROUNDS];
 /// The converter's own supply, mV.
 static FULL_MV: AtomicU32 = AtomicU32::new(CALIBRATED_MV);
+/// The samplings of a round, a place in [`SAMPLINGS`].
+static ROUND: AtomicUsize = AtomicUsize::new(0);
 
 /// The core's ticks of a round with these samplings of supply and current.
 fn round_ticks(samplings: &[(u32, u32); 2]) -> u32 {
@@ -78,7 +80,6 @@ impl Sense {
             stream.par().write(|w| w.bits(registers.dr().as_ptr() as u32));
             stream.m0ar().write(|w| w.bits(READINGS.as_ptr() as u32));
         }
-        set_round(&SAMPLINGS[0]);
         Sense {
             _converter: converter,
             _inputs: (supply, current),
@@ -102,10 +103,25 @@ impl Sense {
 /// So many readings of 12 bits make a sum of 16, so that supply and current are added in one.
 const TOGETHER: usize = 16;
 
-/// Chooses the round for `interval` ticks of the core, which hold whole PWM periods of `period` ticks.
+/// Chooses the round for `interval` ticks of the core, which hold whole PWM periods of `period` ticks. Rounds are so from the next time that
+/// it is said what is wired.
 pub fn fit_round(period: u32, interval: u32) {
     let ticks = most_even(period, interval, SAMPLINGS.iter().map(round_ticks));
-    set_round(SAMPLINGS.iter().find(|samplings| round_ticks(samplings) == ticks).unwrap_or(&SAMPLINGS[0]));
+    let round = SAMPLINGS.iter().position(|samplings| round_ticks(samplings) == ticks);
+    ROUND.store(round.unwrap_or(0), Ordering::Relaxed);
+}
+
+/// Ends the rounds.
+fn rest() {
+    // SAFETY: as in `Sense::new`.
+    unsafe {
+        let registers = &*pac::ADC1::ptr();
+        registers.cr2().modify(|_, w| w.adon().clear_bit().dma().clear_bit().cont().clear_bit());
+        let stream = (*pac::DMA2::ptr()).st(STREAM);
+        stream.cr().modify(|_, w| w.en().clear_bit());
+        // A transfer that is under way ends within some cycles.
+        let _ = (0..100).any(|_| stream.cr().read().en().bit_is_clear());
+    }
 }
 
 /// Measures the reference some times, one conversion after the other. What does not answer reads 0, and is no reference.
@@ -129,11 +145,11 @@ fn measure_reference(registers: &pac::adc1::RegisterBlock) {
 /// Measures the reference and starts the rounds, with these fields SMPx for supply and current.
 fn set_round(samplings: &[(u32, u32); 2]) {
     let [(supply, _), (current, _)] = *samplings;
+    rest();
     // SAFETY: as in `Sense::new`. The converter is off while its times change, and the stream while it is set up. Requests go on after the
     // last transfer (DDS), and the stream begins again by itself (RM0090 13.8.1, 10.3.8).
     unsafe {
         let registers = &*pac::ADC1::ptr();
-        registers.cr2().modify(|_, w| w.adon().clear_bit().dma().clear_bit().cont().clear_bit());
         registers
             .smpr2()
             .write(|w| w.bits(supply << (3 * SUPPLY_CHANNEL) | current << (3 * CURRENT_CHANNEL)));
@@ -146,9 +162,6 @@ fn set_round(samplings: &[(u32, u32); 2]) {
         registers.sqr3().write(|w| w.bits(SUPPLY_CHANNEL | CURRENT_CHANNEL << 5));
         let dma = &*pac::DMA2::ptr();
         let stream = dma.st(STREAM);
-        stream.cr().modify(|_, w| w.en().clear_bit());
-        // A transfer that is under way ends within some cycles.
-        let _ = (0..100).any(|_| stream.cr().read().en().bit_is_clear());
         dma.lifcr().write(|w| w.bits(0x3d));
         stream.ndtr().write(|w| w.bits(LENGTH as u32));
         stream.cr().write(|w| {
@@ -167,6 +180,10 @@ impl Analog for Sense {
 
     fn wire(&mut self, wiring: Wiring) {
         self.wiring = wiring;
+        if wiring == Wiring::default() {
+            return rest();
+        }
+        set_round(SAMPLINGS.get(ROUND.load(Ordering::Relaxed)).unwrap_or(&SAMPLINGS[0]));
     }
 
     fn gather(&mut self) -> Option<u16> {

@@ -23,7 +23,11 @@ pub struct Session {
     /// When the driver was switched off, after having been on.
     pub off_at: Option<Duration>,
     was_driven: bool,
+    done_at: Option<Duration>,
 }
+
+/// A board that was asked to go elsewhere goes after its last answer, by a reset: so long at most.
+const AWAY: Duration = Duration::from_millis(5);
 
 impl Session {
     /// A capture, with a hand on the scene; it must end within `patience` of virtual time.
@@ -37,6 +41,7 @@ impl Session {
             answers: None,
             off_at: None,
             was_driven: false,
+            done_at: None,
         }
     }
 
@@ -75,6 +80,7 @@ impl Remote for Session {
             self.answers = inquiry.take_outcome();
         }
         let done = self.captured.is_some() && (self.then.is_none() || self.answers.is_some());
-        !done && !scene.enough && now < self.patience
+        let on = if done { scene.led_astray && now < *self.done_at.get_or_insert(now) + AWAY } else { true };
+        on && !scene.enough && now < self.patience
     }
 }
