@@ -74,7 +74,9 @@ impl Remote for Session {
             }
             self.capture.poll(now, send);
             self.captured = self.capture.take_outcome();
-        } else if let Some(inquiry) = &mut self.then {
+        } else if let Some(inquiry) = &mut self.then
+            && self.answers.is_none()
+        {
             inquiry.receive(received, now);
             inquiry.poll(now, send);
             self.answers = inquiry.take_outcome();
