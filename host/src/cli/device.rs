@@ -136,7 +136,7 @@ fn hello(at: &At, console: &Console) -> Result<()> {
              {}; log of {} samples, fit of {}\nstate: {:?}, run {}, {} samples\neffects: {}",
             can.core_hz / 1_000_000,
             can.pwm_hz / 1000,
-            measures(&can),
+            measures(can),
             can.log_samples,
             can.fit_samples,
             status.state,
