@@ -174,7 +174,8 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
     };
     effects
         .iter()
-        .map(|kind| size(kind).map_or_else(|| kind.to_string(), |size| format!("{kind} ({size})")))
+        .map(|kind| (kind.name().replace('_', " "), size(kind)))
+        .map(|(name, size)| size.map_or_else(|| name.clone(), |size| format!("{name} ({size})")))
         .collect()
 }
 

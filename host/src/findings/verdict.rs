@@ -87,9 +87,9 @@ impl Errors {
             // The shares are those of whole simulations, which a disturbance makes drift.
             Verdict::Explained if self.explained_share().is_some_and(|share| share < 0.0) => {
                 let (names, verb) = subject(effects);
-                format!(
+                capital(format!(
                     "{names} {verb} all that repeats itself at any time scale; a disturbance drives whole records to {left}"
-                )
+                ))
             }
             _ if effects.is_empty() => format!("No effect of the library helps; what is left is {left}"),
             _ => self.share_of(effects),
@@ -125,12 +125,10 @@ impl Errors {
         let left = self.left();
         match self.explained_share() {
             Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
-            Some(share) => {
-                format!(
-                    "{names} {verb} {:.0} % of the error above the noise; what is left is {left}",
-                    100.0 * share
-                )
-            }
+            Some(share) => capital(format!(
+                "{names} {verb} {:.0} % of the error above the noise; what is left is {left}",
+                100.0 * share
+            )),
             None => format!("With {names} what is left is {left}"),
         }
     }
@@ -140,6 +138,12 @@ impl Errors {
 fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
     let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
     (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" })
+}
+
+/// `sentence` as it begins after a full stop.
+fn capital(sentence: String) -> String {
+    let mut rest = sentence.chars();
+    rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
 }
 
 /// So many times the noise, in words: two digits below ten.
@@ -165,7 +169,7 @@ mod tests {
         let said = errors.headline(&["coulomb"], Verdict::PartlyExplained);
         assert_eq!(
             said,
-            "coulomb explains 97 % of the error above the noise; what is left is 4.0 x the noise"
+            "Coulomb explains 97 % of the error above the noise; what is left is 4.0 x the noise"
         );
     }
 

@@ -139,7 +139,7 @@ impl Fitted {
     pub fn gain_over(&self, other: &Self) -> Gain {
         let better = if self.score() < other.score() { other } else { self };
         let noise = better.noise.with_all_left();
-        Gain::of(&self.scored.under(&noise), &other.scored.under(&noise), &self.scored.blocks())
+        Gain::of(&self.scored.under(&noise), &other.scored.under(&noise))
     }
 
     /// The same, searched to the end.
@@ -153,7 +153,7 @@ impl Fitted {
     /// likelihood says so, and more surely where the cross-validated simulation error rises, or that error surely falls. A slow effect
     /// under a disturbance shows in the second: in the likelihood each block has a drift of its own, and says little.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        let sure = sure_enough(self.scored.blocks().iter().sum());
+        let sure = sure_enough(self.scored.blocks());
         let fall = || Fall::of(self.unseen(data), other.unseen(data));
         let likelier = self.gain_over(other).sure;
         self.is_worth_more(other, base)

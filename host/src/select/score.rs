@@ -26,12 +26,12 @@ pub(super) fn blocks(grid: &Grid) -> usize {
     ((span / BLOCK_S).round() as usize).max(1)
 }
 
-/// The blocks over which coefficient `k` of level `j` of a record spreads, of `count` blocks and `samples` samples.
-fn spread(k: usize, j: usize, count: usize, samples: usize) -> std::ops::RangeInclusive<usize> {
+/// The block that coefficient `k` of level `j` of a record belongs to, of `count` blocks and `samples` samples: where its middle lies. It is one
+/// observation, however long: shared among the blocks that it spans, what a disturbance did once would be seen many times.
+fn holder(k: usize, j: usize, count: usize, samples: usize) -> usize {
     let span = 1usize << (j + 1).min(40);
-    let block = |sample: usize| (sample * count / samples.max(1)).min(count - 1);
-    let first = (k * span).min(samples.saturating_sub(1));
-    block(first)..=block((first + span - 1).min(samples.saturating_sub(1)))
+    let middle = (k * span + span / 2).min(samples.saturating_sub(1));
+    (middle * count / samples.max(1)).min(count - 1)
 }
 
 /// How well a model predicts: what it leaves of every record, and what its fit owes to each block.
@@ -59,9 +59,9 @@ impl Scored {
         Self { errors, shapes, influences: influences(problem, layout, x), noise: noise.clone() }
     }
 
-    /// Blocks of each record.
-    pub fn blocks(&self) -> Vec<usize> {
-        self.shapes.iter().map(|(blocks, _)| *blocks).collect()
+    /// Blocks of all records.
+    pub fn blocks(&self) -> usize {
+        self.shapes.iter().map(|(blocks, _)| blocks).sum()
     }
 
     /// Score of every block of every record under `noise`, natural logarithms; higher is better.
@@ -88,9 +88,7 @@ impl Scored {
                 for (k, d) in level.iter().enumerate() {
                     let score =
                         offset - 0.5 * (FREEDOM + 1.0) * (f64::from(*d).powi(2) / (FREEDOM * v)).ln_1p();
-                    let range = spread(k.min(level.len() - 1), j, *count, *samples);
-                    let share = score / range.clone().count() as f64;
-                    range.for_each(|b| own[b] += share);
+                    own[holder(k.min(level.len() - 1), j, *count, *samples)] += score;
                 }
             }
             scores.extend(own);
@@ -122,11 +120,8 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Vec<(i32, f6
                     row[f] = (record[(f + 1) / LANES][at + k].0[(f + 1) % LANES] - centre) * inverse[f + 1];
                 }
                 h.ger(1.0, &row, &row, 1.0);
-                let range = spread(k, j, count, grid.len());
-                let share = centre / range.clone().count() as f64;
-                range.for_each(|b| {
-                    own[b].entry(octave).or_insert_with(|| DVector::zeros(n)).axpy(share, &row, 1.0);
-                });
+                let block = &mut own[holder(k, j, count, grid.len())];
+                block.entry(octave).or_insert_with(|| DVector::zeros(n)).axpy(centre, &row, 1.0);
             }
             at += size;
         }
@@ -160,10 +155,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_coefficient_spreads_over_the_blocks_that_its_samples_lie_in() {
-        assert_eq!(spread(0, 0, 4, 400), 0..=0);
-        assert_eq!(spread(199, 0, 4, 400), 3..=3);
-        assert_eq!(spread(0, 8, 4, 400), 0..=3);
-        assert_eq!(spread(1, 6, 4, 400), 1..=2);
+    fn a_coefficient_belongs_to_the_block_where_its_middle_lies() {
+        assert_eq!(holder(0, 0, 4, 400), 0);
+        assert_eq!(holder(199, 0, 4, 400), 3);
+        assert_eq!(holder(0, 8, 4, 400), 2);
+        assert_eq!(holder(1, 6, 4, 400), 1);
+        assert_eq!(holder(0, 40, 4, 400), 3, "longer than the record");
     }
 }
