@@ -129,17 +129,29 @@ fn the_registry_and_the_glossary() {
     free_of_coined_words(effects.chain(words));
 }
 
-/// What is written between double quotes, a line each, where it is a sentence and no name.
+/// What is written between double quotes, a line each, where it is a sentence and no name; one that a backslash continues goes on in the next
+/// line.
 fn sentences(code: &str) -> String {
-    let spoken = |line: &str| {
-        let texts = line.split('"').skip(1).step_by(2).filter(|text| text.trim().contains(' '));
-        texts.collect::<Vec<_>>().join(" | ")
-    };
     let code = code.split("#[cfg(test)]").next().unwrap_or_default();
-    code.lines()
-        .map(|line| if line.trim_start().starts_with("//") { String::new() } else { spoken(line) })
-        .collect::<Vec<_>>()
-        .join("\n")
+    let mut within = false;
+    let mut spoken = |line: &str| {
+        if !within && line.trim_start().starts_with("//") {
+            return String::new();
+        }
+        let line = line.replace("\\\"", " ");
+        let parts: Vec<&str> = line.split('"').collect();
+        let texts = parts.iter().enumerate().filter(|(k, _)| (k % 2 == 1) != within).map(|(_, text)| *text);
+        let texts = texts.filter(|text| text.trim().contains(' ')).collect::<Vec<_>>().join(" | ");
+        within = (parts.len() % 2 == 0) != within && line.trim_end().ends_with('\\');
+        texts
+    };
+    code.lines().map(&mut spoken).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_sentence_that_goes_on_in_the_next_line_is_read_to_its_end() {
+    let code = "say(\"one line \\\n    and a second\"); // a remark\nsay(\"a third\")";
+    assert_eq!(sentences(code), "one line \\\n    and a second\na third");
 }
 
 /// What a reader of the page sees of its source: no tags, no placeholders.

@@ -266,19 +266,23 @@ impl Plan {
         if let Some((simple, rich)) = nested(a, b) {
             return format!(
                 "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it \
-                 best, by {:.1} noise units at its usual size",
-                self.programme.name, self.separation
+                 best, {} at its usual size",
+                self.programme.name,
+                times_the_noise(self.separation)
             );
         }
         format!(
-            "{} plays what {} answer differently: even {} and {}, the most alike, would be {:.1} noise units apart",
+            "{} plays what {} answer differently: even {a} and {b}, the most alike, would differ {}",
             self.programme.name,
             names.join(", "),
-            a,
-            b,
-            self.separation
+            times_the_noise(self.separation)
         )
     }
+}
+
+/// `n` times the noise, in words.
+fn times_the_noise(n: f64) -> String {
+    if n < 0.1 { "by less than 0.1 x the noise".into() } else { format!("by {n:.1} x the noise") }
 }
 
 #[cfg(test)]
