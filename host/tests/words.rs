@@ -142,7 +142,7 @@ fn sentences(code: &str) -> String {
         let parts: Vec<&str> = line.split('"').collect();
         let texts = parts.iter().enumerate().filter(|(k, _)| (k % 2 == 1) != within).map(|(_, text)| *text);
         let texts = texts.filter(|text| text.trim().contains(' ')).collect::<Vec<_>>().join(" | ");
-        within = (parts.len() % 2 == 0) != within && line.trim_end().ends_with('\\');
+        within = parts.len().is_multiple_of(2) != within && line.trim_end().ends_with('\\');
         texts
     };
     code.lines().map(&mut spoken).collect::<Vec<_>>().join("\n")
