@@ -45,6 +45,7 @@ mod run;
 pub mod same;
 pub mod search;
 pub mod select;
+mod sentence;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod simulate;

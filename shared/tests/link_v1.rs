@@ -4,6 +4,9 @@
 //! `link::NEWEST`, and put what is new into `link_v2.rs`. A new field goes to the end of a message and must mean "as before"
 //! at zero (`link::decode`); a new variant goes to the end and is sent only to an end that has agreed on the version.
 
+mod frames;
+
+use frames::{golden, unended};
 use motorlens_shared::excitation::{Segment, Shape};
 use motorlens_shared::link::{
     Capabilities, Cause, DriveMode, FromBoard, Hello, LogBlock, MAX_ENCODED, Packet, Refusal, Reset,
@@ -13,22 +16,6 @@ use motorlens_shared::quickfit::{Estimate, Progress, QuickFit, Request};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
-
-/// Encodes the message under request number 300 and compares with the bytes; decodes the bytes and compares with the
-/// message.
-fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: &str) {
-    let packet = Packet { id: 300, message };
-    let mut out = [0; MAX_ENCODED];
-    let frame = encode(&packet, &mut out).unwrap();
-    let got: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(got, hex, "{packet:?}");
-    assert_eq!(decode::<Packet<M>>(&unended(hex)), Ok(packet));
-}
-
-/// The bytes of a frame without its terminator.
-fn unended(hex: &str) -> Vec<u8> {
-    (0..hex.len() / 2 - 1).map(|k| u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).unwrap()).collect()
-}
 
 /// [`golden`] for a message that has got fields since, which are zero in this one: the old bytes mean it, and its bytes begin
 /// with the old ones and go on with zeros, so that an old end reads what it knows.

@@ -1,22 +1,9 @@
 //! The bytes of version 4: what is wired to the converter, in the setup, and whether a board has one.
 
-use motorlens_shared::link::{
-    Capabilities, FromBoard, MAX_ENCODED, Packet, Refusal, Scaling, Setup, SetupFault, ToBoard, decode,
-    encode,
-};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use std::fmt::Debug;
+mod frames;
 
-/// Encodes the message under request number 300 and compares with the bytes; decodes the bytes and compares with the message.
-fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: &str) {
-    let packet = Packet { id: 300, message };
-    let mut out = [0; MAX_ENCODED];
-    let frame = encode(&packet, &mut out).unwrap();
-    let got: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(got, hex, "{packet:?}");
-    assert_eq!(decode::<Packet<M>>(&frame[..frame.len() - 1]), Ok(packet));
-}
+use frames::golden;
+use motorlens_shared::link::{Capabilities, FromBoard, Refusal, Scaling, Setup, SetupFault, ToBoard};
 
 #[test]
 fn what_is_wired_keeps_its_bytes() {

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::glossary;
 use crate::report::evidence;
 use crate::report::figure::in_words;
+use crate::sentence::capital;
 
 pub use plot::plot;
 
@@ -111,12 +112,6 @@ fn generated(kind: Kind) -> String {
 fn row(p: &Parameter) -> String {
     let zero = if p.strength { "; zero switches the effect off" } else { "" };
     format!("| `{}` | {} | {}{zero} |\n", p.name, p.unit, p.meaning)
-}
-
-/// `text` with a capital first letter.
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())
 }
 
 #[cfg(test)]

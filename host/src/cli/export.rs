@@ -13,6 +13,7 @@ use crate::log::mapping::Mapping;
 use crate::log::{self, ReadOptions};
 use crate::model_file::Model;
 use crate::motor_file::{self, MotorFile};
+use crate::sentence::capital;
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -147,11 +148,6 @@ fn sentences(exported: &Exported, whole: bool, format: Format, price: Option<&Co
         format!("{what} {}{much}.", price.clause())
     });
     each.chain(all).collect()
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::sentence::capital;
+
 /// Multiples of the noise level above which nothing is called explained.
 const MANY: f64 = 10.0;
 /// ... and above which a fit that nobody has diagnosed is doubted.
@@ -87,7 +89,7 @@ impl Errors {
             // The shares are those of whole simulations, which a disturbance makes drift.
             Verdict::Explained if self.explained_share().is_some_and(|share| share < 0.0) => {
                 let (names, verb) = subject(effects);
-                capital(format!(
+                capital(&format!(
                     "{names} {verb} all that repeats itself at any time scale; a disturbance drives whole records to {left}"
                 ))
             }
@@ -125,7 +127,7 @@ impl Errors {
         let left = self.left();
         match self.explained_share() {
             Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
-            Some(share) => capital(format!(
+            Some(share) => capital(&format!(
                 "{names} {verb} {:.0} % of the error above the noise; what is left is {left}",
                 100.0 * share
             )),
@@ -138,12 +140,6 @@ impl Errors {
 fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
     let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
     (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" })
-}
-
-/// `sentence` as it begins after a full stop.
-fn capital(sentence: String) -> String {
-    let mut rest = sentence.chars();
-    rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
 }
 
 /// So many times the noise, in words: two digits below ten.

@@ -155,21 +155,22 @@ impl Fitted {
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         let sure = sure_enough(self.scored.blocks());
         let fall = || Fall::of(self.unseen(data), other.unseen(data));
-        let likelier = self.gain_over(other).sure;
-        self.is_worth_more(other, base)
+        let gain = self.gain_over(other);
+        let likelier = gain.sure;
+        self.is_worth(gain, base)
             && (likelier > sure && likelier - RISE * fall().rise() > sure
                 || fall().is_beyond_doubt(AS_GOOD, sure_enough))
     }
 
-    /// Whether its likelihood is higher than that of `other` by what is worth mentioning.
-    fn is_worth_more(&self, other: &Self, base: &Self) -> bool {
-        let explained = self.gain_over(base).total;
-        self.gain_over(other).total > WORTH.max(SHARE * explained)
+    /// Whether its `gain` is worth mentioning beside all that it explains of what `base` leaves.
+    fn is_worth(&self, gain: Gain, base: &Self) -> bool {
+        gain.total > WORTH.max(SHARE * self.gain_over(base).total)
     }
 
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.
     fn predicts_better(&self, other: &Self, base: &Self, sure: f64) -> bool {
-        self.is_worth_more(other, base) && self.gain_over(other).sure > sure
+        let gain = self.gain_over(other);
+        gain.sure > sure && self.is_worth(gain, base)
     }
 
     /// Whether it does as well as `other`: that does not predict better beyond doubt, and simulates records that it was not fitted to hardly

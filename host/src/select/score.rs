@@ -21,7 +21,7 @@ use crate::fit::simulate::LANES;
 const BLOCK_S: f64 = 1.0;
 
 /// Blocks of a record.
-pub(super) fn blocks(grid: &Grid) -> usize {
+fn blocks(grid: &Grid) -> usize {
     let span = grid.time_s.last().unwrap_or(&0.0) - grid.time_s.first().unwrap_or(&0.0);
     ((span / BLOCK_S).round() as usize).max(1)
 }
@@ -40,10 +40,8 @@ pub struct Scored {
     errors: Vec<Coefficients>,
     /// Blocks and samples of each record.
     shapes: Vec<(usize, usize)>,
-    /// What leaving a block out of the fit would cost it, octave by octave, under `noise`.
+    /// What leaving a block out of the fit would cost it, octave by octave, under a noise of variance one.
     influences: Vec<Vec<(i32, f64)>>,
-    /// By which the fit was weighed.
-    noise: Noise,
 }
 
 impl Scored {
@@ -56,7 +54,11 @@ impl Scored {
         noise: &Noise,
     ) -> Self {
         let shapes = problem.grids.iter().map(|grid| (blocks(grid), grid.len())).collect();
-        Self { errors, shapes, influences: influences(problem, layout, x), noise: noise.clone() }
+        let mut influences = influences(problem, layout, x);
+        for (octave, cost) in influences.iter_mut().flatten() {
+            *cost *= noise.variance(*octave);
+        }
+        Self { errors, shapes, influences }
     }
 
     /// Blocks of all records.
@@ -69,9 +71,7 @@ impl Scored {
         let mut scores = self.likelihoods(noise);
         for (score, costs) in scores.iter_mut().zip(&self.influences) {
             // The Newton step stays that of the fit; what it costs is measured by `noise`.
-            let under =
-                |(octave, cost): &(i32, f64)| cost * self.noise.variance(*octave) / noise.variance(*octave);
-            let cost: f64 = costs.iter().map(under).sum();
+            let cost: f64 = costs.iter().map(|(octave, cost)| cost / noise.variance(*octave)).sum();
             // Far from the minimum one Newton step tells nothing: then the block's own score bounds what it can cost.
             *score -= cost.max(0.0).min(20.0 + 0.5 * score.abs());
         }
@@ -97,7 +97,7 @@ impl Scored {
     }
 }
 
-/// What leaving a block out of the fit would cost it, octave by octave.
+/// What leaving a block out of the fit would cost it, octave by octave, under the noise that weighs `problem`.
 fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Vec<(i32, f64)>> {
     let free = layout.free();
     let n = free.len();

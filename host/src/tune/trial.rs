@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::loops::Loop;
 use super::{Feedforward, Options};
 use crate::model_file::Model;
+use crate::sentence::capital;
 
 /// How well a profile was followed, in rad for the position's and rad/s for the velocity's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -206,18 +207,15 @@ pub(super) fn advice(trials: &[Trial]) -> Vec<String> {
         let verdict = if after < 0.9 * before { "which pays" } else { "which does not pay" };
         said.push(format!(
             "{}: {before:.2e} to {after:.2e} rad rms, {verdict}.",
-            capital(pair[1].compensation)
+            named(pair[1].compensation)
         ));
     }
     said
 }
 
-fn capital(text: &str) -> String {
+/// A compensation as a sentence begins with it.
+fn named(text: &str) -> String {
     let text = text.strip_suffix(" too").unwrap_or(text).strip_prefix("with ").unwrap_or(text);
-    let mut letters = text.chars();
     // kS and its like keep their letters.
-    if text.starts_with('k') {
-        return text.to_owned();
-    }
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+    if text.starts_with('k') { text.to_owned() } else { capital(text) }
 }
