@@ -14,6 +14,7 @@ mod fuzz;
 mod image;
 mod instructions;
 mod licences;
+mod links;
 mod peers;
 mod pico;
 mod process;

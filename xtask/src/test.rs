@@ -7,8 +7,8 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    added_effect, arm, avr, bench, browser, cortex_m0, exports, fuzz, instructions, licences, pico, process,
-    python, sizes,
+    added_effect, arm, avr, bench, book, browser, cortex_m0, exports, fuzz, instructions, licences, pico,
+    process, python, sizes,
 };
 
 /// What to run.
@@ -26,7 +26,7 @@ const ON_BOARDS: [&str; 3] = ["motorlens-shared", "motorlens-model", "motorlens-
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 19] = [
+const PARTS: [Part; 20] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -38,6 +38,7 @@ const PARTS: [Part; 19] = [
         doc.args(["doc", "--workspace", "--no-deps", "--locked"]).env("RUSTDOCFLAGS", "-D warnings");
         one(process::run(&mut doc))
     }),
+    ("book rendered by mdBook", book::tests),
     ("host tests", || {
         let mut tests = process::cargo();
         tests.args(["test", "--workspace", "--locked", "--no-fail-fast"]).env("MOTORLENS_LONG_TESTS", "1");
