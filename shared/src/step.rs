@@ -119,6 +119,9 @@ pub struct Laws {
 
 impl Laws {
     /// What either needs.
+    ///
+    /// Asked at every step, and known when a set of effects is compiled: only where this is inlined, too, no step has to find it out.
+    #[inline(always)]
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self {
@@ -174,9 +177,10 @@ pub fn step<S: Scalar>(c: &Coefficients<S>, laws: Laws, s: &mut State<S>, drive:
             let others = drive.torque - drive.weakening;
             let mean = (w2 - w).mul_add(c.per_impulse, c.viscous * (w + w2)) - others;
             // Simpson's rule: a current that turns within the step is lost on both sides of zero.
-            let size = |current: S| current.hypot(drive.meshing_knee);
+            let knee = drive.meshing_knee;
             let half = S::lit(0.5) * (u2 - u);
-            let even = (size(mean - half) + size(mean + half) + S::lit(4.0) * size(mean)) * S::lit(1.0 / 6.0);
+            let outer = (mean - half).hypot(knee) + (mean + half).hypot(knee);
+            let even = (outer + S::lit(4.0) * mean.hypot(knee)) * S::lit(1.0 / 6.0);
             let loss = drive.meshing * (even - drive.meshing_knee);
             (forward, backward) = (forward + loss, backward + loss);
         }

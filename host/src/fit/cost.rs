@@ -144,27 +144,42 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
 #[inline(always)]
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     for (p, y) in series.iter_mut().zip(&grid.measured) {
-        *p = Lanes(p.0.map(|p| (y - p).clamp(-1e12, 1e12)));
+        for l in 0..LANES {
+            p.0[l] = (y - p.0[l]).clamp(-1e12, 1e12);
+        }
     }
     let samples = series.len();
     append_coefficients(series);
     let even = grid.even_weight();
     let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&series[..samples]) };
     for e in &mut series[..samples] {
-        *e = Lanes(std::array::from_fn(|l| (e.0[l] - mean[l]) * even));
+        for l in 0..LANES {
+            e.0[l] = (e.0[l] - mean[l]) * even;
+        }
     }
     let mut first = samples;
     let mut weight = 0.0;
     for (size, own) in levels(samples).into_iter().zip(grid.weights()) {
-        let weighed = |d: f64| robust(d * own);
-        series[first..first + size].iter_mut().for_each(|d| *d = Lanes(d.0.map(weighed)));
+        for d in &mut series[first..first + size] {
+            weigh(d, own);
+        }
         first += size;
         weight = own;
     }
     // The mean is known from the longest scale's noise at best.
     let mean = if grid.mean_counts() { weight } else { 0.0 };
     if let Some(last) = series.last_mut() {
-        *last = Lanes(last.0.map(|d| robust(d * mean)));
+        weigh(last, mean);
+    }
+}
+
+/// Robust errors in units of `1 / weight`.
+///
+/// A loop instead of a closure: one that is not inlined is compiled without the vector unit of its caller.
+#[inline(always)]
+fn weigh(errors: &mut Block, weight: f64) {
+    for l in 0..LANES {
+        errors.0[l] = robust(errors.0[l] * weight);
     }
 }
 

@@ -36,8 +36,6 @@ pub fn levels(samples: usize) -> Vec<usize> {
 /// (nearly so where the length is no power of two). What is quadratic in time leaves nothing but at the coarsest levels.
 #[inline(always)]
 pub fn append_coefficients<S: Scalar>(series: &mut Vec<S>) {
-    let half = S::lit(std::f64::consts::FRAC_1_SQRT_2);
-    let split = |a: S, b: S| ((b - a) * half, (a + b) * half);
     let mut n = series.len();
     // A level rounds up by one at most.
     series.reserve(n + usize::BITS as usize);
@@ -68,6 +66,13 @@ pub fn append_coefficients<S: Scalar>(series: &mut Vec<S>) {
     series.extend(smooth);
 }
 
+/// Difference and sum of a pair, over the root of two.
+#[inline(always)]
+fn split<S: Scalar>(a: S, b: S) -> (S, S) {
+    let half = S::lit(std::f64::consts::FRAC_1_SQRT_2);
+    ((b - a) * half, (a + b) * half)
+}
+
 /// Takes off the differences within pairs what the pairs' `sums` foresee of them.
 #[inline(always)]
 fn take_off_foreseen<S: Scalar>(differences: &mut [S], sums: &[S], whole: usize) {
@@ -82,18 +87,24 @@ fn take_off_foreseen<S: Scalar>(differences: &mut [S], sums: &[S], whole: usize)
 /// overlaps the last of them by half. None where there are too few.
 #[inline(always)]
 fn foreseen<S: Scalar>(s: &[S], whole: usize, k: usize) -> Option<S> {
-    let of = |terms: [(usize, f64); 3]| {
-        terms.into_iter().fold(S::zero(), |sum, (at, share)| s[at].mul_add(S::lit(share), sum))
-    };
     match (whole, k) {
         (0 | 1, _) => None,
         (2, 0 | 1) => Some((s[1] - s[0]) * S::lit(0.25)),
         (2, _) => None,
-        (_, 0) => Some(of([(0, -0.375), (1, 0.5), (2, -0.125)])),
-        (m, k) if k + 1 == m => Some(of([(m - 1, 0.375), (m - 2, -0.5), (m - 3, 0.125)])),
-        (m, k) if k == m => Some(of([(m - 1, 0.5), (m - 2, -0.75), (m - 3, 0.25)])),
+        (_, 0) => Some(weighted(s, [(0, -0.375), (1, 0.5), (2, -0.125)])),
+        (m, k) if k + 1 == m => Some(weighted(s, [(m - 1, 0.375), (m - 2, -0.5), (m - 3, 0.125)])),
+        (m, k) if k == m => Some(weighted(s, [(m - 1, 0.5), (m - 2, -0.75), (m - 3, 0.25)])),
         (_, k) => Some((s[k + 1] - s[k - 1]) * S::lit(0.125)),
     }
+}
+
+#[inline(always)]
+fn weighted<S: Scalar>(s: &[S], terms: [(usize, f64); 3]) -> S {
+    let mut sum = S::zero();
+    for (at, share) in terms {
+        sum = s[at].mul_add(S::lit(share), sum);
+    }
+    sum
 }
 
 impl Grid {

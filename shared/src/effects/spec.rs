@@ -171,6 +171,7 @@ impl Spec {
         self.parameters.iter().position(|p| p.name == name)
     }
     /// Stands between rotor and load.
+    #[inline(always)]
     #[must_use]
     pub const fn transmits(&self) -> bool {
         matches!(self.port, Port::Transmission)
