@@ -86,12 +86,25 @@ impl Problem {
         axes: &[usize],
         each: &mut OfRecord,
     ) {
+        self.neighbours_on(&self.grids, layout, objective, x, axes, each);
+    }
+
+    /// The same of some of the records.
+    pub(super) fn neighbours_on(
+        &self,
+        grids: &[Grid],
+        layout: &Layout,
+        objective: Objective,
+        x: &[f64],
+        axes: &[usize],
+        each: &mut OfRecord,
+    ) {
         let (points, inverse) = Self::around(layout, x, axes);
-        self.count_passes(points.len());
+        self.count_passes((points.len() * grids.len()).div_ceil(self.grids.len().max(1)));
         let blocks = points.len().div_ceil(LANES);
         let mut room = self.room.take();
         room.resize_with(room.len().max(blocks), Vec::new);
-        for grid in &self.grids {
+        for grid in grids {
             for (chunk, series) in points.chunks(LANES).zip(&mut room) {
                 predict_block(layout, chunk, &self.rig, grid, series);
                 residuals(grid, objective, series);

@@ -4,6 +4,7 @@
 //! more pass. So an iteration is two passes, whatever the number of rejected steps.
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 
 use motorlens_shared::effects::Rig;
 use nalgebra::{DMatrix, DVector};
@@ -47,19 +48,45 @@ pub struct Found {
     pub count: usize,
 }
 
+/// What one record adds to the cost, its gradient and its curvature at a point, as [`accumulate`] sums it, and the residuals in it.
+type Added = (Vec<Vec<f64>>, usize);
+
+/// What records add where several searches on some of them begin: each is run there once.
+#[derive(Debug, Default)]
+pub struct Beginning(BTreeMap<usize, Added>);
+
 /// Weight of the prior against residuals of one noise unit.
 pub(crate) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
     /// Cost, gradient and curvature at `x` along `axes`.
     fn linearise(&self, layout: &Layout, objective: Objective, x: &[f64], axes: &[usize]) -> Slope {
+        let added = self.added(layout, objective, x, axes, &self.grids);
+        self.slope(layout, x, axes, added)
+    }
+
+    /// What `grids` add at `x`.
+    fn added(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        x: &[f64],
+        axes: &[usize],
+        grids: &[Grid],
+    ) -> Added {
         let n = axes.len();
         let mut sums = vec![vec![0.0; n + 1]; n + 1];
         let mut count = 0;
-        self.neighbours(layout, objective, x, axes, &mut |_, blocks, inverse| {
+        self.neighbours_on(grids, layout, objective, x, axes, &mut |_, blocks, inverse| {
             accumulate(blocks, inverse, &mut sums);
             count += blocks[0].len();
         });
+        (sums, count)
+    }
+
+    /// The slope that comes of what all records add, and the prior.
+    fn slope(&self, layout: &Layout, x: &[f64], axes: &[usize], (sums, count): Added) -> Slope {
+        let n = axes.len();
         let mut gradient = DVector::from_fn(n, |r, _| sums[0][r + 1]);
         let mut curvature = DMatrix::from_fn(n, n, |r, c| sums[r + 1][c + 1]);
         for (r, &k) in axes.iter().enumerate() {
@@ -81,7 +108,7 @@ impl Problem {
         iterations: usize,
         tolerance: f64,
     ) -> Found {
-        let (x, _, slope) = self.descend(layout, objective, start, iterations, tolerance);
+        let (x, _, slope) = self.descend(layout, objective, start, iterations, tolerance, None);
         let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &layout.free()));
         Found { x, cost: slope.cost, curvature: slope.curvature, count: slope.count }
     }
@@ -95,11 +122,40 @@ impl Problem {
         steps: usize,
         tolerance: f64,
     ) -> (f64, Vec<f64>) {
-        let (x, cost, _) = self.descend(layout, objective, start, steps, tolerance);
+        let (x, cost, _) = self.descend(layout, objective, start, steps, tolerance, None);
         (cost, x)
     }
 
-    /// The way down: where it ends, the cost there, and its shape unless the last step led elsewhere.
+    /// The same for several searches from one `start`, each on some of the same records in the same order: `places` names those of this one,
+    /// and `beginning` what is known of them.
+    pub fn race_on(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        start: &[f64],
+        steps: usize,
+        tolerance: f64,
+        places: &[usize],
+        beginning: &mut Beginning,
+    ) -> (f64, Vec<f64>) {
+        let axes = layout.free();
+        let x = within(layout, start);
+        let mut all: Added = (vec![vec![0.0; axes.len() + 1]; axes.len() + 1], 0);
+        for (grid, place) in self.grids.iter().zip(places) {
+            let own = || self.added(layout, objective, &x, &axes, std::slice::from_ref(grid));
+            let (sums, count) = beginning.0.entry(*place).or_insert_with(own);
+            for (all, own) in all.0.iter_mut().flatten().zip(sums.iter().flatten()) {
+                *all += own;
+            }
+            all.1 += *count;
+        }
+        let first = self.slope(layout, &x, &axes, all);
+        let (x, cost, _) = self.descend(layout, objective, &x, steps, tolerance, Some(first));
+        (cost, x)
+    }
+
+    /// The way down: where it ends, the cost there, and its shape unless the last step led elsewhere. `first` is the slope at the start,
+    /// where that is known.
     fn descend(
         &self,
         layout: &Layout,
@@ -107,14 +163,12 @@ impl Problem {
         start: &[f64],
         iterations: usize,
         tolerance: f64,
+        first: Option<Slope>,
     ) -> (Vec<f64>, f64, Option<Slope>) {
         let free = layout.free();
-        let mut x: Vec<f64> = start.to_vec();
-        for (x, a) in x.iter_mut().zip(&layout.axes) {
-            *x = x.clamp(a.low, a.high);
-        }
+        let mut x = within(layout, start);
         let mut damping = 1e-3;
-        let mut slope = self.linearise(layout, objective, &x, &free);
+        let mut slope = first.unwrap_or_else(|| self.linearise(layout, objective, &x, &free));
         for round in 0..iterations {
             if stop::asked() {
                 break;
@@ -140,6 +194,11 @@ impl Problem {
         }
         (x, slope.cost, Some(slope))
     }
+}
+
+/// `x` within the bounds of its axes.
+fn within(layout: &Layout, x: &[f64]) -> Vec<f64> {
+    x.iter().zip(&layout.axes).map(|(x, a)| x.clamp(a.low, a.high)).collect()
 }
 
 /// The cost at a point, prior included, and its shape around it.

@@ -144,9 +144,9 @@ impl Problem {
     pub fn fit_base(&self, start: &Values) -> (Layout, Vec<f64>) {
         let layout = self.layout(&[]);
         let x = layout.pack(start);
-        let rough = self.search(&layout, Objective::Position, &x, 8, 1e-4);
-        let fine = self.search(&layout, Objective::Increments, &rough.x, 12, 1e-5);
-        (layout, fine.x)
+        let (_, rough) = self.race(&layout, Objective::Position, &x, 8, 1e-4);
+        let (_, fine) = self.race(&layout, Objective::Increments, &rough, 12, 1e-5);
+        (layout, fine)
     }
 }
 

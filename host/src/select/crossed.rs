@@ -9,7 +9,7 @@ use crate::fit::cost::Objective;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
 use crate::fit::scales::CHOOSING;
-use crate::fit::search::Problem;
+use crate::fit::search::{Beginning, Problem};
 use crate::fit::simulate::predict_one;
 use crate::fit::sketch::Sketch;
 
@@ -26,6 +26,8 @@ const STEPS: usize = 4;
 #[derive(Debug, Clone)]
 pub struct Fold {
     fit: Problem,
+    /// Which of all records those to fit are.
+    places: Vec<usize>,
     test: Vec<(Grid, usize)>,
 }
 
@@ -40,14 +42,15 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
     if leaders.len() < 2 {
         let fit = train.on(train.grids.iter().map(|g| g.beginning(BEGINNING)).collect());
         let test = train.grids.iter().map(|g| (g.clone(), (g.len() as f64 * BEGINNING) as usize)).collect();
-        return vec![Fold { fit, test }];
+        return vec![Fold { fit, places: (0..count).collect(), test }];
     }
     let fold_of =
         |k: usize| leaders.iter().position(|l| *l == leader(k)).unwrap_or(0) % FOLDS.min(leaders.len());
     let fold = |f: usize| {
-        let kept = (0..count).filter(|k| fold_of(*k) != f).map(|k| train.grids[k].clone());
+        let places: Vec<usize> = (0..count).filter(|k| fold_of(*k) != f).collect();
+        let kept = places.iter().map(|k| train.grids[*k].clone());
         let test = (0..count).filter(|k| fold_of(*k) == f).map(|k| (train.grids[k].clone(), 0));
-        Fold { fit: train.on(kept.collect()), test: test.collect() }
+        Fold { fit: train.on(kept.collect()), places, test: test.collect() }
     };
     (0..FOLDS.min(leaders.len())).map(fold).collect()
 }
@@ -55,11 +58,12 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
 /// Logarithm of the root mean square error on each record, simulated by the model at `x` as the other folds fit it.
 pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Vec<f64> {
     let mut errors_ln = Vec::new();
-    for Fold { fit, test } in &data.folds {
+    let mut beginning = Beginning::default();
+    for Fold { fit, places, test } in &data.folds {
         let mut fit = fit.clone();
         noise.weigh(&mut fit, CHOOSING);
-        let found = fit.search(layout, Objective::Scales, x, STEPS, 1e-3);
-        let plain = layout.all_plain(&found.x);
+        let (_, x) = fit.race_on(layout, Objective::Scales, x, STEPS, 1e-3, places, &mut beginning);
+        let plain = layout.all_plain(&x);
         data.train.count_passes_of(&fit);
         for (grid, from) in test {
             let run = predict_one(&layout.kinds, &plain, &fit.rig, grid);

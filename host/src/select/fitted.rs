@@ -103,8 +103,8 @@ impl Fitted {
             Self::weighed(data, self.layout.clone(), x, rounds, steps, KEEPING)
         };
         let kept_first = kept(&self.x, SETTLED);
-        let corrected = data.train.search(&self.layout, Objective::Position, &kept_first.x, LAST, 1e-6);
-        let fine = kept(&corrected.x, (1, 0));
+        let (_, corrected) = data.train.race(&self.layout, Objective::Position, &kept_first.x, LAST, 1e-6);
+        let fine = kept(&corrected, (1, 0));
         let better = fine.score() > kept_first.score() - WORTH && fine.noise.mean() < kept_first.noise.mean();
         if better { fine } else { kept_first }
     }

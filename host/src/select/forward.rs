@@ -175,10 +175,12 @@ pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
 /// on which most others of the library build: it is the usual one.
 pub fn simplest(data: &Evidence, fitted: &[Fitted], base: &Fitted) -> Option<usize> {
     let best = fitted.first()?;
-    let near = (0..fitted.len()).filter(|k| *k == 0 || fitted[*k].is_as_good_as(best, data, base));
     let built_on = |model: &Fitted| {
         let name = model.kinds().last().map_or("", |kind| kind.name());
         Kind::ALL.iter().filter(|kind| kind.spec().contains.iter().any(|(part, _)| *part == name)).count()
     };
-    near.min_by_key(|k| (fitted[*k].size(), std::cmp::Reverse(built_on(&fitted[*k])), *k))
+    let mut order: Vec<usize> = (0..fitted.len()).collect();
+    order.sort_by_key(|k| (fitted[*k].size(), std::cmp::Reverse(built_on(&fitted[*k])), *k));
+    // Simplest first: those that come after the one that is taken need not be cross-validated.
+    order.into_iter().find(|k| *k == 0 || fitted[*k].is_as_good_as(best, data, base))
 }
