@@ -2,31 +2,34 @@
 //!
 //! The weak-form regression tells a controller roughly, and too small a gain where the shaft often stands still: friction there has no
 //! direction. The simulation has its friction right, and a loop does not drift, so its error over the whole record is minimised
-//! (Levenberg-Marquardt with numerical derivatives). Whether the target moves on between two rows or is held is not logged: what
+//! ([`crate::search::least_squares`]). Whether the target moves on between two rows or is held is not logged: what
 //! follows the angle better counts.
 
-use nalgebra::{SMatrix, SVector};
+use levenberg_marquardt::LevenbergMarquardt;
 
 use super::Record;
 use super::servo::{Controller, Servo, USUAL_SUPPLY};
 use super::weak::Regression;
+use crate::search::least_squares::{Minimum, Search};
 
 /// Longest step of the simulation, s, and most steps from sample to sample.
 const STEP_S: f64 = 2.5e-4;
 const MOST_STEPS: usize = 40;
 /// Most samples that are simulated, over all records.
 const MOST_SAMPLES: usize = 8_000;
-const ITERATIONS: usize = 30;
-/// A search has ended where a step gains less than this share of the error.
+/// A search has ended where a step gains less than this share of the error, or after so many simulations a parameter.
 const ENDED: f64 = 1e-5;
+const PATIENCE: usize = 30;
+/// Largest ratio between a parameter and its start.
+const BOUND: f64 = 100.0;
+/// Step of the difference, wide enough for a friction that sets in at samples; longest first step: what hardly shows may not run away.
+const DIFFERENCE: f64 = 2e-4;
+const FIRST_STEP: f64 = 0.15;
 /// What the friction, V, and the damping, s of the gain, begin with: small, and not zero, whose logarithm has no slope.
 const FRICTION_V: f64 = 0.2;
 const DAMPING_S: f64 = 1e-3;
 /// A simulation that leaves more than this share of the angle's variation tells nothing.
 const EXPLAINED: f64 = 0.1;
-
-/// Logarithms of gain, damping as seconds of the gain, gain and time constant of the motor, and friction.
-type Parameters = SVector<f64, 5>;
 
 /// A record, its loop, and how many of its samples are simulated.
 type Part<'a> = (&'a Record, &'a Servo, usize);
@@ -44,52 +47,18 @@ pub(super) fn refined(records: &[Record], start: Controller, motor: Regression) 
         })
         .collect();
     let seconds = (start.damping / start.gain).max(DAMPING_S);
-    let begin = [start.gain, seconds, motor.gain, motor.tau_s.max(5e-3), FRICTION_V].map(f64::ln).into();
-    let [held, straight] = [false, true].map(|moves| minimised(begin, &|at| errors(&parts, moves, at)));
-    let (at, cost) = if held.1 < straight.1 { held } else { straight };
+    let begin = [start.gain, seconds, motor.gain, motor.tau_s.max(5e-3), FRICTION_V];
+    let solver = LevenbergMarquardt::new().with_ftol(ENDED).with_patience(PATIENCE);
+    let solver = solver.with_scale_diag(false).with_stepbound(FIRST_STEP);
+    let search = Search { start: &begin, bound: BOUND, difference: DIFFERENCE, solver };
+    let [held, straight] = [false, true].map(|moves| search.minimise(|at| errors(&parts, moves, at)));
+    let Minimum { x, squares, .. } = if held.squares < straight.squares { held } else { straight };
     let variation: f64 = parts.iter().map(|(record, _, count)| variation(record, *count)).sum();
-    let [gain, seconds] = [at[0].exp(), at[1].exp()];
-    let explains = cost.is_finite() && cost < EXPLAINED * variation;
+    let [gain, seconds] = [x[0], x[1]];
+    let explains = squares.is_finite() && squares < EXPLAINED * variation;
     // Of a damping that is as small as it began nothing is told.
     let damping = if seconds > 2.0 * DAMPING_S { gain * seconds } else { 0.0 };
     explains.then_some(Controller { gain, damping })
-}
-
-/// The parameters with the smallest sum of squares of `residuals` on the way down from `at`, and that sum.
-fn minimised(mut at: Parameters, residuals: &dyn Fn(&Parameters) -> Vec<f64>) -> (Parameters, f64) {
-    const BY: f64 = 1e-3;
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut now = residuals(&at);
-    let (mut cost, mut damping) = (dot(&now, &now), 1e-2);
-    for _ in 0..ITERATIONS {
-        let slopes: [Vec<f64>; 5] = std::array::from_fn(|k| {
-            let mut beside = at;
-            beside[k] += BY;
-            residuals(&beside).iter().zip(&now).map(|(beside, now)| (beside - now) / BY).collect()
-        });
-        let normal = SMatrix::<f64, 5, 5>::from_fn(|r, c| dot(&slopes[r], &slopes[c]));
-        let gradient = Parameters::from_fn(|k, _| dot(&slopes[k], &now));
-        let mut gained = 0.0;
-        for _ in 0..8 {
-            let mut damped = normal;
-            (0..5).for_each(|k| damped[(k, k)] += damping * normal[(k, k)] + 1e-12);
-            let Some(step) = damped.cholesky().map(|factor| factor.solve(&gradient)) else { break };
-            // What hardly shows may not run away.
-            let next = at - step.map(|by| by.clamp(-0.7, 0.7));
-            let errors = residuals(&next);
-            let new = dot(&errors, &errors);
-            if new < cost {
-                gained = 1.0 - new / cost;
-                (at, now, cost, damping) = (next, errors, new, (damping * 0.3).max(1e-9));
-                break;
-            }
-            damping *= 4.0;
-        }
-        if gained < ENDED {
-            break;
-        }
-    }
-    (at, cost)
 }
 
 /// Sum of squares of the angle about its mean, rad^2.
@@ -100,13 +69,13 @@ fn variation(record: &Record, count: usize) -> f64 {
 }
 
 /// What the simulated loops miss the measured angles by, rad.
-fn errors(parts: &[Part], moves: bool, parameters: &Parameters) -> Vec<f64> {
+fn errors(parts: &[Part], moves: bool, parameters: &[f64]) -> Vec<f64> {
     parts.iter().flat_map(|part| errors_of(*part, moves, parameters)).collect()
 }
 
-/// The same of one record; the target moves on straight from row to row, or is held.
-fn errors_of((record, servo, count): Part, moves: bool, parameters: &Parameters) -> Vec<f64> {
-    let [gain, seconds, motor, tau_s, friction] = std::array::from_fn(|k| parameters[k].exp());
+/// The same of one record, under gain, damping as seconds of the gain, gain and time constant of the motor, and friction; the target moves on straight from row to row, or is held.
+fn errors_of((record, servo, count): Part, moves: bool, parameters: &[f64]) -> Vec<f64> {
+    let [gain, seconds, motor, tau_s, friction] = std::array::from_fn(|k| parameters[k]);
     let (time, angle) = (&record.time_s, record.angle_rad.as_deref().unwrap_or_default());
     let (mut x, mut w) = (angle[0], 0.0_f64);
     let mut all = Vec::with_capacity(count);

@@ -1,22 +1,20 @@
 //! The conventional fit: bounded nonlinear least squares on all eight parameters, from a nameplate start.
 //!
-//! Solver: the `levenberg-marquardt` crate, a port of MINPACK's `lmder`. It knows no bounds, so each parameter
-//! is the image of an unbounded number z: ln x = ln start + ln(bound) sin z, which never leaves
-//! start / bound ..= start * bound (James and Roos, MINUIT, 1975). The parameters enter the response through
-//! three combinations, so five directions of the Jacobian are zero and the solver leaves them where they were.
+//! The parameters enter the response through three combinations, so five directions of the Jacobian are zero and the solver leaves
+//! them where they were.
 
 use super::dispatch::Level;
+use super::least_squares::Search;
 use super::record::{LinearRecord, RecordError, Records};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use levenberg_marquardt::LevenbergMarquardt;
 use motorlens_shared::motor::{Combinations, PARAMETERS, PaperMotor};
-use nalgebra_lm::storage::Owned;
-use nalgebra_lm::{Const, DMatrix, DVector, Dyn, Matrix, SVector, Vector};
 use serde::Serialize;
+use std::cell::Cell;
 use std::time::Instant;
 
 /// Largest ratio between a fitted parameter and its start.
 const BOUND: f64 = 100.0;
-/// Step of the forward difference in z.
+/// Step of the forward difference.
 const DIFFERENCE: f64 = 1e-6;
 
 /// What [`conventional`] found.
@@ -52,73 +50,30 @@ pub fn conventional(records: &[LinearRecord], start: &PaperMotor) -> Result<Conv
 #[must_use]
 pub fn conventional_on(records: &Records, start: &PaperMotor) -> ConventionalResult {
     let began = Instant::now();
-    let problem =
-        Problem { records, start: *start, z: SVector::zeros(), evaluations: std::cell::Cell::new(0) };
-    let (problem, report) = LevenbergMarquardt::new().minimize(problem);
-    let motor = problem.motor(&problem.z);
+    let evaluations = Cell::new(0);
+    let motor = |x: &[f64]| {
+        PaperMotor::from_genes(core::array::from_fn::<f64, PARAMETERS, _>(|k| x[k]), start.gear_ratio)
+    };
+    let errors = |x: &[f64]| {
+        evaluations.set(evaluations.get() + 1);
+        let mut errors = Vec::with_capacity(records.samples());
+        records.errors(&motor(x).combinations(), |_, _, e| errors.push(e));
+        errors
+    };
+    let solver = LevenbergMarquardt::new();
+    let search = Search { start: &start.genes(), bound: BOUND, difference: DIFFERENCE, solver };
+    let found = search.minimise(errors);
+    let motor = motor(&found.x);
     let combinations = motor.combinations();
-    let mut squared = 0.0;
-    records.errors(&combinations, |_, _, e| squared += e * e);
     ConventionalResult {
         motor,
         parameters: motor.genes(),
         combinations,
         iae: records.exact_iae(&combinations),
-        rmse: (squared / records.samples() as f64).sqrt(),
-        evaluations: problem.evaluations.get(),
-        ending: format!("{:?}", report.termination),
+        rmse: (found.squares / records.samples() as f64).sqrt(),
+        evaluations: evaluations.get(),
+        ending: found.ending,
         seconds: began.elapsed().as_secs_f64(),
-    }
-}
-
-struct Problem<'a> {
-    records: &'a Records,
-    start: PaperMotor,
-    z: SVector<f64, PARAMETERS>,
-    evaluations: std::cell::Cell<u64>,
-}
-
-impl Problem<'_> {
-    fn motor(&self, z: &SVector<f64, PARAMETERS>) -> PaperMotor {
-        let start = self.start.genes();
-        let x = core::array::from_fn(|k| start[k] * (BOUND.ln() * z[k].sin()).exp());
-        PaperMotor::from_genes(x, self.start.gear_ratio)
-    }
-
-    fn errors(&self, z: &SVector<f64, PARAMETERS>) -> DVector<f64> {
-        self.evaluations.set(self.evaluations.get() + 1);
-        let mut errors = Vec::with_capacity(self.records.samples());
-        self.records.errors(&self.motor(z).combinations(), |_, _, e| errors.push(e));
-        DVector::from_vec(errors)
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, Const<PARAMETERS>> for Problem<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Const<PARAMETERS>>;
-    type ParameterStorage = Owned<f64, Const<PARAMETERS>>;
-
-    fn set_params(&mut self, z: &Vector<f64, Const<PARAMETERS>, Self::ParameterStorage>) {
-        self.z = *z;
-    }
-
-    fn params(&self) -> Vector<f64, Const<PARAMETERS>, Self::ParameterStorage> {
-        self.z
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.errors(&self.z))
-    }
-
-    fn jacobian(&self) -> Option<Matrix<f64, Dyn, Const<PARAMETERS>, Self::JacobianStorage>> {
-        let here = self.errors(&self.z);
-        let mut jacobian = DMatrix::zeros(here.len(), PARAMETERS);
-        for k in 0..PARAMETERS {
-            let mut z = self.z;
-            z[k] += DIFFERENCE;
-            jacobian.set_column(k, &((self.errors(&z) - &here) / DIFFERENCE));
-        }
-        Some(jacobian.fixed_columns::<PARAMETERS>(0).into_owned())
     }
 }
 

@@ -9,6 +9,7 @@ mod crew;
 mod fast;
 mod genetic;
 mod islands;
+pub(crate) mod least_squares;
 mod projection;
 #[cfg(test)]
 mod trial;
