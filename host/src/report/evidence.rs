@@ -194,6 +194,7 @@ fn figure(kind: Kind, view: View, look: Option<&str>, sorted: &Sorted) -> Figure
     });
     let empty = Figure {
         share_percent: None,
+        first: None,
         id: format!("evidence-{name}"),
         title: format!("Equation of {name} {title}"),
         reading: format!(
@@ -215,6 +216,7 @@ fn sines(kind: Kind, traces: &[EffectTrace]) -> Option<Figure> {
     let strongest = (1..orders.len()).max_by(|a, b| seen.said[*a].total_cmp(&seen.said[*b]))?;
     let empty = Figure {
         share_percent: None,
+        first: None,
         id: format!("harmonics-{name}"),
         title: format!("Equation of {name}, harmonics under the sine"),
         reading: format!(

@@ -144,6 +144,7 @@ pub fn view(side: Side, id: &str, base: &Binned, model: &Binned, names: [&str; 2
     let curves =
         vec![curve("base", names[0], 0, base), Curve { spread, ..curve("model", names[1], 1, model) }];
     Figure {
+        first: None,
         share_percent: (!model.at.is_empty()).then(|| (100.0 * model.explained).round()),
         id: id.into(),
         title: side.title().into(),
@@ -204,6 +205,7 @@ fn memory(records: &[&Shown], against: &str) -> Figure {
     let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
         share_percent: None,
+        first: None,
         id: "autocorrelation".into(),
         title: "Autocorrelation of the error".into(),
         reading,
@@ -234,6 +236,7 @@ fn harmonics(torques: [&Torques; 2], gear_ratio: f64, against: &str) -> Figure {
     let curves = both(&base.amplitude_v, &model.amplitude_v, against);
     Figure {
         share_percent: None,
+        first: None,
         id: "harmonics".into(),
         title: "Harmonics of the motor's turn".into(),
         reading,

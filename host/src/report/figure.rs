@@ -21,6 +21,9 @@ pub struct Figure {
     pub share_percent: Option<f64>,
     /// The horizontal axis of all panels.
     pub x: Axis,
+    /// The part of it that is looked at first, where all of it at once would be too dense.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first: Option<[f64; 2]>,
     /// Places along it; a curve says on which of these columns it lies.
     pub columns: Vec<Numbers>,
     /// From top to bottom.
@@ -37,6 +40,7 @@ impl Figure {
             reading,
             share_percent: None,
             x: Axis::default(),
+            first: None,
             columns: Vec::new(),
             panels: Vec::new(),
         }

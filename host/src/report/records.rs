@@ -19,29 +19,39 @@ pub type Window = (f64, f64);
 /// Turns of the voltage that [`POINTS`] show apart, and the most points of a record that is drawn once and for all.
 const TURNS: usize = 60;
 const MOST_POINTS: usize = 10_000;
+/// Turns that a screen shows apart, and how many of them a denser record begins with.
+const DENSE: usize = 150;
+const FIRST: usize = 50;
 /// A turn of the voltage is one by this share of its reach.
 const TURN: f64 = 0.1;
 
 /// The figure of a whole record for a page that cannot ask for more of it: the denser, the more points, so that a part of it shows
 /// its turns too.
 pub fn whole(id: &str, shown: &Shown, floor: f64) -> Figure {
-    let points = POINTS * turns(&shown.model.voltage_v).div_ceil(TURNS).max(1);
+    let points = POINTS * turns(&shown.model.voltage_v).len().div_ceil(TURNS).max(1);
     drawn(id, shown, floor, None, points.min(MOST_POINTS))
 }
 
-/// How often a voltage turns round.
-fn turns(volts: &[f64]) -> usize {
+/// The samples at which a voltage has turned round.
+fn turns(volts: &[f64]) -> Vec<usize> {
     let (low, high) = volts.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     let reach = TURN * (high - low);
-    let (mut way, mut last, mut count) = (0.0, volts.first().copied().unwrap_or(0.0), 0);
-    for &v in volts {
+    let (mut way, mut last, mut at) = (0.0, volts.first().copied().unwrap_or(0.0), Vec::new());
+    for (k, &v) in volts.iter().enumerate() {
         if way >= 0.0 && v < last - reach || way <= 0.0 && v > last + reach {
-            (way, last, count) = ((v - last).signum(), v, count + 1);
+            (way, last) = ((v - last).signum(), v);
+            at.push(k);
         } else if (v - last) * way > 0.0 {
             last = v;
         }
     }
-    count
+    at
+}
+
+/// The part of a record that is looked at first; none where all of it can be seen at once.
+fn first_part(run: &FreeRun) -> Option<[f64; 2]> {
+    let at = turns(&run.voltage_v);
+    (at.len() > DENSE).then(|| [run.time_s[0], run.time_s[at[FIRST]]])
 }
 
 /// The figure of one record: measured and simulated, speeds, residual and voltage over one time axis.
@@ -93,6 +103,7 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
     panels.push(panel("Voltage (V)".into(), 130, vec![volts]));
     Figure {
         share_percent: None,
+        first: first_part(&shown.model),
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
@@ -205,11 +216,15 @@ mod tests {
         let points = |shown: &Shown| whole("r", shown, 1e-3).columns[0].values().len();
         let still = points(&shown);
         assert!(still <= POINTS + 2, "a voltage that never turns: {still}");
+        assert_eq!(whole("r", &shown, 1e-3).first, None);
         let square =
             |every: usize| (0..100_000).map(|k| if (k / every) & 1 == 0 { 5.0 } else { -5.0 }).collect();
         for (every, count, more) in [(500, 199, 4), (20, 4999, 8)] {
             shown.model.voltage_v = square(every);
-            assert_eq!(turns(&shown.model.voltage_v), count);
+            assert_eq!(turns(&shown.model.voltage_v).len(), count);
+            // The first turn is at the sample `every`.
+            let until = shown.model.time_s[(FIRST + 1) * every];
+            assert_eq!(whole("r", &shown, 1e-3).first, Some([shown.model.time_s[0], until]));
             assert!(
                 (more * still..=MOST_POINTS + 2).contains(&points(&shown)),
                 "{} of {still}",

@@ -1,27 +1,6 @@
 "use strict";
 // The whole record, small, below its plots: a window shows which part is looked at, and is dragged to another one.
 const Overview = (() => {
-  // Turns of the voltage that a screen shows apart, and how many of them a dense record begins with.
-  const DENSE = 150, FIRST = 50, TURN = 0.1;
-
-  // Places at which the voltage turns by a tenth of its reach or more.
-  function turns(x, y) {
-    const reach = Math.max(...y) - Math.min(...y), at = [];
-    let way = 0, last = y[0];
-    y.forEach((v, k) => {
-      if (way >= 0 && v < last - TURN * reach) { way = -1; at.push(x[k]); last = v; }
-      else if (way <= 0 && v > last + TURN * reach) { way = 1; at.push(x[k]); last = v; }
-      else if (way >= 0 ? v > last : v < last) last = v;
-    });
-    return at;
-  }
-  // The part that a dense record begins with; null where all of it can be seen at once.
-  function first(figure) {
-    const volts = figure.panels[figure.panels.length - 1].curves[0], x = figure.columns[volts.on];
-    if (x.length < 2) return null;
-    const at = turns(x, volts.y);
-    return at.length > DENSE ? [x[0], at[FIRST]] : null;
-  }
   // The strip of one record: an element with a canvas and, for the window, a slider.
   function on(strip) {
     const frame = strip.querySelector("[role=slider]");
@@ -97,5 +76,5 @@ const Overview = (() => {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
     return { show, at };
   }
-  return { on, first };
+  return { on };
 })();

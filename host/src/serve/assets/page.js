@@ -46,7 +46,7 @@ async function showRecord(fresh = true) {
   overview.show(figure, lookAt);
   // A dense record begins with a part in which its turns are seen apart, and stays where it was looked at.
   const x = figure.columns[0], here = [figure.title, x[0], x[x.length - 1]].join();
-  if (lookedAt.here !== here) lookedAt = { here, part: Overview.first(figure) };
+  if (lookedAt.here !== here) lookedAt = { here, part: figure.first ?? null };
   if (lookedAt.part) await lookAt(lookedAt.part);
 }
 let lookedAt = { here: "", part: null };
