@@ -265,8 +265,7 @@ pub fn plan(
                 tell(event(progress));
             })?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
-        let told = found.plan(Limits { volts, seconds }).map(NextExperiment::from);
-        Ok(told.or_else(|| NextExperiment::to_show(&found.limits)))
+        Ok(NextExperiment::of(found.plan(Limits { volts, seconds }), &found.limits))
     })
 }
 

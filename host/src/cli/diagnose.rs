@@ -11,6 +11,7 @@ use crate::diagnose::discover::{Discovery, diagnose};
 use crate::error::Result;
 use crate::findings::{Action, Findings, NextStep};
 use crate::model_file::Model;
+use crate::sentence::capital;
 
 /// Options of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -63,6 +64,9 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
     for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("These records cannot tell apart: {}.\n", names.join(", "));
+    }
+    if let Some(why) = &findings.no_experiment {
+        text += &format!("{}.\n", capital(why));
     }
     if let Some(next) = &findings.next_experiment {
         text += &format!("Next experiment: {}\n", next.why);

@@ -9,9 +9,10 @@ use super::input::LogArgs;
 use super::{Console, prose};
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
-use crate::diagnose::plan::Limits;
+use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Result;
 use crate::findings::{Findings, NextExperiment, Verdict};
+use crate::sentence::capital;
 
 /// Options of `plan`.
 #[derive(Debug, clap::Args)]
@@ -37,6 +38,8 @@ struct Answer {
     schema: u32,
     rivals: Vec<Vec<motorlens_shared::effects::Kind>>,
     next_experiment: Option<NextExperiment>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_experiment: Option<String>,
 }
 
 /// Diagnoses the logs and chooses the programme.
@@ -46,8 +49,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
-    let next = plan.map(NextExperiment::from).or_else(|| NextExperiment::to_show(&found.limits));
-    let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment: next };
+    let no_experiment = plan.as_ref().filter(|plan| !plan.shows()).map(Plan::why);
+    let next_experiment = NextExperiment::of(plan, &found.limits);
+    let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment, no_experiment };
     if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {
         let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
         atomic_file::write(path, text + "\n")?;
@@ -70,10 +74,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn story(answer: &Answer, findings: &Findings) -> String {
+    let none = answer.no_experiment.as_ref().map_or_else(String::new, |why| format!("{}.\n", capital(why)));
     match &answer.next_experiment {
         Some(next) => {
             let programme = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
-            format!("{}\n{programme}\nDiagnose again with the old logs and the new one.", next.why)
+            format!("{none}{}\n{programme}\nDiagnose again with the old logs and the new one.", next.why)
         }
         None => {
             let left = match findings.verdict {
@@ -82,10 +87,12 @@ fn story(answer: &Answer, findings: &Findings) -> String {
                     " Much is left all the same: another excitation, data problems or physics outside the library may be behind it."
                 }
             };
-            format!(
-                "{} No two models are left that an experiment could tell apart.{left}",
-                findings.standing().headline
-            )
+            let alike = if none.is_empty() {
+                "No two models are left that an experiment could tell apart."
+            } else {
+                none.trim_end()
+            };
+            format!("{} {alike}{left}", findings.standing().headline)
         }
     }
 }

@@ -160,8 +160,16 @@ pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem)
         .into_iter()
         .filter_map(|(a, b)| repeats::noise_floor(&all[a], &all[b]))
         .collect();
-    let square = |x: &[f64]| (x.iter().map(|f| f * f).sum::<f64>() / x.len() as f64).sqrt();
+    let counting = reading_noise(problem);
+    if floors.is_empty() { counting } else { rms(&floors).max(counting) }
+}
+
+/// What a single reading scatters by, over all records of `problem`, in the measured unit.
+pub fn reading_noise(problem: &Problem) -> f64 {
     let reading = |g: &Grid| g.sigma.max(fast_scatter(&g.measured));
-    let counting = square(&problem.grids.iter().map(reading).collect::<Vec<_>>());
-    if floors.is_empty() { counting } else { square(&floors).max(counting) }
+    rms(&problem.grids.iter().map(reading).collect::<Vec<_>>())
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|f| f * f).sum::<f64>() / x.len() as f64).sqrt()
 }

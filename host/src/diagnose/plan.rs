@@ -9,6 +9,8 @@ use motorlens_shared::excitation::{Player, Programme, Segment, Shape};
 use nalgebra::{DMatrix, DVector};
 
 use super::contained::extended;
+use super::discover::reading_noise;
+use crate::findings::multiple;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
@@ -32,12 +34,14 @@ pub struct Plan {
     pub programme: Programme,
     /// Effects that it separates.
     pub rivals: Vec<Kind>,
-    /// rms difference, in encoder counts or noise units, that is left between the two most alike of them.
+    /// rms difference that is left between the two most alike of them, in multiples of the noise of a reading.
     pub separation: f64,
     /// The two most alike.
     pub closest: (Kind, Kind),
 }
 
+/// A difference below so many times the noise of a reading is not to be seen.
+const LEAST_SHOWN: f64 = 0.1;
 /// Rate at which programmes are tried, Hz.
 const RATE_HZ: u32 = 500;
 /// A longer programme would show nothing new, s.
@@ -66,6 +70,7 @@ pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<P
         rivals.iter().filter(|c| kind(c).is_some_and(|k| simple.contains(&k))).map(|c| (*c).clone()).collect()
     };
     let kinds: Vec<Kind> = judged.iter().filter_map(kind).collect();
+    let noise = reading_noise(problem);
     let plans = menu(limits).into_iter().filter_map(|programme| {
         let grid = played(&programme, problem)?;
         let seen: Vec<View> = judged.iter().map(|c| View::new(problem, &c.layout, &c.x, &grid)).collect();
@@ -83,17 +88,19 @@ pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<P
                 }
             }
         }
-        let separation = least.0 / problem.grids[0].sigma;
+        let separation = least.0 / noise;
         Some(Plan { programme, rivals: kinds.clone(), separation, closest: least.1 })
     });
     plans.max_by(|a, b| a.separation.total_cmp(&b.separation))
 }
 
-/// For each of `missing`, the programme that would show most of it, at its typical size, beside `model`.
+/// For each of `missing`, the programme that would show most of it, at its typical size, beside `model`; none where that is nothing beside
+/// the `noise` of a reading.
 pub fn showing(
     problem: &Problem,
     model: &Fitted,
     missing: &[Kind],
+    noise: f64,
     limits: Limits,
 ) -> Vec<Option<Programme>> {
     let values = model.values();
@@ -115,7 +122,8 @@ pub fn showing(
             }
         }
     }
-    best.into_iter().map(|best| best.map(|(_, programme)| programme)).collect()
+    let shown = |best: Option<(f64, Programme)>| best.filter(|(left, _)| *left >= LEAST_SHOWN * noise);
+    best.into_iter().map(|best| shown(best).map(|(_, programme)| programme)).collect()
 }
 
 /// `c` with the usual shape of what its last law has beside the simpler ones: where its size came out as nothing, the shape
@@ -259,30 +267,39 @@ fn left(tangent: &DMatrix<f64>, difference: DVector<f64>) -> f64 {
 }
 
 impl Plan {
-    /// What it would show, in a sentence.
+    /// Whether it would show anything: the best of all programmes may not.
+    pub fn shows(&self) -> bool {
+        self.separation >= LEAST_SHOWN
+    }
+
+    /// What it would show, or that none of the programmes would show anything, in a sentence.
     pub fn why(&self) -> String {
         let names: Vec<&str> = self.rivals.iter().map(|k| k.name()).collect();
         let (a, b) = self.closest;
-        if let Some((simple, rich)) = nested(a, b) {
-            return format!(
-                "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {} would show it \
-                 best, {} at its usual size",
-                self.programme.name,
-                times_the_noise(self.separation)
-            );
+        let name = &self.programme.name;
+        match (nested(a, b), self.shows()) {
+            (Some((simple, rich)), true) => format!(
+                "{simple} suffices: {rich} contains it and gains nothing here; if there is a difference, {name} would show it \
+                 best, by {} at its usual size",
+                multiple(self.separation)
+            ),
+            (Some((simple, rich)), false) => format!(
+                "{simple} suffices: {rich} contains it and gains nothing here; of the programmes known none would show a \
+                 difference, the best of them, {name}, less than {}",
+                multiple(LEAST_SHOWN)
+            ),
+            (None, true) => format!(
+                "{name} plays what {} answer differently: even {a} and {b}, the most alike, would differ by {}",
+                names.join(", "),
+                multiple(self.separation)
+            ),
+            (None, false) => format!(
+                "of the programmes known none would tell {a} and {b} apart: in the best of them, {name}, they differ by less \
+                 than {}",
+                multiple(LEAST_SHOWN)
+            ),
         }
-        format!(
-            "{} plays what {} answer differently: even {a} and {b}, the most alike, would differ {}",
-            self.programme.name,
-            names.join(", "),
-            times_the_noise(self.separation)
-        )
     }
-}
-
-/// `n` times the noise, in words.
-fn times_the_noise(n: f64) -> String {
-    if n < 0.1 { "by less than 0.1 x the noise".into() } else { format!("by {n:.1} x the noise") }
 }
 
 #[cfg(test)]
@@ -290,6 +307,7 @@ mod tests {
     use super::*;
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
+    use crate::findings::NextExperiment;
     use crate::select::forward::forward;
 
     #[test]
@@ -320,6 +338,27 @@ mod tests {
         assert!(why(&[Kind::Stribeck, Kind::Coulomb]).starts_with("coulomb suffices: stribeck contains it"));
         let three = why(&[Kind::Stribeck, Kind::Coulomb, Kind::DeadZone]);
         assert!(three.contains("dead_zone") && !three.contains("suffices"), "{three}");
+    }
+
+    #[test]
+    fn an_experiment_that_would_show_nothing_is_not_suggested() {
+        let programme = menu(Limits { volts: 6.0, seconds: 5.0 }).remove(0);
+        let plan = |closest, separation| Plan {
+            programme: programme.clone(),
+            rivals: vec![closest, Kind::DeadZone],
+            separation,
+            closest: (Kind::Coulomb, closest),
+        };
+        for (closest, separation, says) in [
+            (Kind::DeadZone, 0.3, "would differ by 0.3 x the noise"),
+            (Kind::DeadZone, 0.03, "none would tell coulomb and dead_zone apart"),
+            (Kind::Stribeck, 0.3, "by 0.3 x the noise at its usual size"),
+            (Kind::Stribeck, 0.03, "none would show a difference"),
+        ] {
+            let plan = plan(closest, separation);
+            assert!(plan.why().contains(says), "{}", plan.why());
+            assert_eq!(NextExperiment::of(Some(plan), &[]).is_some(), separation > 0.1, "{says}");
+        }
     }
 
     #[test]

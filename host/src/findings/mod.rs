@@ -51,6 +51,9 @@ pub struct Findings {
     pub rivals: Vec<Vec<Kind>>,
     /// What to run next.
     pub next_experiment: Option<NextExperiment>,
+    /// Why no experiment would tell the rivals apart, where there are some and none would.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_experiment: Option<String>,
     /// For every effect that was not accepted, the smallest size that these records would have shown.
     pub detection_limits: Vec<DetectionLimit>,
     /// What is odd about the logs, and what the fit shows of it.
@@ -86,6 +89,11 @@ impl From<Plan> for NextExperiment {
 }
 
 impl NextExperiment {
+    /// That of `plan` where it would show anything; else what shows most of the effects that `limits` say are hidden.
+    pub fn of(plan: Option<Plan>, limits: &[DetectionLimit]) -> Option<Self> {
+        plan.filter(Plan::shows).map(Self::from).or_else(|| Self::to_show(limits))
+    }
+
     /// The programme that most of the effects which the records cannot show ask for.
     pub fn to_show(limits: &[DetectionLimit]) -> Option<Self> {
         let asked = || limits.iter().filter_map(|limit| Some((limit.effect, limit.programme.as_ref()?)));
@@ -107,7 +115,9 @@ impl Findings {
         let values = found.model.values();
         let parameters = estimates(&found.evidence.whole, &values);
         let errors = errors_of(&found.ladder, found.noise_floor);
-        let next_experiment = next_experiment(found);
+        let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
+        let no_experiment = plan.as_ref().filter(|plan| !plan.shows()).map(Plan::why);
+        let next_experiment = NextExperiment::of(plan, &found.limits);
         let later = shown_by_fit::faults(&parameters, &found.effects);
         let standing = Standing::of(&Facts {
             errors,
@@ -134,6 +144,7 @@ impl Findings {
             candidates: found.candidates.clone(),
             rivals: found.open_sets(),
             next_experiment,
+            no_experiment,
             detection_limits: found.limits.clone(),
             data_faults: of_logs.iter().cloned().chain(later).collect(),
             of_logs: of_logs.len(),
@@ -172,6 +183,7 @@ impl Findings {
             candidates: Vec::new(),
             rivals: Vec::new(),
             next_experiment: None,
+            no_experiment: None,
             detection_limits: Vec::new(),
             data_faults: faults,
             of_logs: of_logs.len(),
@@ -201,11 +213,4 @@ impl Findings {
 pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
     let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
     Errors { base: error(ladder.first()), model: error(ladder.last()), noise }
-}
-
-/// The programme that tells the rivals apart, within the voltages that the logs reached; else the one that shows most of the effects
-/// that these records cannot show.
-fn next_experiment(found: &Discovery) -> Option<NextExperiment> {
-    let limits = Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 };
-    found.plan(limits).map(NextExperiment::from).or_else(|| NextExperiment::to_show(&found.limits))
 }

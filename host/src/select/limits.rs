@@ -13,6 +13,7 @@ use super::fitted::Fitted;
 use super::forward::lacks;
 use super::noise::FREEDOM;
 use crate::diagnose::contained::{extended, parts};
+use crate::diagnose::discover::reading_noise;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::plan::{self, Limits};
 use crate::diagnose::tangent::Tangent;
@@ -39,7 +40,7 @@ pub struct DetectionLimit {
     pub smallest: Option<f64>,
     /// Unit of that size.
     pub unit: &'static str,
-    /// What to run to see it, where these records cannot.
+    /// What to run to see it, where these records cannot and a programme is known that would.
     pub programme: Option<Programme>,
 }
 
@@ -66,7 +67,8 @@ pub fn detection_limits(
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(&problem, model, &tangent, kind, asked)).collect();
     let hidden = DetectionLimit::hidden(&limits);
-    let shown = plan::showing(&problem, model, &hidden, Limits { volts, seconds: 8.0 });
+    let shown =
+        plan::showing(&problem, model, &hidden, reading_noise(&data.train), Limits { volts, seconds: 8.0 });
     for (limit, programme) in limits.iter_mut().filter(|l| l.smallest.is_none()).zip(shown) {
         limit.programme = programme;
     }

@@ -52,7 +52,7 @@ impl Diagnosis {
         let next = plan::choose(&evidence.whole, &among, Limits { volts, seconds: LONGEST_S });
         let limits =
             if worth { Vec::new() } else { detection_limits(evidence, base, model, &formula::all(), volts) };
-        let next = next.map(NextExperiment::from).or_else(|| NextExperiment::to_show(&limits));
+        let next = NextExperiment::of(next, &limits);
         let rivals = found.iter().map(Rivals::kinds).collect();
         Self { suspects, rivals, next, limits, worth, candidates }
     }
