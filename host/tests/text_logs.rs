@@ -337,6 +337,12 @@ fn what_cannot_be_told_is_refused_with_what_to_do() {
             ["torque in ROS", "--map time=t:s,voltage=effort:V,angle=position:rad", "duty=effort:100"],
         ),
         (
+            lines("MOT: Monitor enabled!\nMOT: Align sensor.\nMOT: Ready.\n", |_, _, u, x| {
+                format!("{u:.4}\t{u:.4}\t{:.4}\t{x:.4}", 1.5 * u)
+            }),
+            ["SimpleFOC", "--map voltage=1:V,speed=2:rad/s,angle=3:rad --rate 100", "micros()"],
+        ),
+        (
             lines(HEADER, |_, _, u, x| format!("0.01,{u},{x}")),
             ["repeat the time", "--map interval=time_s:s", "time since the row before"],
         ),

@@ -14,14 +14,18 @@ pub(super) fn unit(text: &str) -> Option<&str> {
     (number(value).is_some() && words::unit_named(unit).is_some()).then_some(unit)
 }
 
-/// The unit of each column, as the fields of most rows have it; empty where they have none. All of it is empty where no column has one.
-pub(super) fn units<'a>(splitter: &mut Splitter, rows: impl Iterator<Item = &'a str>) -> Vec<String> {
-    // Of each column its units so far, with how many fields had them, and how many fields had any value.
-    let mut seen: Vec<(Vec<(String, usize)>, usize)> = Vec::new();
-    for row in rows {
-        splitter.split(row);
-        seen.resize(seen.len().max(splitter.len()), (Vec::new(), 0));
-        for (text, (units, count)) in splitter.iter().zip(&mut seen).filter(|(text, _)| !text.is_empty()) {
+/// The units that stand beside the numbers of each column.
+#[derive(Debug, Default)]
+pub(super) struct Units {
+    /// Of each column its units so far, with how many fields had them, and how many fields had any value.
+    seen: Vec<(Vec<(String, usize)>, usize)>,
+}
+
+impl Units {
+    /// Looks at the row that was split last.
+    pub fn see(&mut self, row: &Splitter) {
+        self.seen.resize(self.seen.len().max(row.len()), (Vec::new(), 0));
+        for (text, (units, count)) in row.iter().zip(&mut self.seen).filter(|(text, _)| !text.is_empty()) {
             *count += 1;
             let Some(unit) = unit(text) else { continue };
             match units.iter_mut().find(|(known, _)| known == unit) {
@@ -30,12 +34,18 @@ pub(super) fn units<'a>(splitter: &mut Splitter, rows: impl Iterator<Item = &'a 
             }
         }
     }
-    let most = |(units, count): (Vec<(String, usize)>, usize)| {
-        let (unit, times) = units.into_iter().max_by_key(|(_, times)| *times)?;
-        (times as f64 >= MOST * count as f64).then_some(unit)
-    };
-    let units: Vec<String> = seen.into_iter().map(|column| most(column).unwrap_or_default()).collect();
-    if units.iter().all(String::is_empty) { Vec::new() } else { units }
+
+    /// The unit of each column, as the fields of most rows have it; empty where they have none. All of it is empty where no column has
+    /// one.
+    pub fn of_columns(self) -> Vec<String> {
+        let most = |(units, count): (Vec<(String, usize)>, usize)| {
+            let (unit, times) = units.into_iter().max_by_key(|(_, times)| *times)?;
+            (times as f64 >= MOST * count as f64).then_some(unit)
+        };
+        let units: Vec<String> =
+            self.seen.into_iter().map(|column| most(column).unwrap_or_default()).collect();
+        if units.iter().all(String::is_empty) { Vec::new() } else { units }
+    }
 }
 
 #[cfg(test)]
@@ -57,9 +67,15 @@ mod tests {
 
     #[test]
     fn a_column_has_the_unit_of_most_of_its_fields() {
-        let mut splitter = Splitter::of(Separator::Byte(b','), false);
-        let rows = ["0 ms,5V,1", "1 ms,,2", "2 ms,200mV,3", "3 ms,4.5V,4"];
-        assert_eq!(units(&mut splitter, rows.into_iter()), ["ms", "V", ""]);
-        assert!(units(&mut splitter, ["1,2", "3,4"].into_iter()).is_empty());
+        let units = |rows: &[&str]| {
+            let (mut splitter, mut units) = (Splitter::of(Separator::Byte(b','), false), Units::default());
+            for row in rows {
+                splitter.split(row);
+                units.see(&splitter);
+            }
+            units.of_columns()
+        };
+        assert_eq!(units(&["0 ms,5V,1", "1 ms,,2", "2 ms,200mV,3", "3 ms,4.5V,4"]), ["ms", "V", ""]);
+        assert!(units(&["1,2", "3,4"]).is_empty());
     }
 }

@@ -9,6 +9,7 @@ use std::ops::Range;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::clock;
+use super::guess::words;
 
 /// What separates the fields of a row.
 #[derive(Debug, Clone, PartialEq)]
@@ -202,25 +203,34 @@ pub fn is_hex(text: &str) -> bool {
     (1..=8).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
-/// The columns that hold hexadecimal numbers without a mark: nothing else stands there, and not few of them have letters among their
-/// digits (more than the `e` of an exponent).
-pub fn hex_columns<'a>(splitter: &mut Splitter, rows: impl Iterator<Item = &'a str>) -> Vec<usize> {
-    // Of each column the fields, those that may be such numbers, and those that are no others.
-    let mut seen: Vec<[usize; 3]> = Vec::new();
-    for row in rows {
-        splitter.split(row);
-        seen.resize(seen.len().max(splitter.len()), [0; 3]);
-        for (text, seen) in splitter.iter().zip(&mut seen).filter(|(text, _)| !text.is_empty()) {
+/// What tells the columns of hexadecimal numbers without a mark.
+#[derive(Debug, Default)]
+pub struct Hexadecimal {
+    /// Of each column the fields, those that may be such numbers, and those that are no others.
+    seen: Vec<[usize; 3]>,
+}
+
+impl Hexadecimal {
+    /// Looks at the row that was split last.
+    pub fn see(&mut self, row: &Splitter) {
+        self.seen.resize(self.seen.len().max(row.len()), [0; 3]);
+        for (text, seen) in row.iter().zip(&mut self.seen).filter(|(text, _)| !text.is_empty()) {
             let hex = is_hex(text);
             let letters =
                 hex && text.bytes().any(|b| b.is_ascii_alphabetic() && !b.eq_ignore_ascii_case(&b'e'));
             *seen = [seen[0] + 1, seen[1] + usize::from(hex), seen[2] + usize::from(letters)];
         }
     }
-    // Half a line may end within one.
-    let is =
-        |[all, hex, letters]: &[usize; 3]| 50 * (all - hex) <= *all && 5 * letters >= *all && *letters > 1;
-    seen.iter().enumerate().filter(|(_, seen)| is(seen)).map(|(column, _)| column).collect()
+
+    /// The columns where nothing else stands, and not few of whose numbers have letters among their digits (more than the `e` of an
+    /// exponent).
+    pub fn columns(&self) -> Vec<usize> {
+        // Half a line may end within one.
+        let is = |[all, hex, letters]: &[usize; 3]| {
+            50 * (all - hex) <= *all && 5 * letters >= *all && *letters > 1
+        };
+        self.seen.iter().enumerate().filter(|(_, seen)| is(seen)).map(|(column, _)| column).collect()
+    }
 }
 
 /// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
@@ -299,10 +309,22 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
         let name_at = hard + line[hard..colon].find(name).unwrap_or(0);
         let value = colon + 1 + line[colon + 1..].find(|c| c != ' ').unwrap_or(0);
         let end = line[value..].find(BETWEEN).map_or(line.len(), |at| value + at);
+        let end = end_of_unit(line, end)
+            .filter(|_| line[..end].ends_with(|c: char| c.is_ascii_digit()))
+            .unwrap_or(end);
         pairs.push((name_at..name_at + name.len(), value..end));
         rest = end;
     }
     pairs
+}
+
+/// Where the unit ends that stands a blank behind the number at `end` of `line`, as in `Speed: 15.2 RPM`; none where there is none, or
+/// where it is the name of the next value.
+fn end_of_unit(line: &str, end: usize) -> Option<usize> {
+    let word = line[end..].strip_prefix(' ')?.split([',', ';', '|', '\t', ' ']).next()?;
+    let end = end + 1 + word.len();
+    let is_name = line[end..].trim_start().starts_with([':', '=']);
+    (words::unit_named(word).is_some() && !is_name).then_some(end)
 }
 
 #[cfg(test)]
@@ -342,10 +364,14 @@ mod tests {
         assert_eq!(split("2024-05-01 12:30:00.5  2", Separator::Blanks), ["2024-05-01 12:30:00.5", "2"]);
         assert_eq!(split("0,01,5,2", Separator::DecimalCommas), ["0,01", "5,2"]);
         let names = || Separator::Names(vec!["t".into(), "pwm".into(), "motor enc".into()]);
-        for line in
-            ["t:12 pwm:80 motor enc:-3", "motor enc: -3, t = 12 ms, pwm: 80", "t:12\tpwm:80\tmotor enc:-3"]
-        {
-            assert_eq!(split(line, names()), ["12", "80", "-3"], "{line}");
+        for (line, time) in [
+            ("t:12 pwm:80 motor enc:-3", "12"),
+            ("motor enc: -3, t = 12 ms, pwm: 80", "12 ms"),
+            ("t:12\tpwm:80\tmotor enc:-3", "12"),
+            ("t: 12 s pwm: 80 motor enc: -3", "12 s"),
+            ("t: 12 pwm: 80 motor enc: -3 m: 7", "12"),
+        ] {
+            assert_eq!(split(line, names()), [time, "80", "-3"], "{line}");
         }
         assert_eq!(split("t:12", names()), ["12", "", ""]);
         assert_eq!(split("hello", names()), [""]);
@@ -354,9 +380,14 @@ mod tests {
     #[test]
     fn hexadecimal_columns_are_told_by_their_letters_and_marked() {
         let rows = ["1,00FF,1E5,on", "2,0A10,2E5,ff", "3,FFD2,3E5,x"];
-        let plain = || Splitter::of(Separator::Byte(b','), false);
-        assert_eq!(hex_columns(&mut plain(), rows.into_iter()), [1]);
-        let mut splitter = plain().with_hex(vec![1]);
+        let mut splitter = Splitter::of(Separator::Byte(b','), false);
+        let mut hexadecimal = Hexadecimal::default();
+        for row in rows {
+            splitter.split(row);
+            hexadecimal.see(&splitter);
+        }
+        assert_eq!(hexadecimal.columns(), [1]);
+        let mut splitter = splitter.with_hex(vec![1]);
         splitter.split(rows[2]);
         assert_eq!(splitter.iter().collect::<Vec<_>>(), ["3", "0xFFD2", "3E5", "x"]);
     }

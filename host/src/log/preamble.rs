@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::fields::{Separator, Splitter, hex_columns};
+use super::fields::{Hexadecimal, Separator, Splitter};
 use super::layout::Layout;
 use super::text::cannot_read;
 use super::{Metadata, beside};
@@ -14,6 +14,9 @@ const MOST_COLUMNS: usize = 1000;
 /// Lines, and bytes of them, from which the layout is told.
 const LOOKED_AT_LINES: usize = 200;
 const LOOKED_AT_BYTES: usize = 1 << 16;
+
+/// How SimpleFOC's messages begin, which stand before the lines of its monitor.
+const SIMPLEFOC: &str = "MOT: ";
 
 /// What stands before the data, and how the data are written.
 #[derive(Debug)]
@@ -99,13 +102,18 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
             line = at;
             layout = Layout { rows: with_header.rows - 1, ..with_header };
         } else if !by_number {
-            return Err(BadInput::new(
-                path,
-                "the first row holds numbers, so the columns have no names",
-                "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad",
-            )
-            .at_line(line)
-            .into());
+            let remedy = if texts[..layout.rows.min(texts.len())]
+                .iter()
+                .any(|line| line.starts_with(SIMPLEFOC))
+            {
+                "these are the lines of SimpleFOC's monitor(), in the order of its monitor_variables; as it begins with (target, voltage q, \
+                 velocity, angle) that is --map voltage=1:V,speed=2:rad/s,angle=3:rad --rate 100 (put your lines per second in the place of \
+                 100), or print micros() before them and count from 1"
+            } else {
+                "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad"
+            };
+            let why = "the first row holds numbers, so the columns have no names";
+            return Err(BadInput::new(path, why, remedy).at_line(line).into());
         }
     }
     check(path, &layout, &texts, line)?;
@@ -113,8 +121,13 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let skipped = if line < lines[0].0 { 0 } else { skipped };
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped);
-    let beside = beside::units(&mut splitter, rows.iter().map(|(_, row)| row.as_str()));
-    let hex = hex_columns(&mut splitter, rows.iter().map(|(_, row)| row.as_str()));
+    let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
+    for (_, row) in &rows {
+        splitter.split(row);
+        beside.see(&splitter);
+        hex.see(&splitter);
+    }
+    let (beside, hex) = (beside.of_columns(), hex.columns());
     let mut units = layout.units;
     units.resize(units.len().max(beside.len()), String::new());
     for (unit, beside) in units.iter_mut().zip(&beside).filter(|(unit, _)| unit.is_empty()) {

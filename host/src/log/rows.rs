@@ -248,8 +248,19 @@ pub(super) fn number(text: &str) -> Option<f64> {
         let point = decimal_comma.then(|| text.replacen(',', ".", 1));
         let plain = point.as_deref().unwrap_or(text);
         let with_point = point.as_ref().and_then(|text| text.parse().ok());
-        with_point.or_else(|| with_thousands(plain)).or_else(|| points_and_comma(text)).or_else(|| hex(text))
+        with_point
+            .or_else(|| with_thousands(plain))
+            .or_else(|| points_and_comma(text))
+            .or_else(|| hex(text))
+            .or_else(|| one_of(text))
     })
+}
+
+/// The only number of an array, `[0.5]` or `(0.5,)`, as messages of ROS with one joint are exported.
+fn one_of(text: &str) -> Option<f64> {
+    let inside = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+    let inside = inside.or_else(|| text.strip_prefix('(')?.strip_suffix(')'));
+    inside?.trim().trim_end_matches(',').parse().ok()
 }
 
 /// `1'234.5`, as Swiss spreadsheets and pocket calculators write it, and the same with a narrow blank.

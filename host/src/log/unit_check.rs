@@ -8,8 +8,9 @@ use super::Record;
 use super::motion::{peak, slope, speed};
 use super::quantum::quantum;
 use super::remap::remapped;
+use super::sysid::TEST_KEY;
 use super::timing::median_interval;
-use super::units::Quantity::{Angle, Duty, Time, Voltage};
+use super::units::Quantity::{Angle, Duty, Speed, Time, Voltage};
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
@@ -129,28 +130,46 @@ fn agreement(record: &Record) -> Option<Fault> {
     if (0.5..2.0).contains(&ratio) {
         return None;
     }
-    Some(fault(
-        "speed_rad_s",
-        format!("the speed is {ratio:.3} times the change of the angle; {}", likely(ratio)),
-        "give both units, for example --map angle=angle_rad:deg,speed=speed_rad_s:rpm",
-    ))
+    let (looks, units) = likely(ratio);
+    let why = format!("the speed is {ratio:.3} times the change of the angle; {looks}");
+    // What was read in other units than the canonical ones looks otherwise.
+    let plain = |quantity| {
+        let source = record.map.as_ref().and_then(|map| map.source(quantity));
+        source.is_none_or(|source| ["", "rad", "rad/s"].contains(&source.written.as_str()))
+    };
+    let is_plain = record.meta.get(TEST_KEY).is_none() && plain(Angle) && plain(Speed);
+    let fix = match units {
+        Some([angle, speed]) if is_plain => {
+            format!("if so, say {}", remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]))
+        }
+        _ => "give the units of both, for example --map angle=angle_rad:deg,speed=speed_rad_s:rpm".into(),
+    };
+    Some(fault("speed_rad_s", why, fix))
 }
 
-fn likely(ratio: f64) -> &'static str {
-    const RATIOS: [(f64, &str); 8] = [
-        (60.0 / TAU, "the speed looks like rpm"),
-        (360.0 / TAU, "the speed looks like deg/s"),
-        (1.0 / TAU, "the speed looks like turns per second"),
-        (TAU / 360.0, "the angle looks like degrees"),
-        (TAU, "the angle looks like turns"),
-        (6.0, "the angle looks like turns and the speed like rpm, or the like"),
-        (1000.0, "the time looks like milliseconds"),
-        (1e6, "the time looks like microseconds"),
+/// What a speed that is so many times the change of the angle looks like, with the units of angle and speed where it tells them.
+fn likely(ratio: f64) -> (&'static str, Option<[&'static str; 2]>) {
+    const RATIOS: [(f64, &str, Option<[&str; 2]>); 10] = [
+        (60.0 / TAU, "the speed looks like rpm", Some(["rad", "rpm"])),
+        (360.0 / TAU, "the speed looks like deg/s", Some(["rad", "deg/s"])),
+        (1.0 / TAU, "the speed looks like turns per second", Some(["rad", "rev/s"])),
+        (TAU / 360.0, "the angle looks like degrees", Some(["deg", "rad/s"])),
+        (TAU, "the angle looks like turns", Some(["rev", "rad/s"])),
+        (60.0, "the angle looks like turns and the speed like rpm", Some(["rev", "rpm"])),
+        (360.0, "the angle looks like turns and the speed like deg/s", Some(["rev", "deg/s"])),
+        (1.0 / 6.0, "the angle looks like degrees and the speed like rpm", Some(["deg", "rpm"])),
+        (1000.0, "the time looks like milliseconds", None),
+        (1e6, "the time looks like microseconds", None),
     ];
+    let off = |row: &(f64, &str, Option<[&str; 2]>)| (ratio / row.0 - 1.0).abs();
     RATIOS
         .into_iter()
-        .find(|(unit, _)| (ratio / unit - 1.0).abs() < 0.1)
-        .map_or("one of them is in another unit, or on the other side of the gears", |(_, text)| text)
+        .filter(|row| off(row) < 0.1)
+        .min_by(|one, other| off(one).total_cmp(&off(other)))
+        .map_or(
+            ("one of them is in another unit, or on the other side of the gears", None),
+            |(_, text, units)| (text, units),
+        )
 }
 
 fn shaft_speed(record: &Record) -> Option<Fault> {
@@ -245,6 +264,10 @@ mod tests {
             let speed = slope(&r.time_s, r.angle_rad.as_ref().unwrap());
             r.speed_rad_s = Some(speed.iter().map(|speed| speed * 60.0 / TAU).collect());
         };
+        let turns_and_rpm = |r: &mut Record| {
+            rpm(r);
+            scale(r.angle_rad.as_mut(), 1.0 / TAU);
+        };
         let geared = |r: &mut Record| {
             r.meta.insert("gear_ratio", "104").unwrap();
             scale(r.angle_rad.as_mut(), 360.0 / TAU);
@@ -259,7 +282,7 @@ mod tests {
             scale(r.angle_rad.as_mut(), 60.0 / TAU);
         };
         type Edit<'a> = &'a dyn Fn(&mut Record);
-        let cases: [(Edit, &str, &str, &str); 13] = [
+        let cases: [(Edit, &str, &str, &str); 14] = [
             (&|r| scale(Some(&mut r.time_s), 1000.0), "column time_s", "looks like ms", "time_s:ms"),
             (&|r| scale(Some(&mut r.time_s), 1e6), "column time_s", "looks like us", "time_s:us"),
             (&whole_ms, "column time_s", "looks like ms", "time_s:ms"),
@@ -269,6 +292,12 @@ mod tests {
             (&counts, "column angle_rad", "counts", "--counts-per-rev 1400"),
             (&degrees, "column angle_rad", "looks like deg", "angle_rad:deg"),
             (&rpm, "column speed_rad_s", "looks like rpm", "speed_rad_s:rpm"),
+            (
+                &turns_and_rpm,
+                "column speed_rad_s",
+                "the angle looks like turns and the speed like rpm",
+                "angle=angle_rad:rev,speed=speed_rad_s:rpm",
+            ),
             (&geared, "column angle_rad", "turns a minute", "gear_ratio"),
             (
                 &|r| scale(Some(&mut r.voltage_v), 5e-4),

@@ -190,6 +190,60 @@ fn drives() -> Vec<Case> {
             "",
         ),
         (
+            "ODrive",
+            lines(
+                "time,axis0.pos_estimate,axis0.vel_estimate,axis0.motor.foc.Iq_measured,axis0.motor.foc.Vq_setpoint,vbus_voltage\n",
+                |_, t, u, x| format!("{t},{},{},0.1,{u},24.1", x / TAU, 1.5 * u / TAU),
+            ),
+            "--map time=time:s,voltage=axis0.motor.foc.Vq_setpoint:V,angle=axis0.pos_estimate:rev,speed=axis0.vel_estimate:rev/s,\
+             current=axis0.motor.foc.Iq_measured:A,supply=vbus_voltage:V",
+            "",
+        ),
+        (
+            "Phoenix",
+            lines(
+                "Timestamp,Phoenix6/TalonFX-3/SupplyVoltage,Phoenix6/TalonFX-3/MotorVoltage,Phoenix6/TalonFX-3/Position\n",
+                |k, t, u, x| format!("{t},{},{u},{}", 12.1 - 0.1 * f64::from(k % 3), x / TAU),
+            ),
+            "--map time=Timestamp:s,voltage=Phoenix6/TalonFX-3/MotorVoltage:V,angle=Phoenix6/TalonFX-3/Position:rev,\
+             supply=Phoenix6/TalonFX-3/SupplyVoltage:V",
+            "",
+        ),
+        (
+            "moteus",
+            lines(
+                "timestamp,mode,position,velocity,torque,q_current,d_current,voltage,temperature,fault,command_voltage_q\n",
+                |_, t, u, x| format!("{t},6,{},{},{u},{u},0.01,24.0,30.5,0,{u}", x / TAU, 1.5 * u / TAU),
+            ),
+            "--map time=timestamp:s,voltage=command_voltage_q:V,angle=position:rev,speed=velocity:rev/s,current=q_current:A,\
+             supply=voltage:V",
+            "",
+        ),
+        (
+            "turns and rpm that no name tells",
+            lines("Timestamp,Applied Output,Bus Voltage,Position,Velocity\n", |_, t, u, x| {
+                format!("{t},{},16,{},{}", u / 16.0, x / TAU, 1.5 * u * 60.0 / TAU)
+            }),
+            "--map \"time=Timestamp:s,duty=Applied Output:1,angle=Position:rev,speed=Velocity:rpm,supply=Bus Voltage:V\"",
+            "",
+        ),
+        (
+            "units a blank behind named values",
+            lines("", |k, _, u, x| {
+                format!("Time: {} ms, Motor: {u} V, Shaft: {} deg", 10 * k, x.to_degrees())
+            }),
+            "--map time=Time:ms,voltage=Motor:V,angle=Shaft:deg",
+            "",
+        ),
+        (
+            "the arrays of a bag's only joint",
+            lines("time,name,position,velocity,voltage\n", |_, t, u, x| {
+                format!("{t},\"['wheel']\",\"[{x}]\",\"[{}]\",{u}", 1.5 * u)
+            }),
+            "--map time=time:s,voltage=voltage:V,angle=position:rad,speed=velocity:rad/s",
+            "",
+        ),
+        (
             "a command is no measurement",
             lines("t,u,cmd_vel,input_pos,vel,theta\n", |_, t, u, x| format!("{t},{u},1,{},{u},{x}", 2.0 * x)),
             "--map time=t:s,voltage=u:V,angle=theta:rad,speed=vel:rad/s",

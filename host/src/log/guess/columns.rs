@@ -1,5 +1,7 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
+use std::f64::consts::TAU;
+
 use super::{registers, words};
 use crate::log::direction;
 use crate::log::timing;
@@ -20,7 +22,8 @@ pub struct Part {
 
 /// The column for each quantity, in the order of [`Quantity::ALL`].
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
-    let said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
+    let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
+    tell_turns(&mut said, names);
     let values =
         |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
     let useful = |index: usize| rows.is_empty() || values(index).next().is_some();
@@ -107,6 +110,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         angle.unit = unit;
     }
     add_fractions(&mut parts, names, rows);
+    agree(&mut parts, &said, rows);
     // A direction is one only beside a drive that has no sign of its own.
     let drive = parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
     let unsigned = drive.is_some_and(|part| Range::of(values(part.index)).low >= 0.0);
@@ -142,6 +146,78 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     parts
 }
 
+/// moteus logs turns and turns a second, which nothing but the company of its own names says (github.com/mjbots/moteus, reference).
+fn tell_turns(said: &mut [words::Said], names: &[String]) {
+    let has = |own: &str| names.iter().any(|name| words::of(name).join("_").ends_with(own));
+    if !["q_current", "d_current", "position", "velocity", "torque"].into_iter().all(has) {
+        return;
+    }
+    for said in said.iter_mut().filter(|said| said.unit.is_none()) {
+        said.unit = match said.quantity {
+            Some((Quantity::Angle, _)) => Some("rev"),
+            Some((Quantity::Speed, _)) => Some("rev/s"),
+            _ => None,
+        };
+    }
+}
+
+/// Where no name tells the unit of angle or speed, that in which the speed is the change of the angle: a log of turns beside rpm is one of
+/// neither rad nor rad/s.
+fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) {
+    const SECONDS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    // Times that the speed is the change of the angle, and the units of both that this speaks for.
+    const RATIOS: [(f64, &str, &str); 6] = [
+        (60.0, "rev", "rpm"),
+        (60.0 / TAU, "rad", "rpm"),
+        (1.0 / 6.0, "deg", "rpm"),
+        (360.0 / TAU, "rad", "deg/s"),
+        (TAU / 360.0, "deg", "rad/s"),
+        (TAU, "rev", "rad/s"),
+    ];
+    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
+    let (Some(time), Some(angle), Some(speed)) =
+        (place(Quantity::Time), place(Quantity::Angle), place(Quantity::Speed))
+    else {
+        return;
+    };
+    let own = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
+    let unit = SECONDS.iter().find(|(name, _)| *name == parts[time].unit);
+    let (true, true, Some((_, seconds)), None) =
+        (own(&parts[angle]), own(&parts[speed]), unit, parts[time].rest)
+    else {
+        return;
+    };
+    let at = |row: &[f64], part: usize| row.get(parts[part].index).copied().unwrap_or(f64::NAN);
+    let whole: Vec<[f64; 3]> = rows
+        .iter()
+        .map(|row| [at(row, time) * seconds, at(row, angle), at(row, speed)])
+        .filter(|row| row.iter().all(|value| value.is_finite()))
+        .collect();
+    let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
+    for rows in whole.windows(3) {
+        let change = (rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
+        if change.is_finite() {
+            let speed = rows[1][2];
+            (product, changes, speeds) =
+                (product + change * speed, changes + change * change, speeds + speed * speed);
+        }
+    }
+    // Readings that jump tell no ratio.
+    if product < ONE_MOTION * (changes * speeds).sqrt() {
+        return;
+    }
+    let ratio = product / changes;
+    let near = |(wanted, ..): &&(f64, &str, &str)| (ratio / wanted - 1.0).abs() < NEAR;
+    if let Some((_, of_angle, of_speed)) = RATIOS.iter().find(near) {
+        parts[angle].unit = (*of_angle).to_owned();
+        parts[speed].unit = (*of_speed).to_owned();
+    }
+}
+
+/// Correlation of an angle's change with the speed of the same motion, and how near the ratio of both must come to that of two units: 60 and
+/// 57.3 are 5 % apart.
+const ONE_MOTION: f64 = 0.95;
+const NEAR: f64 = 0.02;
 /// Whole numbers that span more than two turns in degrees are counts.
 const MOST_DEGREES: f64 = 720.0;
 /// Numbers between which a servo is sent that span more than this are no radians.

@@ -24,7 +24,7 @@ pub struct Said {
 use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 28] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 29] = [
     (
         Time,
         3,
@@ -75,9 +75,12 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 28] = [
     ),
     (Voltage, 3, Some("V"), &["volts", "volt"]),
     (Voltage, 2, None, &["u", "v", "vm", "um", "va", "input", "in"]),
+    // The voltage along the q axis of a field-oriented drive is what turns its motor.
+    (Voltage, 5, None, &["vq", "uq"]),
+    // The supply's voltage is no motor's.
     (
         Supply,
-        4,
+        5,
         None,
         &["vbat", "vbatt", "battery", "supply", "vcc", "vin", "vbus", "bus", "vsupply", "batterie", "akku"],
     ),
@@ -131,12 +134,19 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 28] = [
         None,
         &["dir", "direction", "richtung", "drehrichtung", "motordir", "sens", "sentido", "direzione", "sign"],
     ),
-    (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "curr"]),
+    (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "iq", "curr"]),
     (Current, 3, Some("mA"), &["ma"]),
 ];
 
 /// The unit of electrical turns a minute, of a motor with as many pole pairs as most.
 pub const ELECTRICAL: &str = "rpm/7";
+
+/// Drives that tell turns and turns a second where their names say nothing else (docs.odriverobotics.com, v6.docs.ctr-electronics.com,
+/// github.com/mjbots/moteus), ...
+const TELL_TURNS: [&str; 5] = ["odrive", "phoenix", "talon", "cancoder", "moteus"];
+
+/// ... and what ODrive's own values end with.
+const TURNS: [&str; 2] = ["pos_estimate", "vel_estimate"];
 
 /// A motion with one of these was commanded: `cmd_vel`, `input_pos`.
 const COMMANDED: [&str; 4] = ["cmd", "command", "commands", "input"];
@@ -311,6 +321,16 @@ pub fn said(name: &str) -> Said {
             best = Some((quantity, plain, implied));
         }
     }
+    // Neither the voltage nor the current along the q axis is a joint's position q.
+    if let Some((Angle, ..)) = best
+        && any_of(&["q"])
+    {
+        if any_of(&["v", "u", "voltage", "volts"]) {
+            best = Some((Voltage, 5, None));
+        } else if any_of(&["i", "current", "curr"]) {
+            best = Some((Current, 3, None));
+        }
+    }
     // What changes an angle is a speed: `theta_dot`, `angle_rate`.
     if let Some((Angle, plain, implied)) = best
         && any_of(&RATES)
@@ -353,11 +373,23 @@ pub fn said(name: &str) -> Said {
     const SUGGESTED: [&str; 3] = ["counts", "counts/s", "m"];
     let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&["drehzahl"]);
     let told = unit.is_some() || by_itself;
+    let in_turns = any_of(&TELL_TURNS) || TURNS.iter().any(|end| snake.ends_with(end));
+    let implied = implied.or(match quantity {
+        Some((Angle, _)) if in_turns => Some("rev"),
+        Some((Speed, _)) if in_turns => Some("rev/s"),
+        _ => None,
+    });
     // The shaft at the input of a gear moves, and is not told to.
     let commanded = matches!(quantity, Some((Angle | Speed, _)))
         && any_of(&COMMANDED)
         && !any_of(&["shaft", "encoder", "enc", "counts", "ticks"]);
     let (wanted, target) = (wanted || commanded, target || commanded);
+    // A voltage or a duty that was commanded drives the motor, where none was measured.
+    let drives = matches!(quantity, Some((Voltage | Duty, plain)) if plain >= 3)
+        && !any_of(&WANTED)
+        && !any_of(&REGISTERS);
+    let quantity = quantity.map(|(of, plain)| if drives && wanted { (of, 1) } else { (of, plain) });
+    let (wanted, target) = (wanted && !drives, target && !drives);
     let register = any_of(&REGISTERS);
     Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, register, effort }
 }
@@ -491,6 +523,20 @@ mod tests {
             ("Velocidad", Speed, None),
             ("input_shaft_angle", Angle, None),
             ("erpm", Speed, Some("rpm/7")),
+            ("axis0.pos_estimate", Angle, Some("rev")),
+            ("vel_estimate", Speed, Some("rev/s")),
+            ("axis0.motor.foc.Vq_setpoint", Voltage, None),
+            ("v_q", Voltage, None),
+            ("command_voltage_q", Voltage, None),
+            ("Iq_measured", Current, None),
+            ("q_current", Current, None),
+            ("q", Angle, None),
+            ("target_voltage", Voltage, None),
+            ("Phoenix6/TalonFX-3/Position", Angle, Some("rev")),
+            ("Phoenix6/TalonFX-3/Velocity", Speed, Some("rev/s")),
+            ("Phoenix6/TalonFX-3/SupplyVoltage", Supply, None),
+            ("Talon FX Position (deg)", Angle, Some("deg")),
+            ("Bus Voltage", Supply, None),
             ("esc_us", Duty, None),
         ] {
             let said = said(name);
