@@ -5,6 +5,7 @@ mod program;
 use program::{command, files, logs, run};
 use serde_json::Value;
 use std::io::Read;
+use std::path::Path;
 use std::process::Stdio;
 
 const MEASURES: [&str; 6] = ["rmse", "ae", "me", "iae", "nrmse_fit_percent", "samples"];
@@ -155,6 +156,35 @@ fn discover_finds_what_simulate_put_in_and_diagnose_and_add_agree() {
     let idle = run(directory.path(), &format!("add c.json eccentricity {logs} --json")).ends(0).json();
     assert_eq!(idle["worth_adding"], false);
     assert_eq!(run(directory.path(), &format!("add c.json coulomb {logs}")).status, 2);
+}
+
+/// The first seconds are cut off, so that the shaft turns when the record begins.
+fn begun_in_motion(folder: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(folder.join(from)).unwrap();
+    let (head, rows): (Vec<&str>, Vec<&str>) =
+        text.lines().partition(|l| !l.starts_with(|c: char| c.is_ascii_digit()));
+    let kept = head.into_iter().chain(rows.into_iter().skip(137));
+    std::fs::write(folder.join(to), kept.collect::<Vec<_>>().join("\n")).unwrap();
+}
+
+#[test]
+fn discover_diagnose_and_compare_say_one_thing_of_one_model_and_its_records() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), "simulate --effect coulomb=0.4 --rate 100 --out s --quiet").ends(0);
+    begun_in_motion(directory.path(), "s/multisine.csv", "s/moving.csv");
+    let logs = "s/moving.csv s/staircase.csv --motor s/motor.toml";
+    let found = run(directory.path(), &format!("discover {logs} --out d.json --json")).ends(0).json();
+    let compared = run(directory.path(), &format!("compare d.json {logs} --json")).ends(0).json();
+    let last = found["ladder"].as_array().unwrap().last().unwrap();
+    let [by_discover, by_compare] = [&last["train"], &compared["pooled"]].map(|m| number(&m["rmse"]));
+    assert!((by_discover / by_compare - 1.0).abs() < 1e-9, "{by_discover} {by_compare}");
+    let again = run(directory.path(), &format!("diagnose d.json {logs} --json")).ends(0).json();
+    assert_eq!(again["effects"], Value::Array(vec![]), "nothing further");
+    assert_eq!((&again["verdict"], &again["headline"]), (&found["verdict"], &found["headline"]));
+    run(directory.path(), &format!("fit {logs} --out base.json")).ends(0);
+    let first = run(directory.path(), &format!("diagnose base.json {logs} --json")).ends(0).json();
+    assert_eq!((&first["effects"][0], &first["verdict"]), (&"coulomb".into(), &"unexplained".into()));
+    assert_eq!(first["next_step"]["action"], "add");
 }
 
 #[test]

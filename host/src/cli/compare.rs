@@ -79,7 +79,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             &Standing::of(&Facts {
                 errors: Errors { base: error, model: error, noise },
                 effects: &model.values().kinds().iter().map(ToString::to_string).collect::<Vec<_>>(),
-                clean: None,
+                left: None,
                 suggested: None,
                 doubted: None,
                 experiment: false,

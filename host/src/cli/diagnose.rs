@@ -9,7 +9,7 @@ use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
 use crate::error::Result;
-use crate::findings::{Action, Findings, NextStep};
+use crate::findings::Findings;
 use crate::model_file::Model;
 use crate::sentence::capital;
 
@@ -34,13 +34,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let mut progress = watch::climb(console, &bar, unit);
     let found = diagnose(&model, &logs.records, &logs.validation, &logs.motor, &mut progress);
     bar.finish_and_clear();
-    let mut found = or_bad_data(found, logs.faults(), console)?;
-    let own = model.values().kinds();
-    found.effects.retain(|k| !own.contains(k));
-    let mut findings = Findings::new(&found, logs.faults());
-    if let Some(first) = found.effects.first() {
-        findings.next_step = NextStep::new(Action::Add, Some(*first));
-    }
+    let found = or_bad_data(found, logs.faults(), console)?;
+    let findings = Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults());
     console.answer(&findings, || story(&found, &findings, unit));
     if !console.json() {
         console.say(prose::standing(&findings.standing(), Some(&args.model), &args.input.logs));
@@ -57,7 +52,7 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
         text += &format!("{:>2}. {:<20} {:>4.0} %{unseen}\n", k + 1, c.effect.name(), 100.0 * c.score);
         text += &format!("      {}\n      look for: {}\n", c.evidence, c.effect.spec().signature);
     }
-    text += match found.effects.first() {
+    text += match findings.effects.first() {
         Some(_) => "\nThe first is worth adding.\n",
         None => "\nNo effect is worth adding to this model.\n",
     };

@@ -134,7 +134,7 @@ fn standing(fit: &Fit) -> Standing {
     Standing::of(&Facts {
         errors: Errors { base: error, model: error, noise: fit.noise_level },
         effects: &named(&fit.model.values().kinds(), &fit.parameters),
-        clean: None,
+        left: None,
         suggested: None,
         doubted: None,
         experiment: false,

@@ -1,6 +1,7 @@
 //! Model against measurement: free runs, their errors, and where the model fails.
 
 mod course;
+pub mod dependence;
 pub mod effect_trace;
 pub mod effect_views;
 pub mod failure;

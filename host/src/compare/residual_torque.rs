@@ -39,6 +39,8 @@ pub struct ResidualTorque {
     pub simulated_speed_rad_s: Vec<f64>,
     /// Measured acceleration, rad/s^2, smoothed.
     pub acceleration_rad_s2: Vec<f64>,
+    /// Simulated acceleration, alike, rad/s^2.
+    pub simulated_acceleration_rad_s2: Vec<f64>,
     /// Voltage held at each sample, V.
     pub voltage_v: Vec<f64>,
 }
@@ -79,6 +81,7 @@ pub fn residual_torque(run: &FreeRun, base: &BaseValues) -> ResidualTorque {
         out.speed_rad_s.push(w);
         out.simulated_speed_rad_s.push(ws);
         out.acceleration_rad_s2.push(a);
+        out.simulated_acceleration_rad_s2.push(as_);
         out.voltage_v.push(run.voltage_v[k]);
     }
     out

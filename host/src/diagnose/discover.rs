@@ -3,23 +3,23 @@
 use std::time::Instant;
 
 use motorlens_shared::effects::Kind;
-use serde::Serialize;
 
 use super::evidence::Evidence;
-use super::ladder::{Ranked, Rung};
+use super::ladder::{Ranked, Rung, rung};
 use super::plan::{self, Limits, Plan};
-use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::grid::Grid;
+use crate::fit::layout::Values;
 use crate::fit::reading::fast_scatter;
 use crate::fit::search::Problem;
 use crate::fit::setup;
 use crate::log::{Record, repeats};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
+use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
 use crate::select::run::{Rivals, Selected};
-use crate::select::{self, DetectionLimit};
+use crate::select::{self, Begin, DetectionLimit};
 
 /// What is going on, for a progress bar.
 #[derive(Debug, Clone)]
@@ -50,28 +50,16 @@ impl Default for Options {
     }
 }
 
-/// Verdict of a discovery.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// The model leaves no more than noise.
-    Explained,
-    /// Something is left that the library does not explain.
-    Unexplained,
-    /// The data must be mended first.
-    BadData,
-}
-
 /// Everything a discovery found.
 #[derive(Debug)]
 pub struct Discovery {
     /// Accepted effects in order.
     pub effects: Vec<Kind>,
-    /// How it ends.
-    pub verdict: Verdict,
     /// What a perfect model would leave, rms in the measured unit.
     pub noise_floor: f64,
-    /// From the base model to the accepted one.
+    /// What it leaves.
+    pub adequacy: Adequacy,
+    /// From the base model to the accepted one; a model that is diagnosed comes second, if it has effects.
     pub ladder: Vec<Rung>,
     /// First diagnosis, best first.
     pub candidates: Vec<Ranked>,
@@ -100,9 +88,10 @@ pub fn discover(
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
-    let begun = Instant::now();
-    let (evidence, base) = prepare(records, validation, motor)?;
-    Ok(select::discovery(begun, records, validation, evidence, base, options, progress))
+    let at = Instant::now();
+    let (evidence, model) = prepare(records, validation, motor)?;
+    let begin = Begin { at, evidence, plain: None, model };
+    Ok(select::discovery(begin, records, validation, options, progress))
 }
 
 /// One step up from `model`, refitted to `records`: what it is missing.
@@ -116,12 +105,24 @@ pub fn diagnose(
     motor: &MotorFile,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
-    let begun = Instant::now();
-    crate::log::check_all_usable(validation)?;
-    let evidence = Evidence::new(problem_of(model, records, motor)?, records, validation, motor);
-    let base = select::fitted_from(&evidence, &model.values());
+    let at = Instant::now();
+    crate::log::check_all_usable(records.iter().chain(validation))?;
+    let (mut whole, start) = setup::problem(records, motor);
+    (whole.rig, whole.prior) = (model.rig(whole.rig.step_s), model.prior());
+    let (evidence, plain) = settled((whole, start), records, validation, motor);
+    let given = model.values();
+    let begin = Begin {
+        at,
+        model: select::fitted_from(&evidence, &given),
+        plain: (!given.effects.is_empty()).then_some(plain),
+        evidence,
+    };
+    let own = usize::from(begin.plain.is_some());
     let options = Options { most: 1, ..Options::default() };
-    Ok(select::discovery(begun, records, validation, evidence, base, &options, progress))
+    let mut found = select::discovery(begin, records, validation, &options, progress);
+    // The model's own errors are those of the model as it came.
+    found.ladder[own] = rung(&found.evidence, &given);
+    Ok(found)
 }
 
 /// Lays out the records and fits the base model.
@@ -130,13 +131,22 @@ pub fn diagnose(
 /// Records that no fit can use.
 pub fn prepare(records: &[Record], validation: &[Record], motor: &MotorFile) -> Result<(Evidence, Fitted)> {
     crate::log::check_all_usable(records.iter().chain(validation))?;
-    let (whole, start) = setup::problem(records, motor);
+    Ok(settled(setup::problem(records, motor), records, validation, motor))
+}
+
+/// The evidence of records that are laid out, and the plain motor fitted to them.
+fn settled(
+    (whole, start): (Problem, Values),
+    records: &[Record],
+    validation: &[Record],
+    motor: &MotorFile,
+) -> (Evidence, Fitted) {
     let mut evidence = Evidence::new(whole, records, validation, motor);
     let (layout, x) = evidence.train.fit_base(&start);
     let base = select::fitted_from(&evidence, &layout.unpack(&x));
     // The first speeds were those of a rough model: what they are wrong by would look like an effect.
     let base = evidence.settle_starts(base);
-    Ok((evidence, base))
+    (evidence, base)
 }
 
 impl Discovery {

@@ -15,9 +15,6 @@ use crate::select::fitted::Fitted;
 use crate::select::noise::{Coefficients, Noise, Response};
 use motorlens_shared::effects::Kind;
 
-/// A model that leaves less than so many times the noise, every time scale alike, leaves nothing that these records show.
-pub const EXPLAINS: f64 = 1.25;
-
 /// Records to learn from. Nothing here changes while models are compared.
 #[derive(Debug, Clone)]
 pub struct Evidence {
@@ -107,11 +104,6 @@ impl Evidence {
     /// What `model` leaves, in multiples of the noise, every time scale alike.
     pub fn left_over(&self, model: &Fitted) -> f64 {
         model.noise.over(&self.noise_under(model))
-    }
-
-    /// Whether `model` leaves nothing that these records show.
-    pub fn is_explained_by(&self, model: &Fitted) -> bool {
-        self.left_over(model) < EXPLAINS
     }
 
     /// Candidate passes so far.

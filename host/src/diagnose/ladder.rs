@@ -7,6 +7,7 @@ use super::evidence::Evidence;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::fit::layout::Values;
+use crate::fit::search::Problem;
 use crate::select::fitted::Fitted;
 use crate::select::noise::Noise;
 
@@ -38,14 +39,22 @@ pub struct Ranked {
 pub(crate) fn rung(evidence: &Evidence, values: &Values) -> Rung {
     Rung {
         effects: values.kinds(),
-        train: pooled(&free_runs(&evidence.whole, values)).unwrap_or_default(),
+        train: simulated(&evidence.whole, values).unwrap_or_default(),
         validation: unseen(evidence, values),
     }
 }
 
 /// The errors of `values` running free over the records kept out, if there are any.
 fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
-    evidence.kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, values)))
+    evidence.kept_out.as_ref().and_then(|kept_out| simulated(kept_out, values))
+}
+
+/// The errors of `values` on the records of `problem` as `compare` has them: those that begin in motion do so at the speeds that this model
+/// finds for them.
+fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
+    let mut problem = problem.clone();
+    problem.find_moving_starts(values);
+    pooled(&free_runs(&problem, values))
 }
 
 /// The `candidates` of the first step in order, with the share of the error that each takes away from `base`, as multiples of the noise.

@@ -66,7 +66,7 @@ mod tests {
     fn a_motor_that_turns_slowly_when_its_records_begin_is_a_plain_motor() {
         let case = Case::new(32_100_123, &[], Conditions { disturbed: 0.5, spoilt: 0.15 });
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
-        assert!(evidence.is_explained_by(&base), "{}", evidence.left_over(&base));
+        assert!(evidence.left_over(&base) < 1.25, "{}", evidence.left_over(&base));
         assert!(evidence.train.grids.iter().all(|grid| !grid.rests()));
     }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::question::Group;
 use super::trial::Answer;
-use crate::diagnose::discover::Verdict;
+use crate::findings::Verdict;
 
 /// So many of so many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]

@@ -11,8 +11,9 @@ use super::case::Case;
 use super::question::{Group, Question};
 use super::truth;
 use crate::diagnose::contained::covers;
-use crate::diagnose::discover::{Options, Progress, Verdict, discover};
+use crate::diagnose::discover::{Options, Progress, discover};
 use crate::error::Result;
+use crate::findings::{Verdict, verdict_of};
 use crate::select::fitted::Fitted;
 
 /// What the loop answered to a question, beside the truth.
@@ -179,7 +180,7 @@ pub fn answer(question: &Question) -> Result<Answer> {
         rivals: found.open_sets().iter().map(|set| names(set)).collect(),
         rival_errors: found.selected.rivals.iter().map(|set| set.models.iter().map(left).collect()).collect(),
         truth_errors: None,
-        verdict: found.verdict,
+        verdict: verdict_of(&found),
         told: true,
         before: over_floor(0),
         after: over_floor(found.ladder.len() - 1),

@@ -5,6 +5,7 @@ use motorlens_shared::effects::Kind;
 
 use crate::diagnose::discover::Discovery;
 use crate::diagnose::evidence::Evidence;
+use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
 use crate::select::with;
 
@@ -14,7 +15,8 @@ use crate::select::with;
 pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
     let Some(truth) = truth else { return true };
     let (base, answer) = (&found.selected.steps[0], found.selected.model());
-    !found.evidence.is_explained_by(truth) || truth.beats(answer, &found.evidence, base)
+    !Adequacy::of(&found.evidence, base, truth, found.noise_floor).explained
+        || truth.beats(answer, &found.evidence, base)
 }
 
 /// The best fit of the laws `truth`, in whatever order they are added to `base`.

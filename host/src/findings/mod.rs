@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
-use crate::diagnose::discover::{self, Discovery};
+use crate::diagnose::discover::Discovery;
 use crate::diagnose::ladder::{Ranked, Rung};
 use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
@@ -19,6 +19,7 @@ use crate::log::Warning;
 use crate::report::falls::judged;
 use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
+use crate::select::adequacy::Adequacy;
 
 pub use standing::{Action, Facts, NextStep, Standing, named};
 pub use verdict::{Errors, Verdict, multiple};
@@ -112,28 +113,42 @@ impl NextExperiment {
 impl Findings {
     /// What a discovery found on logs with the faults `of_logs`.
     pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
+        Self::beside(found, None, of_logs)
+    }
+
+    /// What a diagnosis of a model with `own` effects found: the effect that it is missing, if any, is suggested and not yet in the model.
+    pub fn of_diagnosis(found: &Discovery, own: usize, of_logs: &[Warning]) -> Self {
+        Self::beside(found, Some(own), of_logs)
+    }
+
+    fn beside(found: &Discovery, own: Option<usize>, of_logs: &[Warning]) -> Self {
         let values = found.model.values();
         let parameters = estimates(&found.evidence.whole, &values);
-        let errors = errors_of(&found.ladder, found.noise_floor);
+        let suggested = own.and_then(|own| found.effects.get(own)).copied();
+        let without = |count: usize| count - usize::from(suggested.is_some());
+        let errors = errors_of(&found.ladder[..without(found.ladder.len())], found.noise_floor);
+        let in_model = &found.effects[..without(found.effects.len())];
         let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
         let no_experiment = plan.as_ref().filter(|plan| !plan.shows()).map(Plan::why);
         let next_experiment = NextExperiment::of(plan, &found.limits);
         let later = shown_by_fit::faults(&parameters, &found.effects);
         let standing = Standing::of(&Facts {
             errors,
-            effects: &named(&found.effects, &parameters),
-            clean: Some(found.verdict == discover::Verdict::Explained),
-            suggested: None,
+            effects: &named(in_model, &parameters),
+            left: Some(found.adequacy),
+            suggested,
             doubted: None,
             experiment: next_experiment.is_some()
                 && (found.effects.is_empty() || !found.selected.rivals.is_empty()),
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
         });
+        // While an effect is suggested something is left.
+        let open = || errors.verdict(in_model.len(), Adequacy::default());
         Self {
             schema: 1,
-            effects: found.effects.clone(),
-            verdict: standing.verdict.unwrap_or(Verdict::Unexplained),
+            effects: found.effects[own.unwrap_or(0)..].to_vec(),
+            verdict: standing.verdict.unwrap_or_else(open),
             headline: standing.headline,
             next_step: standing.next,
             badge: standing.badge,
@@ -207,6 +222,11 @@ impl Findings {
     pub fn later_faults(&self) -> &[Warning] {
         &self.data_faults[self.of_logs..]
     }
+}
+
+/// The verdict on what a discovery found, as [`Findings`] tell it.
+pub fn verdict_of(found: &Discovery) -> Verdict {
+    errors_of(&found.ladder, found.noise_floor).verdict(found.effects.len(), found.adequacy)
 }
 
 /// The errors of a ladder's first and last model, with the noise level.

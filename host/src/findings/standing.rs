@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::verdict::{Errors, Verdict};
 use crate::fit::uncertainty::Estimate;
 use crate::report::figure::in_words;
+use crate::select::adequacy::Adequacy;
 
 /// Where the work stands.
 #[derive(Debug, Clone, Serialize)]
@@ -29,8 +30,8 @@ pub struct Facts<'a> {
     pub errors: Errors,
     /// Effects in the model, as a sentence names them.
     pub effects: &'a [String],
-    /// Whether the search for further effects found no structure; none before a search.
-    pub clean: Option<bool>,
+    /// What the model leaves after the search for further effects; none before a search.
+    pub left: Option<Adequacy>,
     /// An effect that is worth adding.
     pub suggested: Option<Kind>,
     /// The effect added last, where held-out data do not confirm it, and whether the error rises with it.
@@ -47,14 +48,15 @@ impl Standing {
     /// What `facts` amount to.
     pub fn of(facts: &Facts) -> Self {
         // While an effect is to be added, how it ends is open.
-        let searched = facts.clean.filter(|_| facts.suggested.is_none());
-        let verdict = searched.map(|clean| facts.errors.verdict(facts.effects.len(), clean));
+        let searched = facts.left.filter(|_| facts.suggested.is_none());
+        let verdict = searched.map(|left| facts.errors.verdict(facts.effects.len(), left));
+        let disturbance = searched.and_then(|left| left.disturbance_v);
         let headline = match (verdict, facts.doubted) {
             (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
             (Some(verdict @ Verdict::Explained), None) if facts.effects.is_empty() => {
-                facts.errors.headline(facts.effects, verdict) + &not_shown(facts.hidden)
+                facts.errors.headline(facts.effects, verdict, disturbance) + &not_shown(facts.hidden)
             }
-            (Some(verdict), None) => facts.errors.headline(facts.effects, verdict),
+            (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, disturbance),
             (None, None) => facts.errors.so_far(facts.effects, facts.suggested.map(Kind::name)),
         };
         let badge = match (facts.doubted, facts.suggested, verdict) {
@@ -183,12 +185,14 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
 mod tests {
     use super::*;
 
+    const ALL: Adequacy = Adequacy { explained: true, disturbance_v: None };
+
     fn facts(effects: &[String], model: f64) -> Facts<'_> {
         let errors = Errors { base: 101.0, model, noise: 1.0 };
         Facts {
             errors,
             effects,
-            clean: Some(true),
+            left: Some(ALL),
             suggested: None,
             doubted: None,
             experiment: false,
@@ -199,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_model_that_is_not_diagnosed_is_not_praised() {
-        let told = Standing::of(&Facts { clean: None, ..facts(&[], 101.0) });
+        let told = Standing::of(&Facts { left: None, ..facts(&[], 101.0) });
         assert_eq!((told.verdict, told.next.action), (None, Action::Diagnose));
         assert!(
             told.headline.contains("101 x the noise") && told.headline.contains("not enough"),
@@ -219,18 +223,15 @@ mod tests {
         let effects = ["dead_zone (0.6 V)".to_owned()];
         let told = Standing::of(&Facts { suggested: Some(Kind::SensorLag), ..facts(&effects, 1.1) });
         assert!(told.headline.ends_with("1.1 x the noise; the best candidate is sensor_lag."), "{told:?}");
-        let told = Standing::of(&Facts { clean: None, ..facts(&effects, 1.1) });
+        let told = Standing::of(&Facts { left: None, ..facts(&effects, 1.1) });
         assert!(told.headline.ends_with("about as little as the noise allows."), "{told:?}");
     }
 
     #[test]
     fn an_effect_that_raises_the_error_is_to_be_removed() {
         let effects = ["delay (2 ms)".to_owned()];
-        let told = Standing::of(&Facts {
-            doubted: Some((Kind::Delay, true)),
-            clean: None,
-            ..facts(&effects, 150.0)
-        });
+        let told =
+            Standing::of(&Facts { doubted: Some((Kind::Delay, true)), left: None, ..facts(&effects, 150.0) });
         assert_eq!(told.next.effect, Some(Kind::Delay));
         assert_eq!((told.badge, told.next.action), ("Not confirmed", Action::Remove));
         assert!(told.headline.contains("rises"), "{told:?}");

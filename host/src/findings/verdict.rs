@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
+use crate::report::figure::in_words;
+use crate::select::adequacy::Adequacy;
 use crate::sentence::capital;
 
-/// Multiples of the noise level above which nothing is called explained.
+/// Multiples of the noise level above which nothing is called explained that is not a disturbance by all that these records show.
 const MANY: f64 = 10.0;
 /// ... and above which a fit that nobody has diagnosed is doubted.
 const CLOSE: f64 = 1.5;
@@ -59,9 +61,10 @@ impl Errors {
         (excess > 0.0).then(|| ((self.base - self.model) / excess).min(1.0))
     }
 
-    /// The verdict on `effects` accepted effects, after which no structure was found (`clean`) or some was.
-    pub fn verdict(&self, effects: usize, clean: bool) -> Verdict {
-        if clean && self.left_over().is_some_and(|n| n <= MANY) {
+    /// The verdict on `effects` accepted effects, which leave what `left` says.
+    pub fn verdict(&self, effects: usize, left: Adequacy) -> Verdict {
+        let few = self.left_over().is_some_and(|n| n <= MANY);
+        if left.explained && (few || left.disturbance_v.is_some()) {
             Verdict::Explained
         } else if effects > 0 && self.model < self.base {
             Verdict::PartlyExplained
@@ -78,8 +81,17 @@ impl Errors {
         self.left_over().map_or_else(|| "an unknown multiple of the noise".into(), multiple)
     }
 
-    /// The verdict on `effects`, as a sentence names them, in one sentence without its full stop.
-    pub fn headline<S: AsRef<str>>(&self, effects: &[S], verdict: Verdict) -> String {
+    /// The verdict on `effects`, as a sentence names them, in one sentence without its full stop; `disturbance_v` is what they leave, V,
+    /// where it is a disturbance.
+    pub fn headline<S: AsRef<str>>(
+        &self,
+        effects: &[S],
+        verdict: Verdict,
+        disturbance_v: Option<f64>,
+    ) -> String {
+        if let (Verdict::Explained, Some(volts)) = (verdict, disturbance_v) {
+            return self.beside_a_disturbance(effects, volts);
+        }
         let left = self.left();
         match verdict {
             Verdict::BadData => Self::BAD_DATA.into(),
@@ -95,6 +107,22 @@ impl Errors {
             }
             _ if effects.is_empty() => format!("No effect of the library helps; what is left is {left}"),
             _ => self.share_of(effects),
+        }
+    }
+
+    /// The verdict on `effects` beside which a disturbance of `volts` is all that is left.
+    fn beside_a_disturbance<S: AsRef<str>>(&self, effects: &[S], volts: f64) -> String {
+        let is = format!("depends on nothing that was measured: a disturbance of {}", in_words(volts, "V"));
+        match self.explained_share() {
+            _ if effects.is_empty() => format!("The base model leaves {}, which {is}", self.left()),
+            Some(share) if share < 0.0 => {
+                let (names, verb) = subject(effects);
+                capital(&format!(
+                    "{names} {verb} all but what {is}, which drives whole records to {}",
+                    self.left()
+                ))
+            }
+            _ => format!("{}, and {is}", self.share_of(effects)),
         }
     }
 
@@ -151,18 +179,21 @@ pub fn multiple(n: f64) -> String {
 mod tests {
     use super::*;
 
+    const ALL: Adequacy = Adequacy { explained: true, disturbance_v: None };
+    const SOME: Adequacy = Adequacy { explained: false, disturbance_v: None };
+
     #[test]
     fn a_hundred_times_the_noise_is_never_called_explained() {
         let errors = Errors { base: 151.0, model: 151.0, noise: 1.0 };
-        assert_eq!(errors.verdict(0, true), Verdict::Unexplained);
-        assert!(errors.headline::<&str>(&[], Verdict::Unexplained).ends_with("151 x the noise"));
+        assert_eq!(errors.verdict(0, ALL), Verdict::Unexplained);
+        assert!(errors.headline::<&str>(&[], Verdict::Unexplained, None).ends_with("151 x the noise"));
     }
 
     #[test]
     fn the_share_and_what_is_left_are_in_one_sentence() {
         let errors = Errors { base: 101.0, model: 4.0, noise: 1.0 };
-        assert_eq!(errors.verdict(1, false), Verdict::PartlyExplained);
-        let said = errors.headline(&["coulomb"], Verdict::PartlyExplained);
+        assert_eq!(errors.verdict(1, SOME), Verdict::PartlyExplained);
+        let said = errors.headline(&["coulomb"], Verdict::PartlyExplained, None);
         assert_eq!(
             said,
             "Coulomb explains 97 % of the error above the noise; what is left is 4.0 x the noise"
@@ -170,9 +201,25 @@ mod tests {
     }
 
     #[test]
+    fn a_disturbance_that_hides_nothing_is_named_with_its_size() {
+        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0 };
+        let left = Adequacy { explained: true, disturbance_v: Some(0.05) };
+        assert_eq!(errors.verdict(1, left), Verdict::Explained);
+        assert_eq!(errors.verdict(0, left), Verdict::Explained);
+        let told = errors.headline(&["gravity (0.9 V)"], Verdict::Explained, left.disturbance_v);
+        let end = "what is left is 41 x the noise, and depends on nothing that was measured: a disturbance of 50 mV";
+        assert_eq!(told, format!("Gravity (0.9 V) explains 96 % of the error above the noise; {end}"));
+        let plain = errors.headline::<&str>(&[], Verdict::Explained, left.disturbance_v);
+        assert!(
+            plain.starts_with("The base model leaves 41 x the noise, which depends on nothing"),
+            "{plain}"
+        );
+    }
+
+    #[test]
     fn a_rise_is_called_a_rise() {
         let errors = Errors { base: 2.0, model: 3.0, noise: 1.0 };
-        assert_eq!(errors.verdict(1, false), Verdict::Unexplained);
-        assert!(errors.headline(&["delay"], Verdict::Unexplained).contains("the error rises"));
+        assert_eq!(errors.verdict(1, SOME), Verdict::Unexplained);
+        assert!(errors.headline(&["delay"], Verdict::Unexplained, None).contains("the error rises"));
     }
 }

@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::data::Data;
 use super::tables::Errors;
 use crate::compare::free_run::free_runs;
-use crate::diagnose::discover::{Options, Verdict, discover};
+use crate::diagnose::discover::{Options, discover};
 use crate::error::Result;
+use crate::findings::{Verdict, verdict_of};
 use crate::fit::setup;
 use crate::model_file::Model;
 
@@ -51,8 +52,8 @@ pub fn missing_effect(data: &Data, progress: &mut dyn FnMut(&str)) -> Result<Mis
     let runs = free_runs(&all, &found.model.values());
     Ok(Missing {
         rivals: found.open_sets(),
+        verdict: verdict_of(&found),
         effects: found.effects,
-        verdict: found.verdict,
         unseen: names,
         table_2: runs.iter().map(|run| run.measures().into()).collect(),
         model: found.model,

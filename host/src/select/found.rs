@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 use std::time::Instant;
 
+use super::adequacy::Adequacy;
 use super::fitted::Fitted;
 use super::limits::detection_limits;
 use super::run::run;
 use super::starts::straightened;
-use crate::diagnose::discover::{Discovery, Options, Progress, Verdict, noise_floor};
-use crate::diagnose::evidence::{EXPLAINS, Evidence};
+use crate::diagnose::discover::{Discovery, Options, Progress, noise_floor};
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{rank, rung};
 use crate::fit::layout::Values;
 use crate::log::Record;
@@ -25,21 +26,32 @@ pub fn fitted_from(data: &Evidence, values: &Values) -> Fitted {
     again.filter(|again| again.score() > found.score()).unwrap_or(found)
 }
 
-/// Selects from `base` on the `records` of `evidence`; the `validation` records are only scored.
+/// Where a selection begins.
+pub struct Begin {
+    /// When the fits began.
+    pub at: Instant,
+    /// The records.
+    pub evidence: Evidence,
+    /// The plain motor fitted to them, where the model has effects already.
+    pub plain: Option<Fitted>,
+    /// The model to select from.
+    pub model: Fitted,
+}
+
+/// Selects from the model of `begin` on its `records`; the `validation` records are only scored.
 pub fn discovery(
-    begun: Instant,
+    begin: Begin,
     records: &[Record],
     validation: &[Record],
-    evidence: Evidence,
-    base: Fitted,
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
+    let Begin { at: begun, evidence, plain, model } = begin;
     let told = RefCell::new(progress);
     let mut ladder = Vec::new();
     let selected = run(
         &evidence,
-        base,
+        model,
         &options.library,
         options.most,
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
@@ -62,9 +74,13 @@ pub fn discovery(
     ladder.truncate(selected.steps.len() - 1);
     ladder.push(last.clone());
     let noise_floor = noise_floor(records, validation, &evidence.whole);
-    let explained = evidence.is_explained_by(model) || last.train.rmse < EXPLAINS * noise_floor;
+    if let Some(plain) = &plain {
+        ladder.insert(0, rung(&evidence, &plain.values()));
+    }
+    let plain = plain.as_ref().unwrap_or(base);
+    let adequacy = Adequacy::of(&evidence, plain, model, noise_floor);
     Discovery {
-        verdict: if explained { Verdict::Explained } else { Verdict::Unexplained },
+        adequacy,
         effects: values.kinds(),
         noise_floor,
         ladder,

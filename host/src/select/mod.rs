@@ -1,8 +1,10 @@
 //! Which model the records speak for: one criterion for every effect (docs/DIAGNOSIS.md).
 //!
 //! [`crate::diagnose::evidence`] -> [`fitted`] (least squares on the whitened simulation error, its [`noise`] by time scale) -> [`score`]
-//! (held-out log-likelihood) -> [`gain`] (of one over another) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`found`].
+//! (held-out log-likelihood) -> [`gain`] (of one over another) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`adequacy`] of
+//! what is accepted -> [`found`].
 
+pub mod adequacy;
 pub mod crossed;
 pub mod fitted;
 pub mod forward;
@@ -15,7 +17,7 @@ pub mod score;
 pub mod starts;
 
 pub use forward::with;
-pub use found::{discovery, fitted_from};
+pub use found::{Begin, discovery, fitted_from};
 pub use limits::DetectionLimit;
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::findings::NextExperiment;
 use crate::formula;
 use crate::report::{DRAWN, Suspect, evidence};
 use crate::select::DetectionLimit;
+use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
 use crate::select::limits::detection_limits;
 use crate::select::run::{Rivals, alike, step_up};
@@ -26,6 +27,8 @@ pub struct Diagnosis {
     pub next: Option<NextExperiment>,
     /// What the records would have shown of every further effect.
     pub limits: Vec<DetectionLimit>,
+    /// What the model leaves.
+    pub left: Adequacy,
     /// Whether the first suspect is worth adding.
     pub worth: bool,
 }
@@ -34,8 +37,15 @@ pub struct Diagnosis {
 const LONGEST_S: f64 = 8.0;
 
 impl Diagnosis {
-    /// What `candidates`, tried on `model`, tell; `base` is the model without effects.
-    pub fn new(evidence: &Evidence, base: &Fitted, model: &Fitted, mut candidates: Vec<Fitted>) -> Self {
+    /// What `candidates`, tried on `model`, tell; `base` is the model without effects,
+    /// `floor` the noise of the readings, rms.
+    pub fn new(
+        evidence: &Evidence,
+        base: &Fitted,
+        model: &Fitted,
+        floor: f64,
+        mut candidates: Vec<Fitted>,
+    ) -> Self {
         let best = step_up(evidence, base, model, &mut candidates);
         let noise = evidence.noise_under(best.as_ref().unwrap_or(model));
         let ranked = ladder::rank(model, &candidates, &noise, evidence);
@@ -54,6 +64,7 @@ impl Diagnosis {
             if worth { Vec::new() } else { detection_limits(evidence, base, model, &formula::all(), volts) };
         let next = NextExperiment::of(next, &limits);
         let rivals = found.iter().map(Rivals::kinds).collect();
-        Self { suspects, rivals, next, limits, worth, candidates }
+        let left = Adequacy::of(evidence, base, model, floor);
+        Self { suspects, rivals, next, limits, left, worth, candidates }
     }
 }

@@ -32,15 +32,16 @@ struct Work {
     evidence: Evidence,
     base: Fitted,
     model: Fitted,
+    floor: f64,
 }
 
 impl Work {
-    fn of(app: &App) -> Self {
-        let session = app.session();
+    fn of(session: &Session) -> Self {
         Self {
             evidence: session.evidence.clone(),
             base: session.base.clone(),
             model: session.current.clone(),
+            floor: session.floor,
         }
     }
 
@@ -79,9 +80,9 @@ fn stopped() -> End {
 /// What is missing from the current model?
 pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
-        let work = Work::of(job.app);
+        let work = Work::of(&job.app.session());
         let Some(found) = tried(job, &work, &formula::all()) else { return stopped() };
-        let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, found);
+        let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, work.floor, found);
         let message = if diagnosis.worth {
             "An effect is missing; the best candidate comes first."
         } else {
@@ -149,11 +150,7 @@ pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
     if had.effects.is_empty() {
         return Some(session);
     }
-    let work = Work {
-        evidence: session.evidence.clone(),
-        base: session.base.clone(),
-        model: session.current.clone(),
-    };
+    let work = Work::of(&session);
     let begin = Values { effects: had.effects.clone(), ..work.model.values() };
     let model = searched(job, &work, &begin)?;
     let (after, rise) = (rung(&work.evidence, &model), rise(&work.evidence, &work.model, &model));
@@ -172,7 +169,7 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
         ));
     }
     jobs::start(&app, &format!("Adding {kind}"), move |job| {
-        let work = Work::of(job.app);
+        let work = Work::of(&job.app.session());
         let diagnosis = job.app.session().diagnosis.clone();
         let known = diagnosis
             .and_then(|d| d.candidates.iter().find(|c| c.kinds().last() == Some(&kind)).cloned())
@@ -195,7 +192,7 @@ pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> An
         return Err(refused(StatusCode::CONFLICT, "the model does not have it"));
     }
     jobs::start(&app, &format!("Removing {kind}"), move |job| {
-        let work = Work::of(job.app);
+        let work = Work::of(&job.app.session());
         let begin = work.model.values().without(kind);
         refit(job, &work, &begin, None, &format!("{kind} is out of the model"))
     })

@@ -9,7 +9,7 @@ use super::diagnosis::Diagnosis;
 use super::view::{Tracks, View};
 use crate::compare::rise::Rise;
 use crate::diagnose::discover::{self, prepare};
-use crate::diagnose::evidence::{EXPLAINS, Evidence};
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::estimate::feedforward;
@@ -105,7 +105,6 @@ pub struct Scene {
     /// The model as a file.
     pub model: Model,
     doubt: Option<Doubt>,
-    explained: bool,
     title: String,
 }
 
@@ -208,8 +207,6 @@ impl Session {
             faults: self.faults.clone(),
             model: self.model(),
             doubt: self.doubt,
-            explained: self.evidence.is_explained_by(&self.current)
-                || self.ladder.last().is_some_and(|rung| rung.train.rmse < EXPLAINS * self.floor),
             title: self.title.clone(),
         }
     }
@@ -267,7 +264,7 @@ impl Scene {
         Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
-            clean: diagnosis.map(|d| !d.worth && self.explained),
+            left: diagnosis.map(|d| d.left),
             suggested: first.map(|s| s.ranked.effect),
             doubted: self.doubt.map(|d| (d.effect, d.rises)),
             experiment: diagnosis

@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::{case, motor_file, record};
 use crate::diagnose::discover::{Options, discover};
 use crate::error::Result;
+use crate::findings::verdict_of;
 use crate::log::Record;
 use crate::motor_file::MotorFile;
 
@@ -56,7 +57,7 @@ fn ask(records: &[Record], held_out: &[Record], motor: &MotorFile) -> Result<Dia
     let rung = |k: Option<&crate::diagnose::ladder::Rung>| {
         k.and_then(|rung| rung.validation).map_or(f64::NAN, |m| m.rmse)
     };
-    let verdict = serde_json::to_value(found.verdict).unwrap_or_default();
+    let verdict = serde_json::to_value(verdict_of(&found)).unwrap_or_default();
     Ok(Diagnosis {
         effects: names(&found.effects),
         ranking: found.candidates.iter().map(|c| c.effect.name()).collect(),
