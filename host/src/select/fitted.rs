@@ -119,6 +119,21 @@ impl Fitted {
         &self.layout.kinds
     }
 
+    /// The same from where it would be had those parameters their usual values that are as far above them as they may be; none where no
+    /// parameter is.
+    pub fn from_usual(&self, data: &Evidence, rounds: usize, steps: usize) -> Option<Self> {
+        let (mut layout, mut x) = (self.layout.clone(), self.x.clone());
+        for (axis, x) in layout.axes.iter_mut().zip(&mut x).filter(|(axis, _)| !axis.fixed) {
+            let highest = *x > axis.high - 1e-3 * (axis.high - axis.low);
+            if let Some((usual, _)) = axis.prior.filter(|_| highest) {
+                (axis.fixed, *x) = (true, usual);
+            }
+        }
+        let bent = layout.free().len() < self.layout.free().len();
+        let held = bent.then(|| Self::new(data, layout, &x, rounds, steps))?;
+        Some(Self::new(data, self.layout.clone(), &held.x, rounds, steps))
+    }
+
     /// Number of fitted parameters.
     pub fn size(&self) -> usize {
         self.layout.free().len()

@@ -128,8 +128,13 @@ fn finals(
     for screen in [rough, &fine] {
         data.train.count_passes_of(&screen.problem);
     }
-    let mut fitted: Vec<Fitted> =
-        round.into_iter().map(|(layout, (_, x))| Fitted::new(data, layout, &x, FULL.1, FULL.2)).collect();
+    let all = |(layout, (_, x)): (Layout, Start)| {
+        let found = Fitted::new(data, layout, &x, FULL.1, FULL.2);
+        // One that ends at a bound has ended at no minimum: what the new effect should have taken up is still in the time constants.
+        let again = found.from_usual(data, FULL.1, FULL.2);
+        again.filter(|again| again.score() > found.score()).unwrap_or(found)
+    };
+    let mut fitted: Vec<Fitted> = round.into_iter().map(all).collect();
     fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));
     (fitted, near)
 }
