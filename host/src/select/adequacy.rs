@@ -1,6 +1,6 @@
 //! Whether a model leaves anything that these records show.
 
-use super::fitted::{Fitted, SURE};
+use super::fitted::{Fitted, LIKELY, SURE};
 use crate::compare::dependence::Dependence;
 use crate::compare::free_run::free_runs;
 use crate::compare::residual_torque::residual_torque;
@@ -11,8 +11,6 @@ use crate::diagnose::ladder::rung;
 const LITTLE: f64 = 2.0;
 /// ... and so is this share of what the plain motor leaves, however small the noise.
 const NEXT_TO_NOTHING: f64 = 0.01;
-/// A dependence of fewer standard errors than this may be chance: 5 % of a normal distribution.
-const UNSURE: f64 = 1.64;
 /// A larger share than this is no chance, however few stretches show it.
 const MUCH: f64 = 0.2;
 /// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows.
@@ -39,7 +37,7 @@ impl Adequacy {
         let torques: Vec<_> = free_runs(&evidence.train, &values).iter().map(torque).collect();
         let found = Dependence::of(&torques);
         // Where two runs tell the noise it takes as much to doubt a model as to accept an effect.
-        let sure = if evidence.repeats.is_empty() { UNSURE } else { SURE };
+        let sure = if evidence.repeats.is_empty() { LIKELY } else { SURE };
         if found.is_some_and(|found| found.sure >= sure || found.share >= MUCH) {
             return Self { explained: false, disturbance_v: None };
         }

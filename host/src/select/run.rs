@@ -101,7 +101,15 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
         candidates[..=chosen].rotate_right(1);
     }
     let worth = candidates.iter().filter(|c| promises(c));
-    worth.take(TRIED).map(|c| c.clone().settled(data)).find(|c| c.beats(model, data, base))
+    let mut settled = Vec::new();
+    for candidate in worth.take(TRIED) {
+        let candidate = candidate.clone().settled(data);
+        if candidate.beats_surely(model, data, base) {
+            return Some(candidate);
+        }
+        settled.push(candidate);
+    }
+    settled.into_iter().find(|c| c.beats(model, data, base))
 }
 
 /// `accepted`, and those of the models `tried` in its place that do as well; none where none does.
