@@ -81,6 +81,10 @@ const Plots = (() => {
   // The names of the steps below each other, and on small screens their parts too.
   const broken = (name, narrow) => name.replaceAll(/ (?=[+−])/g, "\n").replaceAll(narrow ? "_" : "\0", "\n");
 
+  // A motor that runs away in the simulation has an error that is endless or no number, and uPlot would draw lines without end up to it.
+  const within = (v, other) => (v > 0 ? Math.min(Math.max(v, 1e-9), 1e12) : other);
+  const decades = ([low, high]) => { const from = within(low, 1e-9); return [from, Math.max(within(high, 1e12), 10 * from)]; };
+
   function chart(entry, place) {
     const { figure, root } = entry, panel = figure.panels[place], last = place === figure.panels.length - 1;
     const now = () => entry.figure.panels[place];
@@ -104,7 +108,8 @@ const Plots = (() => {
       Object.assign(up, { filter, values: (u, splits) => splits.map(brief), grid: { ...rule, filter }, ticks: { ...rule, filter } });
     }
     const ranged = (u, low, high) => {
-      if (now().y.range) return now().y.range;
+      const given = now().y.range;
+      if (given) return now().y.log ? decades(given) : given;
       const wide = low === null || !Number.isFinite(low) ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true);
       // While a slider moves the axis gives way but does not jump.
       return entry.still ? [Math.min(wide[0], u.scales.y.min), Math.max(wide[1], u.scales.y.max)] : wide;

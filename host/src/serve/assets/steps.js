@@ -76,8 +76,10 @@ function showStep(step) {
     panels: [{ y: { title: "Of the value before (%)", log: false }, height: 200, curves: old.map((p, k) => ({ role: "p" + (k % 6), name: p.name, on: 0, draw: "dotted", y: history_.map((s) => 100 * s.parameters.find((q) => q.name === p.name).now / p.before) })) }] });
   rows("moving", step.parameters, (p) => [p.name, p.before === null ? "new" : short(p.before), short(p.now), p.unit], (p) => p.before !== null && Math.abs(p.now - p.before) > 0.005 * Math.abs(p.before) ? "moved" : "");
 }
-// Whole decades around the values.
-function spanOf(values) {
+// Whole decades around the values that are numbers: an error may be endless at first.
+function spanOf(all) {
+  const values = all.filter((v) => v > 0);
+  if (!values.length) return [1, 10];
   const low = Math.floor(Math.log10(Math.min(...values)) + 1e-9), high = Math.ceil(Math.log10(Math.max(...values)) - 1e-9);
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }

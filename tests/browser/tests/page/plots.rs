@@ -139,3 +139,22 @@ fn every_text_and_curve_stands_out_in_light_and_in_dark() {
         assert_eq!(found["faint"], Value::Array(Vec::new()), "{scheme}");
     }
 }
+
+#[test]
+fn an_error_without_end_or_none_at_all_is_drawn_as_far_as_lines_can_be_counted() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    for errors in ["[null, 0, 3]", "[3, 1e300]", "[null]", "[0, 0]"] {
+        let drawn = format!(
+            "(() => {{ for (const range of [[0, 3], [3, 1e300], spanOf({errors})]) {{
+                const panel = {{ y: {{ title: 'Error (1)', log: true, range }}, height: 240, curves: [{{ role: 'model', name: 'error', on: 0, draw: 'dotted', y: {errors} }}] }};
+                const figure = {{ id: 'endless', title: 'Error', reading: '', x: {{ title: 'Step (1)', log: false }}, columns: [{errors}.map((_, k) => k)], panels: [panel] }};
+                const root = document.querySelector('#record-plot');
+                Plots.show(root, figure), Plots.draw(root);
+            }} return document.querySelectorAll('#record-plot canvas').length; }})()"
+        );
+        assert_eq!(browser.value(&drawn), json!(1), "{errors}");
+    }
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
