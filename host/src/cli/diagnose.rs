@@ -11,7 +11,6 @@ use crate::diagnose::discover::{Discovery, diagnose};
 use crate::error::Result;
 use crate::findings::Findings;
 use crate::model_file::Model;
-use crate::sentence::capital;
 
 /// Options of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -60,12 +59,7 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("These records cannot tell apart: {}.\n", names.join(", "));
     }
-    if let Some(why) = &findings.no_experiment {
-        text += &format!("{}.\n", capital(why));
-    }
-    if let Some(next) = &findings.next_experiment {
-        text += &format!("Next experiment: {}\n", next.why);
-    }
+    text += &prose::experiments(findings);
     for fault in findings.later_faults() {
         text += &format!("\n{}\n", prose::fault(fault));
     }

@@ -11,7 +11,6 @@ use crate::error::{Error, Result};
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
-use crate::sentence::capital;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -87,12 +86,7 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
         text += &format!("\nThese records cannot tell apart: {}.\n", names.join(", "));
     }
     text += &prose::limits(&findings.detection_limits);
-    if let Some(why) = &findings.no_experiment {
-        text += &format!("{}.\n", capital(why));
-    }
-    if let Some(next) = &findings.next_experiment {
-        text += &format!("Next experiment: {}\n", next.why);
-    }
+    text += &prose::experiments(findings);
     for fault in findings.later_faults() {
         text += &format!("\n{}\n", prose::fault(fault));
     }

@@ -49,7 +49,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
-    let no_experiment = plan.as_ref().filter(|plan| !plan.shows()).map(Plan::why);
+    let no_experiment = plan.as_ref().and_then(Plan::why_none);
     let next_experiment = NextExperiment::of(plan, &found.limits);
     let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment, no_experiment };
     if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {

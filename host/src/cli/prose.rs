@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::compare::measures::Measures;
-use crate::findings::{NextStep, Standing};
+use crate::findings::{Findings, NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::log::guess;
 use crate::select::DetectionLimit;
+use crate::sentence::capital;
 
 /// A line of errors.
 pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
@@ -55,6 +56,13 @@ fn parameters_within(list: &[Estimate], width: usize) -> String {
         );
     }
     text
+}
+
+/// The experiments that `findings` suggest, or why there is none, a line each.
+pub fn experiments(findings: &Findings) -> String {
+    let none = findings.no_experiment.as_ref().map(|why| format!("{}.\n", capital(why)));
+    let next = findings.next_experiment.as_ref().map(|next| format!("Next experiment: {}\n", next.why));
+    none.into_iter().chain(next).collect()
 }
 
 /// The smallest sizes of further effects that the records would have shown, and what they cannot show.

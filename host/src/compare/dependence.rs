@@ -12,6 +12,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::residual_torque::ResidualTorque;
+use crate::log::timing::median;
 
 /// Length of a stretch, s: a few mechanical time constants of a small motor, long beside the span of the derivatives.
 const STRETCH_S: f64 = 0.12;
@@ -193,14 +194,9 @@ fn foretold(stretches: &[Stretch], shapes: &DMatrix<f64>, torque: &[f64]) -> Vec
 
 /// `values` bounded to `MOST` standard deviations about their median, so that a few jumps do not outweigh all else.
 fn clipped(values: Vec<f64>) -> Vec<f64> {
-    let middle = median(values.clone());
-    let scatter = 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect());
+    let middle = median(&mut values.clone());
+    let scatter = 1.4826 * median(&mut values.iter().map(|v| (v - middle).abs()).collect::<Vec<_>>());
     values.into_iter().map(|v| v.clamp(middle - MOST * scatter, middle + MOST * scatter)).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -15,5 +15,5 @@ mod stage;
 mod trace;
 
 pub use failure::{Bin, FailureMap, Slice, failure_map};
-pub use stage::problem_of;
+pub use stage::{laid_out, problem_of};
 pub use trace::write_trace;

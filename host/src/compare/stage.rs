@@ -1,6 +1,7 @@
 //! Records laid out for a model that exists.
 
 use crate::error::Result;
+use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
 use crate::log::{Record, check_all_usable};
@@ -13,10 +14,15 @@ use crate::motor_file::MotorFile;
 /// Records that say nothing about a motor; see [`check_all_usable`].
 pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
     check_all_usable(records)?;
-    let (mut problem, _) = setup::problem(records, motor);
+    let (mut problem, _) = laid_out(model, records, motor);
+    problem.find_moving_starts(&model.values());
+    Ok(problem)
+}
+
+/// The same with the first speeds of a rough base model, and that model: where a fit begins.
+pub fn laid_out(model: &Model, records: &[Record], motor: &MotorFile) -> (Problem, Values) {
+    let (mut problem, start) = setup::problem(records, motor);
     problem.rig = model.rig(problem.rig.step_s);
     problem.prior = model.prior();
-    let values = model.values();
-    problem.find_moving_starts(&values);
-    Ok(problem)
+    (problem, start)
 }

@@ -7,6 +7,7 @@ use motorlens_shared::effects::Kind;
 use super::evidence::Evidence;
 use super::ladder::{Ranked, Rung, rung};
 use super::plan::{self, Limits, Plan};
+use crate::compare::laid_out;
 use crate::error::Result;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
@@ -107,9 +108,7 @@ pub fn diagnose(
 ) -> Result<Discovery> {
     let at = Instant::now();
     crate::log::check_all_usable(records.iter().chain(validation))?;
-    let (mut whole, start) = setup::problem(records, motor);
-    (whole.rig, whole.prior) = (model.rig(whole.rig.step_s), model.prior());
-    let (evidence, plain) = settled((whole, start), records, validation, motor);
+    let (evidence, plain) = settled(laid_out(model, records, motor), records, validation, motor);
     let given = model.values();
     let begin = Begin {
         at,

@@ -51,7 +51,7 @@ fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
 
 /// The errors of `values` on the records of `problem` as `compare` has them: those that begin in motion do so at the speeds that this model
 /// finds for them.
-fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
+pub(crate) fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
     let mut problem = problem.clone();
     problem.find_moving_starts(values);
     pooled(&free_runs(&problem, values))

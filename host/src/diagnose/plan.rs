@@ -272,6 +272,11 @@ impl Plan {
         self.separation >= LEAST_SHOWN
     }
 
+    /// Why none of the programmes would show anything, where that is so.
+    pub fn why_none(&self) -> Option<String> {
+        (!self.shows()).then(|| self.why())
+    }
+
     /// What it would show, or that none of the programmes would show anything, in a sentence.
     pub fn why(&self) -> String {
         let names: Vec<&str> = self.rivals.iter().map(|k| k.name()).collect();

@@ -129,7 +129,7 @@ impl Findings {
         let errors = errors_of(&found.ladder[..without(found.ladder.len())], found.noise_floor);
         let in_model = &found.effects[..without(found.effects.len())];
         let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
-        let no_experiment = plan.as_ref().filter(|plan| !plan.shows()).map(Plan::why);
+        let no_experiment = plan.as_ref().and_then(Plan::why_none);
         let next_experiment = NextExperiment::of(plan, &found.limits);
         let later = shown_by_fit::faults(&parameters, &found.effects);
         let standing = Standing::of(&Facts {

@@ -25,7 +25,8 @@ pub fn jitter(time_s: &[f64]) -> f64 {
     median(&mut deviations)
 }
 
-fn median(values: &mut [f64]) -> f64 {
+/// The middle one of `values`, the upper of two; 0 of none.
+pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

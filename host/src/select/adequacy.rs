@@ -5,7 +5,7 @@ use crate::compare::dependence::Dependence;
 use crate::compare::free_run::free_runs;
 use crate::compare::residual_torque::residual_torque;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::ladder::rung;
+use crate::diagnose::ladder::simulated;
 
 /// So many times the noise are little: equations are idealised.
 const LITTLE: f64 = 2.0;
@@ -41,8 +41,8 @@ impl Adequacy {
         if found.is_some_and(|found| found.sure >= sure || found.share >= MUCH) {
             return Self { explained: false, disturbance_v: None };
         }
-        let error = rung(evidence, &values).train.rmse;
-        if evidence.left_over(model) < LITTLE || error < LITTLE * floor {
+        let error = || simulated(&evidence.whole, &values).unwrap_or_default().rmse;
+        if evidence.left_over(model) < LITTLE || error() < LITTLE * floor {
             return Self { explained: true, disturbance_v: None };
         }
         if !evidence.repeats.is_empty() {

@@ -167,7 +167,13 @@ impl Fitted {
     #[must_use]
     pub fn settled(self, data: &Evidence) -> Self {
         let settled = Self::of(data, &self.values(), SETTLED.0, SETTLED.1);
-        if settled.score() > self.score() { settled } else { self }
+        self.or_better(Some(settled))
+    }
+
+    /// `other` where it has the higher score.
+    #[must_use]
+    pub fn or_better(self, other: Option<Self>) -> Self {
+        other.filter(|other| other.score() > self.score()).unwrap_or(self)
     }
 
     /// Whether it is better than `other` beyond doubt, by what is worth mentioning beside all that it explains of what `base` leaves: the
@@ -181,12 +187,17 @@ impl Fitted {
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure_enough))
     }
 
-    /// The same, or by so much that fewer standard errors do: a disturbance that lasts makes the blocks differ by more than a likelihood
-    /// foresees, so that a few of them hide what is plain in their sum; the sum itself it raises no further than [`LARGE`].
+    /// The same, or by so much that fewer standard errors do.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
+        self.beats_surely(other, data, base) || self.outweighs(other, data, base)
+    }
+
+    /// Whether it is better than `other` by so much that it has to be only likely: a disturbance that lasts makes the blocks differ by more
+    /// than a likelihood foresees, so that a few of them hide what is plain in their sum; the sum itself it raises no further than `LARGE`.
+    pub fn outweighs(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         let gain = self.gain_over(other);
-        let is_large = || gain.total > LARGE.0.max(LARGE.1 * self.gain_over(base).total);
-        is_large() && self.is_likelier(gain, LIKELY, other, data) || self.beats_surely(other, data, base)
+        let is_large = gain.total > LARGE.0.max(LARGE.1 * self.gain_over(base).total);
+        is_large && self.is_likelier(gain, LIKELY, other, data)
     }
 
     /// Whether its `gain` over `other` is so many standard errors `sure`, and a rise of the simulation error does not speak against it.

@@ -132,7 +132,7 @@ fn finals(
         let found = Fitted::new(data, layout, &x, FULL.1, FULL.2);
         // One that ends at a bound has ended at no minimum: what the new effect should have taken up is still in the time constants.
         let again = found.from_usual(data, FULL.1, FULL.2);
-        again.filter(|again| again.score() > found.score()).unwrap_or(found)
+        found.or_better(again)
     };
     let mut fitted: Vec<Fitted> = round.into_iter().map(all).collect();
     fitted.sort_by(|a, b| b.score().total_cmp(&a.score()));

@@ -23,7 +23,7 @@ pub fn fitted_from(data: &Evidence, values: &Values) -> Fitted {
     let found = Fitted::of(data, values, BASE.0, BASE.1);
     let again =
         straightened(&data.train, &found.values()).map(|usual| Fitted::of(data, &usual, BASE.0, BASE.1));
-    again.filter(|again| again.score() > found.score()).unwrap_or(found)
+    found.or_better(again)
 }
 
 /// Where a selection begins.

@@ -109,7 +109,7 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
         }
         settled.push(candidate);
     }
-    settled.into_iter().find(|c| c.beats(model, data, base))
+    settled.into_iter().find(|c| c.outweighs(model, data, base))
 }
 
 /// `accepted`, and those of the models `tried` in its place that do as well; none where none does.
