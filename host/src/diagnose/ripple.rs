@@ -13,7 +13,7 @@ use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
 
 /// Highest order looked for, periods per motor revolution.
-pub(super) const HIGHEST_ORDER: usize = 24;
+pub const HIGHEST_ORDER: usize = 24;
 /// Size of a probe, V of a 12 V motor.
 const PROBE_V: f64 = 0.02;
 /// Orders that are tried in earnest.

@@ -121,6 +121,22 @@ impl Tangent {
         (0..xs.len()).map(|l| [at(l, 1.0), at(l, best(l))]).collect()
     }
 
+    /// For each candidate, what it leaves of every residual of every record once the model's parameters gave way.
+    pub fn leaves(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+        let projected = self.project(problem, layout, xs);
+        let mut left = vec![Vec::new(); xs.len()];
+        let mut series: Vec<Block> = Vec::new();
+        for (grid, rows) in problem.grids.iter().zip(&self.rows) {
+            predict_block(layout, xs, &problem.rig, grid, &mut series);
+            residuals(grid, self.objective, &mut series);
+            for (l, (left, [whole, _])) in left.iter_mut().zip(&projected).enumerate() {
+                let gives = |row: &Vec<f64>| row.iter().zip(&whole.give_way).map(|(d, s)| d * s).sum::<f64>();
+                left.push(series.iter().zip(rows).map(|(r, row)| r.0[l] + gives(row)).collect());
+            }
+        }
+        left
+    }
+
     /// `x` with the share of its new effect and the model's parameters where `projected` foresees them.
     pub fn moved(&self, layout: &Layout, x: &[f64], projected: &Projected) -> Vec<f64> {
         let mut moved = x.to_vec();

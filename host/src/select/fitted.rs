@@ -8,6 +8,7 @@ use super::crossed::{Fall, crossed};
 use super::gain::Gain;
 use super::noise::{Coefficients, Noise, Response, coefficients};
 use super::score::Scored;
+use super::starts::places;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
@@ -29,6 +30,22 @@ fn sure_enough(blocks: usize) -> f64 {
 const LARGE: (f64, f64) = (50.0, 0.1);
 /// Standard errors: 5 % of a normal distribution.
 pub const LIKELY: f64 = 1.64;
+
+/// Whether `gain`, the best of those at so many `places`, is worth mentioning where `all` natural logarithms are explained with it.
+fn is_worth(gain: Gain, all: f64, places: usize) -> bool {
+    gain.total > (WORTH + (places as f64).ln()).max(SHARE * all)
+}
+
+/// Whether `gain` is so much that it has to be only likely.
+fn is_large(gain: Gain, all: f64, places: usize) -> bool {
+    gain.total > (LARGE.0 + (places as f64).ln()).max(LARGE.1 * all)
+}
+
+/// Standard errors that the best of so many `places` has to show where one alone has to show `sure`: each of them may pass by chance so many
+/// times less often (C. Bonferroni, 1936; the tail of a normal distribution falls like exp(-z^2 / 2)).
+fn best_of(places: usize, sure: f64) -> f64 {
+    (sure * sure + 2.0 * (places as f64).ln()).sqrt()
+}
 
 /// Standard errors that a rise of the cross-validated simulation error beyond its own standard error costs, for each factor of e: two for
 /// 1.5 %.
@@ -180,11 +197,12 @@ impl Fitted {
     /// likelihood says so, and more surely where the cross-validated simulation error rises, or that error surely falls. A slow effect
     /// under a disturbance shows in the second: in the likelihood each block has a drift of its own, and says little.
     pub fn beats_surely(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        let sure = sure_enough(self.scored.blocks());
+        let places = self.places_beyond(other);
+        let sure = |blocks: usize| best_of(places, sure_enough(blocks));
         let gain = self.gain_over(other);
-        self.is_worth(gain, base)
-            && (self.is_likelier(gain, sure, other, data)
-                || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure_enough))
+        is_worth(gain, self.gain_over(base).total, places)
+            && (self.is_likelier(gain, sure(self.scored.blocks()), other, data)
+                || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
 
     /// The same, or by so much that fewer standard errors do.
@@ -196,8 +214,22 @@ impl Fitted {
     /// than a likelihood foresees, so that a few of them hide what is plain in their sum; the sum itself it raises no further than `LARGE`.
     pub fn outweighs(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         let gain = self.gain_over(other);
-        let is_large = gain.total > LARGE.0.max(LARGE.1 * self.gain_over(base).total);
-        is_large && self.is_likelier(gain, LIKELY, other, data)
+        let places = self.places_beyond(other);
+        let is_large = is_large(gain, self.gain_over(base).total, places);
+        is_large && self.is_likelier(gain, best_of(places, LIKELY), other, data)
+    }
+
+    /// Whether `kind`, which gains so much beside it, would be accepted, as far as the likelihood alone tells, where `explained` natural
+    /// logarithms are explained so far.
+    pub fn would_accept(&self, kind: Kind, gain: Gain, explained: f64) -> bool {
+        let (all, places) = (explained + gain.total, places(kind));
+        is_worth(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
+            || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
+    }
+
+    /// At how many places together was looked for the effects that it has beyond those of `other`.
+    fn places_beyond(&self, other: &Self) -> usize {
+        self.kinds().iter().filter(|kind| !other.kinds().contains(kind)).map(|kind| places(*kind)).product()
     }
 
     /// Whether its `gain` over `other` is so many standard errors `sure`, and a rise of the simulation error does not speak against it.
@@ -209,15 +241,10 @@ impl Fitted {
         Fall::of(self.unseen(data), other.unseen(data))
     }
 
-    /// Whether its `gain` is worth mentioning beside all that it explains of what `base` leaves.
-    fn is_worth(&self, gain: Gain, base: &Self) -> bool {
-        gain.total > WORTH.max(SHARE * self.gain_over(base).total)
-    }
-
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.
     fn predicts_better(&self, other: &Self, base: &Self, sure: f64) -> bool {
         let gain = self.gain_over(other);
-        gain.sure > sure && self.is_worth(gain, base)
+        gain.sure > sure && is_worth(gain, self.gain_over(base).total, 1)
     }
 
     /// Whether it does as well as `other`: that does not predict better beyond doubt, and simulates records that it was not fitted to hardly

@@ -1,9 +1,11 @@
 //! Detection limits: for every effect that a model lacks, the smallest size that these records would have shown.
 //!
 //! The effect is simulated beside the accepted model, at its typical shape and at sizes an octave apart. What the model's own
-//! parameters cannot imitate of the change, to first order, is a known signal in known noise; the log-likelihood that it would gain
-//! is half its energy over the noise, scale by scale (S. Kay, *Fundamentals of Statistical Signal Processing*, vol. 2, 1998, ch. 4).
-//! Where that reaches what the selection asks of an effect, it would have been accepted.
+//! parameters cannot imitate of the change, to first order, is a signal; the error that the model leaves is the noise that it would have
+//! stood in. The signal is laid on that error with either sign, and the model that knows it is scored against the one that does not, by the
+//! criterion of the selection, block by block: a disturbance that lasts makes a gain large before it makes it sure, and that shows here as it
+//! shows there. (A detection limit is a size that would be found, not one that is merely more than nothing: L. Currie, *Analytical
+//! Chemistry* 40, 1968.)
 
 use motorlens_shared::effects::{Kind, Search};
 use motorlens_shared::excitation::Programme;
@@ -11,7 +13,9 @@ use serde::Serialize;
 
 use super::fitted::Fitted;
 use super::forward::lacks;
-use super::noise::FREEDOM;
+use super::gain::Gain;
+use super::noise::{Coefficients, Noise, coefficients};
+use super::score::Scored;
 use crate::diagnose::contained::{extended, parts};
 use crate::diagnose::discover::reading_noise;
 use crate::diagnose::evidence::Evidence;
@@ -26,8 +30,8 @@ use crate::fit::sketch::Sketch;
 const SIZES: usize = 2 * LANES;
 /// What of the records is simulated; what more of them would show grows with the samples.
 const SKETCH: Sketch = Sketch { samples: 24e3, cell_s: 4.01e-3, interval_s: 0.0 };
-/// Of the information of normal errors a Student t distribution keeps so much (K. Lange, R. Little, J. Taylor, *JASA* 84, 1989).
-const KEPT: f64 = (FREEDOM + 1.0) / (FREEDOM + 3.0);
+/// Halvings of the octave in which the limit lies.
+const HALVINGS: usize = 3;
 
 /// What the records could have shown of one effect.
 #[derive(Debug, Clone, Serialize)]
@@ -59,13 +63,14 @@ pub fn detection_limits(
     library: &[Kind],
     volts: f64,
 ) -> Vec<DetectionLimit> {
-    let problem = noiseless(data, model);
+    let sketched = data.train.clone().sketch(SKETCH);
+    let trial = Trial::new(data, &sketched, base, model);
+    let problem = noiseless(sketched, model);
     let found = problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
-    let asked = model.asks(base) * problem.samples() as f64 / data.train.samples() as f64;
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
-        missing.filter_map(|kind| limit(&problem, model, &tangent, kind, asked)).collect();
+        missing.filter_map(|kind| limit(&problem, model, &tangent, kind, &trial)).collect();
     let hidden = DetectionLimit::hidden(&limits);
     let shown =
         plan::showing(&problem, model, &hidden, reading_noise(&data.train), Limits { volts, seconds: 8.0 });
@@ -76,15 +81,48 @@ pub fn detection_limits(
 }
 
 /// The records as they were had `model` been all there is and nothing disturbed it, weighted by its noise.
-fn noiseless(data: &Evidence, model: &Fitted) -> Problem {
-    let mut problem = data.train.clone().sketch(SKETCH);
+fn noiseless(mut problem: Problem, model: &Fitted) -> Problem {
     // The likelihood alone: no plain square beside it.
     model.noise.with_all_left().weigh(&mut problem, 0.0);
     let plain = model.layout.all_plain(&model.x);
     for grid in &mut problem.grids {
-        grid.measured = predict_one(&model.layout.kinds, &plain, &data.train.rig, grid);
+        grid.measured = predict_one(&model.layout.kinds, &plain, &problem.rig, grid);
     }
     problem
+}
+
+/// The selection on records in which an effect would have been.
+struct Trial<'a> {
+    model: &'a Fitted,
+    explained: f64,
+    noise: Noise,
+    left: Vec<Coefficients>,
+    left_scores: Vec<f64>,
+    scored: Scored,
+    /// Samples of the records over those that are looked at.
+    more: f64,
+}
+
+impl<'a> Trial<'a> {
+    fn new(data: &Evidence, problem: &Problem, base: &Fitted, model: &'a Fitted) -> Self {
+        let noise = model.noise.with_all_left();
+        let left = coefficients(problem, &model.layout, &model.x);
+        let scored = Scored::unfitted(problem, left.clone());
+        let more = data.train.samples() as f64 / problem.samples().max(1) as f64;
+        let explained = model.gain_over(base).total;
+        Self { model, explained, left_scores: scored.under(&noise), noise, left, scored, more }
+    }
+
+    /// Whether `kind` would be accepted where it adds `factor` times `signal`, in units of the noise, to what the model leaves.
+    fn accepts(&self, kind: Kind, signal: &[Vec<f64>], factor: f64) -> bool {
+        [factor, -factor].into_iter().all(|factor| {
+            let shown = |(left, signal): (&Coefficients, &Vec<f64>)| left.with(signal, factor, &self.noise);
+            let without = self.scored.with(self.left.iter().zip(signal).map(shown).collect());
+            let gain = Gain::of(&self.left_scores, &without.under(&self.noise));
+            let whole = Gain { total: self.more * gain.total, sure: self.more.sqrt() * gain.sure };
+            self.model.would_accept(kind, whole, self.explained)
+        })
+    }
 }
 
 fn limit(
@@ -92,7 +130,7 @@ fn limit(
     model: &Fitted,
     tangent: &Tangent,
     kind: Kind,
-    asked: f64,
+    trial: &Trial,
 ) -> Option<DetectionLimit> {
     let spec = kind.spec();
     let kinds = model.kinds();
@@ -122,20 +160,19 @@ fn limit(
     let halved = (0..SIZES).map(|k| of.high.abs() / of.typical.abs() * 0.5_f64.powi(k as i32));
     let factors: Vec<f64> = halved.filter(|f| *f >= lowest).collect();
     let xs: Vec<Vec<f64>> = factors.iter().map(|f| at(*f)).collect();
-    let gains: Vec<f64> = xs
-        .chunks(LANES)
-        .flat_map(|chunk| tangent.project(problem, &layout, chunk))
-        .map(|[whole, _]| 0.5 * KEPT * whole.left)
-        .collect();
+    let signals: Vec<Vec<Vec<f64>>> =
+        xs.chunks(LANES).flat_map(|chunk| tangent.leaves(problem, &layout, chunk)).collect();
     let typical = of.plain(of.typical.abs(), &problem.rig);
-    let shows = |k: usize| gains[k] > asked;
     // The smallest size from which on every larger one shows too.
-    let last = (0..factors.len()).take_while(|k| shows(*k)).last();
+    let last = signals.iter().take_while(|signal| trial.accepts(kind, signal, 1.0)).count().checked_sub(1);
     let smallest = last.map(|k| {
-        let next = gains.get(k + 1).copied().unwrap_or(0.0).max(1e-12);
-        // Between two sizes an octave apart the gain is taken for a power of the size.
-        let power = (gains[k] / next).log2().clamp(0.5, 4.0);
-        (factors[k] * (asked / gains[k]).powf(1.0 / power).max(0.5)).max(lowest) * typical
+        // Between two sizes an octave apart the signal is taken for proportional to the size.
+        let (mut hidden, mut shows) = (0.5, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (hidden + shows);
+            *(if trial.accepts(kind, &signals[k], middle) { &mut shows } else { &mut hidden }) = middle;
+        }
+        (factors[k] * shows).max(lowest) * typical
     });
     Some(DetectionLimit { effect: kind, parameter: of.name, smallest, unit: of.unit, programme: None })
 }

@@ -55,6 +55,23 @@ impl Coefficients {
     }
 }
 
+impl Coefficients {
+    /// The same with `factor` times a `signal` beside the error: residuals in units of `noise`, the plain error's before the coefficients.
+    #[must_use]
+    pub fn with(&self, signal: &[f64], factor: f64, noise: &Noise) -> Self {
+        let mut signal = &signal[self.squares.1.min(signal.len())..];
+        let mut with = self.clone();
+        for (octave, level) in with.octaves.iter().zip(&mut with.levels) {
+            let unit = factor * noise.variance(*octave).sqrt();
+            let own = signal.split_off(..level.len().min(signal.len())).unwrap_or_default();
+            for (d, s) in level.iter_mut().zip(own) {
+                *d += (unit * s) as f32;
+            }
+        }
+        with
+    }
+}
+
 /// Octave of level `j` where samples come every `interval_s`.
 pub(super) fn octave(interval_s: f64, j: usize) -> i32 {
     (interval_s * 1e3 * 2.0_f64.powi(j as i32 + 1)).log2().round() as i32

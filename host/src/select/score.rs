@@ -61,6 +61,20 @@ impl Scored {
         Self { errors, shapes, influences }
     }
 
+    /// Of `errors` that no fit to the records of `problem` has made smaller.
+    pub fn unfitted(problem: &Problem, errors: Vec<Coefficients>) -> Self {
+        let shapes: Vec<(usize, usize)> =
+            problem.grids.iter().map(|grid| (blocks(grid), grid.len())).collect();
+        let influences = vec![Vec::new(); shapes.iter().map(|(blocks, _)| blocks).sum()];
+        Self { errors, shapes, influences }
+    }
+
+    /// The same of other `errors`.
+    #[must_use]
+    pub fn with(&self, errors: Vec<Coefficients>) -> Self {
+        Self { errors, ..self.clone() }
+    }
+
     /// Blocks of all records.
     pub fn blocks(&self) -> usize {
         self.shapes.iter().map(|(blocks, _)| blocks).sum()

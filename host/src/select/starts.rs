@@ -32,6 +32,14 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
     sizes
 }
 
+/// At how many unrelated places an effect is looked for, where others are looked for at one: of so many the best gains by chance alone.
+pub fn places(kind: Kind) -> usize {
+    match kind.spec().search {
+        Search::Orders => ripple::HIGHEST_ORDER,
+        Search::Probes | Search::Hold(_) => 1,
+    }
+}
+
 /// `values` with the time constant and the viscous share that are usual, where the fit has bent them far from that: what a model lacks
 /// it makes up for by its base, and next to a bent base no law looks right. None where they are near.
 pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
