@@ -12,6 +12,9 @@ use super::bytes::{u16_at, u32_at};
 const COLUMNS: u32 = 256;
 const ROWS: u32 = 65_536;
 
+/// Cells for which room is made at most: all rows of 64 columns, 350 MB while they are read.
+const MOST_ROOM: usize = 1 << 22;
+
 /// The first bytes of a sheet's record.
 const BOUND_SHEET: u16 = 0x0085;
 const DIMENSIONS: u16 = 0x0200;
@@ -20,49 +23,64 @@ const NUMBERS: u16 = 0x00BD;
 /// Formula, text of a table, formatted text, number, text, truth or error, short number.
 const CELLS: [u16; 7] = [0x0006, 0x00FD, 0x00D6, 0x0203, 0x0204, 0x0205, 0x027E];
 
-/// Refuses the workbook `stream` where a cell stands beyond the sheet.
+/// Refuses the workbook `stream` where a cell stands beyond the sheet, or cells stand so far apart that all between them are too many.
 ///
 /// # Errors
 /// A fault that names the place in the stream.
 pub fn check(stream: &[u8]) -> Result<(), Fault> {
     let mut seen = HashSet::new();
+    let mut room = 0;
     for (_, kind, record) in records(stream, 0) {
         if let (BOUND_SHEET, Some(place)) = (kind, u32_at(record, 0)) {
-            check_sheet(stream, place as usize, &mut seen)?;
+            room += check_sheet(stream, place as usize, &mut seen)?;
         }
+    }
+    if room > MOST_ROOM {
+        return Err(Fault::new(
+            "its cells stand further apart than those of a log",
+            "save the columns that show the motor alone as CSV",
+        ));
     }
     Ok(())
 }
 
-/// The same for the sheet that begins at `place`, and whatever stands behind it that was not `seen`.
-fn check_sheet(stream: &[u8], place: usize, seen: &mut HashSet<usize>) -> Result<(), Fault> {
+/// The same for the sheet that begins at `place`, and whatever stands behind it that was not `seen`; returns how many cells it makes room for.
+fn check_sheet(stream: &[u8], place: usize, seen: &mut HashSet<usize>) -> Result<usize, Fault> {
+    let mut taken: Option<[u32; 4]> = None;
     for (at, kind, record) in records(stream, place) {
         if !seen.insert(at) {
             break;
         }
-        let beyond = match kind {
-            DIMENSIONS => {
-                let [rows, columns] = match record.len() {
-                    10 => [u16_at(record, 2).map(u32::from), u16_at(record, 6).map(u32::from)],
-                    _ => [u32_at(record, 4), u16_at(record, 10).map(u32::from)],
-                };
-                let cells = u64::from(rows.unwrap_or(0)) * u64::from(columns.unwrap_or(0));
-                cells > u64::from(ROWS * COLUMNS)
-            }
-            NUMBERS => {
-                let last = u16_at(record, record.len().saturating_sub(2));
-                [u16_at(record, 2), last].iter().flatten().any(|column| u32::from(*column) >= COLUMNS)
-            }
-            _ if CELLS.contains(&kind) => {
-                u16_at(record, 2).is_some_and(|column| u32::from(column) >= COLUMNS)
-            }
-            _ => false,
-        };
-        if beyond {
-            return Err(Fault::broken(at as u64, "where a cell stands beyond the 256 columns of a sheet"));
+        let Some([top, left, bottom, right]) = region(kind, record) else { continue };
+        if top > bottom || left > right || bottom >= ROWS || right >= COLUMNS {
+            return Err(Fault::broken(
+                at as u64,
+                "where a cell stands beyond the 65,536 rows and 256 columns of a sheet",
+            ));
         }
+        let [t, l, b, r] = taken.unwrap_or([top, left, bottom, right]);
+        taken = Some([top.min(t), left.min(l), bottom.max(b), right.max(r)]);
     }
-    Ok(())
+    Ok(taken.map_or(0, |[top, left, bottom, right]| ((bottom - top + 1) * (right - left + 1)) as usize))
+}
+
+/// First row and column and last row and column for which a record makes room.
+fn region(kind: u16, record: &[u8]) -> Option<[u32; 4]> {
+    let short = |at: usize| u16_at(record, at).map(u32::from);
+    match kind {
+        DIMENSIONS => {
+            let [top, end, left, right] = match record.len() {
+                10 => [short(0)?, short(2)?, short(4)?, short(6)?],
+                _ => [u32_at(record, 0)?, u32_at(record, 4)?, short(8)?, short(10)?],
+            };
+            // An empty sheet ends before it begins. Columns that do are counted from the first.
+            let left = if left >= COLUMNS || left > right { 0 } else { left };
+            (end > 0 && right > 0).then(|| [top, left, end - 1, right - 1])
+        }
+        NUMBERS => Some([short(0)?, short(2)?, short(0)?, short(record.len().checked_sub(2)?)?]),
+        _ if CELLS.contains(&kind) => Some([short(0)?, short(2)?, short(0)?, short(2)?]),
+        _ => None,
+    }
 }
 
 /// Place, type and bytes of the records of `stream` from `place` on.
@@ -104,7 +122,21 @@ mod tests {
         let mut book = Chains::of(SHEET).unwrap().stream(&["Workbook", "Book"]).unwrap();
         let (at, _, record) = records(&book, 0).find(|(_, kind, _)| *kind == DIMENSIONS).unwrap();
         assert_eq!(record.len(), 14);
-        book[at + 4 + 7] = 0x7F;
+        let mut damaged = book.clone();
+        damaged[at + 4 + 7] = 0x7F;
+        assert!(check(&damaged).is_err());
+        // A first row behind the last one.
+        book[at + 4 + 3] = 0x50;
         assert!(check(&book).is_err());
+    }
+
+    #[test]
+    fn two_cells_at_opposite_ends_of_a_sheet_are_refused() {
+        let mut book = Chains::of(SHEET).unwrap().stream(&["Workbook", "Book"]).unwrap();
+        let single = |kind: u16| kind != NUMBERS && CELLS.contains(&kind);
+        let (at, _, _) = records(&book, 0).filter(|(_, kind, _)| single(*kind)).last().unwrap();
+        book[at + 4..at + 8].copy_from_slice(&[0xFF, 0xFF, 0xFF, 0]);
+        let fault = check(&book).unwrap_err();
+        assert!(fault.why.contains("further apart"), "{fault:?}");
     }
 }
