@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use super::contained::extended;
 use super::discover::reading_noise;
 use crate::findings::multiple;
-use crate::fit::grid::Grid;
+use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
 use crate::fit::simulate::{LANES, predict_block};
@@ -196,15 +196,18 @@ fn played(programme: &Programme, problem: &Problem) -> Option<Grid> {
     Some(Grid::new(&record, problem.rig.count_rad))
 }
 
-/// What each of `points` expects to see on `grid`, as increments.
+/// What each of `points` expects to see on `grid`, as increments over 50 ms in the unit that `problem` has measured: of the angle, or the mean
+/// speed in that time.
 fn increments(problem: &Problem, layout: &Layout, points: &[Vec<f64>], grid: &Grid) -> Vec<DVector<f64>> {
+    let speed = problem.grids.iter().any(|grid| grid.quantity != Quantity::Angle);
+    let unit = if speed { f64::from(RATE_HZ) / SPAN as f64 } else { 1.0 };
     let mut seen: Vec<DVector<f64>> = Vec::new();
     let mut series = Vec::new();
     for chunk in points.chunks(LANES) {
         predict_block(layout, chunk, &problem.rig, grid, &mut series);
         for l in 0..chunk.len() {
             let n = series.len().saturating_sub(SPAN) / STRIDE;
-            let step = |k: usize| series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l];
+            let step = |k: usize| unit * (series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l]);
             seen.push(DVector::from_fn(n, |k, _| step(k)));
         }
     }
@@ -314,6 +317,27 @@ mod tests {
     use crate::exam::case::{Case, Conditions};
     use crate::findings::NextExperiment;
     use crate::select::forward::forward;
+
+    #[test]
+    fn records_of_speed_are_compared_with_speeds_and_records_of_angle_with_angles() {
+        let case = Case::new(11, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let slow = Shape::Sine { amplitude_v: 6.0, frequency_hz: 0.1, offset_v: 0.0 };
+        let programme = Programme::single("slow", slow, 10.0);
+        let highest = |problem: &Problem| {
+            let grid = played(&programme, problem).unwrap();
+            let seen = increments(problem, &base.layout, std::slice::from_ref(&base.x), &grid);
+            seen[0].max()
+        };
+        let steady = 6.0 * base.values().base.gain;
+        let angle = evidence.train.clone();
+        let mut speed = angle.clone();
+        for grid in &mut speed.grids {
+            grid.quantity = Quantity::MeanSpeed;
+        }
+        assert!((highest(&angle) / (0.05 * steady) - 1.0).abs() < 0.02, "{} rad", highest(&angle));
+        assert!((highest(&speed) / steady - 1.0).abs() < 0.02, "{} rad/s", highest(&speed));
+    }
 
     #[test]
     fn a_programme_that_stays_within_its_limits_separates_friction_from_a_dead_zone() {
