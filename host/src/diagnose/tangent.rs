@@ -95,11 +95,7 @@ impl Tangent {
                     cost[l] += r.0[l] * r.0[l];
                     cross[l] += r.0[l] * c;
                 }
-                for (g, d) in gradient.iter_mut().zip(row) {
-                    for l in 0..LANES {
-                        g[l] += d * r.0[l];
-                    }
-                }
+                add_slopes(&mut gradient, row, r);
             }
         }
         let at = |l: usize, share: f64| {
@@ -123,15 +119,25 @@ impl Tangent {
 
     /// For each candidate, what it leaves of every residual of every record once the model's parameters gave way.
     pub fn leaves(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
-        let projected = self.project(problem, layout, xs);
-        let mut left = vec![Vec::new(); xs.len()];
+        let n = self.inverse.nrows();
+        let mut gradient = vec![[0.0; LANES]; n];
+        let mut left: Vec<Vec<Vec<f64>>> = vec![Vec::new(); xs.len()];
         let mut series: Vec<Block> = Vec::new();
+        problem.count_passes(xs.len());
         for (grid, rows) in problem.grids.iter().zip(&self.rows) {
             predict_block(layout, xs, &problem.rig, grid, &mut series);
             residuals(grid, self.objective, &mut series);
-            for (l, (left, [whole, _])) in left.iter_mut().zip(&projected).enumerate() {
-                let gives = |row: &Vec<f64>| row.iter().zip(&whole.give_way).map(|(d, s)| d * s).sum::<f64>();
-                left.push(series.iter().zip(rows).map(|(r, row)| r.0[l] + gives(row)).collect());
+            for (r, row) in series.iter().zip(rows) {
+                add_slopes(&mut gradient, row, r);
+            }
+            for (l, left) in left.iter_mut().enumerate() {
+                left.push(series.iter().map(|r| r.0[l]).collect());
+            }
+        }
+        for (l, left) in left.iter_mut().enumerate() {
+            let step = -(&self.inverse * &DVector::from_fn(n, |k, _| gradient[k][l]));
+            for (r, row) in left.iter_mut().flatten().zip(self.rows.iter().flatten()) {
+                *r += row.iter().zip(&step).map(|(d, s)| d * s).sum::<f64>();
             }
         }
         left
@@ -202,6 +208,15 @@ impl Tangent {
                 (-(g(0) * step[0] + g(1) * step[1]), step)
             })
             .collect()
+    }
+}
+
+/// Adds what a residual of each lane pulls at the axes whose derivatives are `row`.
+fn add_slopes(gradient: &mut [[f64; LANES]], row: &[f64], residual: &Block) {
+    for (g, d) in gradient.iter_mut().zip(row) {
+        for l in 0..LANES {
+            g[l] += d * residual.0[l];
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::fitted::Fitted;
 use super::forward::lacks;
 use super::gain::Gain;
-use super::noise::{Coefficients, Noise, coefficients};
+use super::noise::{Noise, coefficients};
 use super::score::Scored;
 use crate::diagnose::contained::{extended, parts};
 use crate::diagnose::discover::reading_noise;
@@ -96,9 +96,9 @@ struct Trial<'a> {
     model: &'a Fitted,
     explained: f64,
     noise: Noise,
-    left: Vec<Coefficients>,
+    /// What the model leaves, and its scores.
+    left: Scored,
     left_scores: Vec<f64>,
-    scored: Scored,
     /// Samples of the records over those that are looked at.
     more: f64,
 }
@@ -106,18 +106,16 @@ struct Trial<'a> {
 impl<'a> Trial<'a> {
     fn new(data: &Evidence, problem: &Problem, base: &Fitted, model: &'a Fitted) -> Self {
         let noise = model.noise.with_all_left();
-        let left = coefficients(problem, &model.layout, &model.x);
-        let scored = Scored::unfitted(problem, left.clone());
+        let left = Scored::unfitted(problem, coefficients(problem, &model.layout, &model.x));
         let more = data.train.samples() as f64 / problem.samples().max(1) as f64;
         let explained = model.gain_over(base).total;
-        Self { model, explained, left_scores: scored.under(&noise), noise, left, scored, more }
+        Self { model, explained, left_scores: left.under(&noise), noise, left, more }
     }
 
     /// Whether `kind` would be accepted where it adds `factor` times `signal`, in units of the noise, to what the model leaves.
     fn accepts(&self, kind: Kind, signal: &[Vec<f64>], factor: f64) -> bool {
         [factor, -factor].into_iter().all(|factor| {
-            let shown = |(left, signal): (&Coefficients, &Vec<f64>)| left.with(signal, factor, &self.noise);
-            let without = self.scored.with(self.left.iter().zip(signal).map(shown).collect());
+            let without = self.left.with(signal, factor, &self.noise);
             let gain = Gain::of(&self.left_scores, &without.under(&self.noise));
             let whole = Gain { total: self.more * gain.total, sure: self.more.sqrt() * gain.sure };
             self.model.would_accept(kind, whole, self.explained)

@@ -53,9 +53,7 @@ impl Coefficients {
         }
         Self { octaves, levels, squares }
     }
-}
 
-impl Coefficients {
     /// The same with `factor` times a `signal` beside the error: residuals in units of `noise`, the plain error's before the coefficients.
     #[must_use]
     pub fn with(&self, signal: &[f64], factor: f64, noise: &Noise) -> Self {

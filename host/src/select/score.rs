@@ -53,12 +53,11 @@ impl Scored {
         errors: Vec<Coefficients>,
         noise: &Noise,
     ) -> Self {
-        let shapes = problem.grids.iter().map(|grid| (blocks(grid), grid.len())).collect();
         let mut influences = influences(problem, layout, x);
         for (octave, cost) in influences.iter_mut().flatten() {
             *cost *= noise.variance(*octave);
         }
-        Self { errors, shapes, influences }
+        Self { influences, ..Self::unfitted(problem, errors) }
     }
 
     /// Of `errors` that no fit to the records of `problem` has made smaller.
@@ -69,10 +68,11 @@ impl Scored {
         Self { errors, shapes, influences }
     }
 
-    /// The same of other `errors`.
+    /// The same with `factor` times a `signal`, in units of `noise`, beside what is left of each record.
     #[must_use]
-    pub fn with(&self, errors: Vec<Coefficients>) -> Self {
-        Self { errors, ..self.clone() }
+    pub fn with(&self, signal: &[Vec<f64>], factor: f64, noise: &Noise) -> Self {
+        let errors = self.errors.iter().zip(signal).map(|(left, signal)| left.with(signal, factor, noise));
+        Self { errors: errors.collect(), shapes: self.shapes.clone(), influences: self.influences.clone() }
     }
 
     /// Blocks of all records.
