@@ -135,6 +135,60 @@ fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
     run(here, "tune m.json --period 2").ends(2);
 }
 
+/// A weight, a spring and the teeth of the rotor: the table has the torque looked up at both angles, and says that it pays.
+#[test]
+fn tune_compensates_torques_that_depend_on_the_angle_by_the_effects_own_law() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let effect = |name: &str, parameters: &[(&str, f64, &str)]| {
+        let parameters: Vec<_> = parameters
+            .iter()
+            .map(|(name, value, unit)| serde_json::json!({"name": name, "value": value, "unit": unit}))
+            .collect();
+        serde_json::json!({"effect": name, "parameters": parameters}).to_string()
+    };
+    let loads = [
+        ("gravity", effect("gravity", &[("sine", 1.5, "V"), ("cosine", -0.5, "V")])),
+        ("spring", effect("spring", &[("stiffness", 0.8, "V/rad"), ("preload", 0.2, "V")])),
+        (
+            "cogging",
+            effect(
+                "cogging",
+                &[
+                    ("sine", 0.6, "V"),
+                    ("cosine", 0.2, "V"),
+                    ("sine2", 0.1, "V"),
+                    ("cosine2", 0.0, "V"),
+                    ("order", 3.0, "1"),
+                ],
+            ),
+        ),
+    ];
+    for (name, load) in &loads {
+        model(here, "m.json", 0.9, &format!("{DRY},{load}"));
+        let tuned = run(here, "tune m.json --json").ends(0).json();
+        assert_eq!(tuned["loads"][0]["effect"], *name, "{tuned}");
+        let rms = |what: &str| {
+            let trials = tuned["trials"].as_array().unwrap();
+            let found = trials.iter().find(|t| t["compensation"].as_str().unwrap().contains(what));
+            found.unwrap_or_else(|| panic!("{name}: no {what}"))["position"]["rms"].as_f64().unwrap()
+        };
+        let (before, wanted, measured) = (rms("kS"), rms("wanted angle"), rms("measured angle"));
+        assert!(wanted.min(measured) < 0.75 * before, "{name}: {before} {wanted} {measured}");
+        let said = run(here, "tune m.json").ends(0).err;
+        assert!(said.contains(&format!("{name}: command -f, f = -")), "{said}");
+        assert!(said.contains("Loads at the wanted angle: ") && !said.contains("angle: 0"), "{said}");
+    }
+    // A load that is the same everywhere is kG's.
+    model(here, "m.json", 0.9, &effect("constant_load", &[("load", 0.4, "V")]));
+    let tuned = run(here, "tune m.json --json").ends(0).json();
+    assert!(
+        tuned["loads"].as_array().unwrap().is_empty() && tuned["trials"].as_array().unwrap().len() == 3,
+        "{tuned}"
+    );
+    assert_eq!(tuned["feedforward"]["kg_v"], 0.4);
+}
+
 #[test]
 fn records_of_one_motor_are_the_same_and_of_another_are_not() {
     let directory = tempfile::tempdir().unwrap();

@@ -86,9 +86,15 @@ fn text(tuned: &Tuned, period: f64) -> String {
     text += &row("velocity", &tuned.velocity, "V s/rad");
     text += &row("position", &tuned.position, "V/rad");
     text += &format!(
-        "feedforward  kS {:.4} V  kV {:.5} V s/rad  kA {:.6} V s^2/rad  kG {:.4} V  dead zone {:.4} V\n\n",
+        "feedforward  kS {:.4} V  kV {:.5} V s/rad  kA {:.6} V s^2/rad  kG {:.4} V  dead zone {:.4} V\n",
         f.ks_v, f.kv_v_s_per_rad, f.ka_v_s2_per_rad, f.kg_v, f.dead_zone_v
     );
+    for load in &tuned.loads {
+        let values: Vec<String> =
+            load.parameters.iter().map(|p| format!("{} {:.4} {}", p.name, p.value, p.unit)).collect();
+        text += &format!("{}: command -f, {}; {}\n", load.effect, load.equation, values.join(", "));
+    }
+    text.push('\n');
     text += &format!(
         "{:<44} {:>11} {:>11} {:>11} {:>13}\n",
         "a move there and back", "rms / rad", "worst", "at the end", "rms / rad/s"

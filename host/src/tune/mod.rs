@@ -2,8 +2,10 @@
 //!
 //! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
 //! lag of the effects. Then the whole model, effects and encoder included, follows a profile under those gains, with one
-//! compensation after the other added.
+//! compensation after the other added. A torque that depends on the angle is compensated by the effect's own law, at the angle that is
+//! wanted and at the one that is measured: whichever tracks better stays for what is added next.
 
+mod load;
 mod loops;
 mod plot;
 mod trial;
@@ -11,6 +13,7 @@ mod trial;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
+pub use load::Load;
 pub use loops::{Loop, Margins};
 pub use plot::plot;
 pub use trial::{Course, Tracking, Trial};
@@ -62,6 +65,8 @@ pub struct Tuned {
     pub position: Loop,
     /// What is commanded beside them.
     pub feedforward: Feedforward,
+    /// Effects whose torque depends on the angle: what is commanded against them.
+    pub loads: Vec<Load>,
     /// Everything that delays the loops, s.
     pub delay_s: f64,
     /// The profile followed with one compensation after the other.
@@ -91,7 +96,8 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     let velocity = loops::velocity(&model.base, delay_s, margin);
     let position = loops::position(&model.base, delay_s, margin);
     let feedforward = feedforward(model);
-    let trials = trial::all(model, options, &velocity, &position, &feedforward);
+    let loads = load::Loads::of(model);
+    let trials = trial::all(model, options, &[velocity, position], &feedforward, &loads);
     let mut advice = trial::advice(&trials);
     let count_v = position.kp * model.rig.count_rad + position.kd * model.rig.count_rad / options.period_s;
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
@@ -101,7 +107,7 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
              phase margin makes it calmer."
         ));
     }
-    Ok(Tuned { velocity, position, feedforward, delay_s, trials, advice })
+    Ok(Tuned { velocity, position, feedforward, loads: loads.told, delay_s, trials, advice })
 }
 
 /// Value of a parameter of an effect; 0 where the model has none.

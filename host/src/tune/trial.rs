@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::load::Loads;
 use super::loops::Loop;
 use super::{Feedforward, Options};
 use crate::model_file::Model;
@@ -32,6 +33,9 @@ pub struct Trial {
     /// The position's course, for a plot.
     #[serde(skip)]
     pub course: Course,
+    /// The trial to which it adds one compensation, by its place.
+    #[serde(skip)]
+    beside: Option<usize>,
 }
 
 /// A position over time.
@@ -49,8 +53,16 @@ pub struct Course {
 #[derive(Debug, Clone, Copy, Default)]
 struct Compensation {
     motion: bool,
+    load: Option<At>,
     friction: bool,
     dead_zone: bool,
+}
+
+/// Where a load's torque is looked up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum At {
+    Wanted,
+    Measured,
 }
 
 /// A set point: place, speed, acceleration.
@@ -60,37 +72,59 @@ type Point = [f64; 3];
 pub(super) fn all(
     model: &Model,
     options: &Options,
-    velocity: &Loop,
-    position: &Loop,
+    gains: &[Loop; 2],
     feedforward: &Feedforward,
+    loads: &Loads,
 ) -> Vec<Trial> {
     let plain = Model { effects: Vec::new(), ..model.clone() };
     let none = Compensation::default();
-    let motion = Compensation { motion: true, ..none };
-    let friction = Compensation { friction: true, ..motion };
-    let mut rows = vec![
-        ("feedback alone, base model without effects", true, none),
-        ("feedback alone", false, none),
-        ("with kV, kA and kG", false, motion),
-        ("with kS too", false, friction),
+    let run = |compensation, without_effects: bool, with, beside| {
+        let model = if without_effects { &plain } else { model };
+        let run = Run { model, options, feedforward, loads, with };
+        let (position, course) = run.follow(&gains[1], false);
+        let (velocity, _) = run.follow(&gains[0], true);
+        Trial { compensation, without_effects, position, velocity, course, beside }
+    };
+    let mut best = Compensation { motion: true, ..none };
+    let mut trials = vec![
+        run("feedback alone, base model without effects", true, none, None),
+        run("feedback alone", false, none, None),
+        run("with kV, kA and kG", false, best, Some(1)),
     ];
-    if feedforward.dead_zone_v > 0.0 {
-        rows.push(("with the dead zone's inverse too", false, Compensation { dead_zone: true, ..friction }));
+    // The place of the trial that what follows adds to.
+    let mut last = 2;
+    // Friction first: it hides what a load's torque does where the shaft creeps.
+    if feedforward.ks_v > 0.0 {
+        best.friction = true;
+        trials.push(run("with kS too", false, best, Some(last)));
+        last = trials.len() - 1;
     }
-    rows.into_iter()
-        .map(|(compensation, without_effects, with)| {
-            let run = Run { model: if without_effects { &plain } else { model }, options, feedforward, with };
-            let (position, course) = run.follow(position, false);
-            let (velocity, _) = run.follow(velocity, true);
-            Trial { compensation, without_effects, position, velocity, course }
-        })
-        .collect()
+    if !loads.told.is_empty() {
+        let (before, with) = (last, best);
+        for (name, at) in [
+            ("with loads at the wanted angle too", At::Wanted),
+            ("with loads at the measured angle too", At::Measured),
+        ] {
+            let load = Compensation { load: Some(at), ..with };
+            trials.push(run(name, false, load, Some(before)));
+            let this = trials.len() - 1;
+            if trials[this].position.rms < trials[last].position.rms {
+                (best, last) = (load, this);
+            }
+        }
+    }
+    if feedforward.dead_zone_v > 0.0 {
+        let with = Compensation { dead_zone: true, ..best };
+        trials.push(run("with the dead zone's inverse too", false, with, Some(last)));
+    }
+    trials
 }
 
 struct Run<'a> {
     model: &'a Model,
     options: &'a Options,
     feedforward: &'a Feedforward,
+    loads: &'a Loads,
     with: Compensation,
 }
 
@@ -148,7 +182,8 @@ impl Run<'_> {
             } else {
                 gains.kp * (place - seen) + gains.kd * (if self.with.motion { speed } else { 0.0 } - moving)
             };
-            let asked = self.command(feedback, point);
+            let moved = self.wanted(time + period)[0] - place;
+            let asked = self.command(feedback, point, seen, moved);
             let limited = asked.clamp(-self.limit_v(), self.limit_v());
             if velocity && limited != asked {
                 // No winding up at the limit.
@@ -166,11 +201,16 @@ impl Run<'_> {
         (tracking(&kept), course)
     }
 
-    fn command(&self, feedback: f64, [_, speed, acceleration]: Point) -> f64 {
+    /// Feedback and what is added to it, of which a load asks how far the shaft is to move in the period, rad.
+    fn command(&self, feedback: f64, [place, speed, acceleration]: Point, seen: f64, moved: f64) -> f64 {
         let f = self.feedforward;
         let mut volts = feedback;
         if self.with.motion {
             volts += f.kv_v_s_per_rad * speed + f.ka_v_s2_per_rad * acceleration + f.kg_v;
+        }
+        if let Some(at) = self.with.load {
+            let from = if at == At::Wanted { place } else { seen };
+            volts += self.loads.volts(from, from + moved);
         }
         if self.with.friction && speed != 0.0 {
             volts += f.ks_v * speed.signum();
@@ -202,13 +242,11 @@ pub(super) fn advice(trials: &[Trial]) -> Vec<String> {
             ideal.position.rms
         ));
     }
-    for pair in trials[1..].windows(2) {
-        let (before, after) = (pair[0].position.rms, pair[1].position.rms);
+    for trial in trials {
+        let Some(before) = trial.beside.and_then(|place| trials.get(place)) else { continue };
+        let (before, after) = (before.position.rms, trial.position.rms);
         let verdict = if after < 0.9 * before { "which pays" } else { "which does not pay" };
-        said.push(format!(
-            "{}: {before:.2e} to {after:.2e} rad rms, {verdict}.",
-            named(pair[1].compensation)
-        ));
+        said.push(format!("{}: {before:.2e} to {after:.2e} rad rms, {verdict}.", named(trial.compensation)));
     }
     said
 }

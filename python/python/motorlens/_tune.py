@@ -34,6 +34,8 @@ class Tuned:
     position: dict[str, Any]
     #: ks_v, kv_v_s_per_rad, ka_v_s2_per_rad, kg_v, dead_zone_v.
     feedforward: dict[str, float]
+    #: Effects whose torque depends on the angle, with equation and parameters: what is commanded against them is -f.
+    loads: list[dict[str, Any]]
     #: Tracking errors, one compensation after the other: a DataFrame.
     trials: Any
     #: Which compensation pays, a sentence each.
@@ -83,5 +85,12 @@ def tune(
         for row, columns in zip(rows, courses)
     ]
     return Tuned(
-        found["velocity"], found["position"], found["feedforward"], as_frame(rows), found["advice"], runs, found
+        found["velocity"],
+        found["position"],
+        found["feedforward"],
+        found["loads"],
+        as_frame(rows),
+        found["advice"],
+        runs,
+        found,
     )
