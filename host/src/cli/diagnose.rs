@@ -8,9 +8,13 @@ use super::discover::{or_bad_data, unit};
 use super::input::LogArgs;
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
+use crate::diagnose::ladder::Ranked;
 use crate::error::Result;
 use crate::findings::Findings;
 use crate::model_file::Model;
+use crate::report::Suspect;
+use crate::report::missing::{self, Setting};
+use crate::sentence::capital;
 
 /// Options of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -42,23 +46,38 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
-    let mut text = String::new();
-    for (k, c) in found.candidates.iter().enumerate() {
-        let unseen = c
-            .validation
-            .map_or(String::new(), |v| format!("   validation rmse {} {unit}", prose::figure(v.rmse)));
-        text += &format!("{:>2}. {:<20} {:>4.0} %{unseen}\n", k + 1, c.effect.name(), 100.0 * c.score);
-        text += &format!("      {}\n      look for: {}\n", c.evidence, c.effect.spec().signature);
+/// The candidates as a table, best first: those that the records cannot tell apart share a place.
+fn ranking(candidates: &[Ranked], rivals: &[Vec<Kind>], unit: &str) -> String {
+    let suspects: Vec<Suspect> =
+        candidates.iter().map(|c| Suspect { ranked: c.clone(), figures: Vec::new() }).collect();
+    let (cards, _) = missing::cards(&suspects, &Setting { rivals, in_model: Vec::new() });
+    let judged = candidates.iter().any(|c| c.validation.is_some());
+    let mut text = format!("rank  {:<20} {:>5}", "effect", "gain");
+    text += &if judged { format!("   validation rmse, {unit}\n") } else { "\n".to_owned() };
+    for card in &cards {
+        text += &format!("{:>4}  {:<20} {:>3.0} %", card.rank, card.effect, card.gain_percent);
+        let own = candidates.iter().find(|c| c.effect.name() == card.effect);
+        let unseen = own.and_then(|c| c.validation);
+        text += &unseen.map_or_else(String::new, |v| format!("   {:>10}", prose::figure(v.rmse)));
+        text += "\n";
     }
-    text += match findings.effects.first() {
-        Some(_) => "\nThe first is worth adding.\n",
-        None => "\nNo effect is worth adding to this model.\n",
-    };
-    for set in found.open_sets() {
+    for set in rivals {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("These records cannot tell apart: {}.\n", names.join(", "));
     }
+    text
+}
+
+fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
+    let mut text = ranking(&findings.candidates, &findings.rivals, unit);
+    if let Some(best) = findings.candidates.first() {
+        text += &format!("\n{}.\n", capital(&best.evidence));
+        text += &format!("Look for: {}.\n", best.effect.spec().signature);
+    }
+    text += &match findings.effects.first() {
+        Some(effect) => format!("\n{} is worth adding.\n", capital(effect.name())),
+        None => "\nNo effect is worth adding to this model.\n".to_owned(),
+    };
     text += &prose::experiments(findings);
     for fault in findings.later_faults() {
         text += &format!("\n{}\n", prose::fault(fault));

@@ -14,7 +14,7 @@ use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_
 use crate::findings::{Errors, Facts, NextStep, Standing, named};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
-use crate::report::shown_by_fit;
+use crate::report::{shown_by_fit, words};
 
 /// Options of `fit`.
 #[derive(Debug, clap::Args)]
@@ -161,19 +161,19 @@ fn story(fit: &Fit, unit: &str) -> String {
 fn doubts(profiles: &[Profile]) -> String {
     let mut text = String::new();
     for p in profiles.iter().filter(|p| p.curvature_misleads) {
-        let open = match (p.open_below, p.open_above) {
-            (false, false) => "",
-            (true, false) => ", open below",
-            (false, true) => ", open above",
-            (true, true) => ", open on both sides",
+        let (low, high) = (prose::figure(p.low), prose::figure(p.high));
+        let range = match (p.open_below, p.open_above) {
+            (false, false) => format!("{low} .. {high}"),
+            (true, false) => format!("at most {high}"),
+            (false, true) => format!("at least {low}"),
+            (true, true) => words::NOT_DETERMINED.to_owned(),
         };
-        text += &format!(
-            "{:<28} by profile {} .. {} {}{open}: the quadratic (Wald) interval above misleads\n",
-            p.name,
-            prose::figure(p.low),
-            prose::figure(p.high),
-            p.unit
-        );
+        let unit = if p.open_below && p.open_above { "" } else { prose::unit(&p.unit) };
+        let range = format!("{range} {unit}");
+        text += &format!("{:<28} by profile {}\n", p.name, range.trim_end());
+    }
+    if !text.is_empty() {
+        text += "(where a profile is given, the quadratic (Wald) interval above misleads)\n";
     }
     text
 }

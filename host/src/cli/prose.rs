@@ -7,6 +7,7 @@ use crate::findings::{Findings, NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::log::guess;
+use crate::report::words;
 use crate::select::DetectionLimit;
 use crate::sentence::capital;
 
@@ -33,29 +34,28 @@ pub fn parameters(list: &[Estimate]) -> String {
 fn parameters_within(list: &[Estimate], width: usize) -> String {
     let mut text = String::new();
     for e in list {
-        if width < 80 {
-            let doubt = if e.identifiable { "" } else { "; not determined" };
-            text += &format!(
-                "{} {} {}\n    {} .. {}{doubt}\n",
-                e.name,
-                figure(e.value),
-                e.unit,
-                figure(e.low),
-                figure(e.high)
-            );
-            continue;
-        }
-        let doubt = if e.identifiable { "" } else { "   these data do not determine it" };
-        text += &format!(
-            "{:<28} {:>11} {:<12} {:>11} .. {:<11}{doubt}\n",
-            e.name,
-            figure(e.value),
-            e.unit,
-            figure(e.low),
-            figure(e.high)
-        );
+        let value = format!("{} {}", figure(e.value), unit(&e.unit));
+        text += &if width < 80 {
+            format!("{} {}\n    {}\n", e.name, value.trim_end(), interval(e))
+        } else {
+            let row = format!("{:<28} {:>11} {:<12}", e.name, figure(e.value), unit(&e.unit));
+            format!("{row} {}\n", interval(e))
+        };
     }
     text
+}
+
+/// The interval of `e`; one that the data leave open has no ends worth reading.
+pub fn interval(e: &Estimate) -> String {
+    if !words::has_interval(e) {
+        return words::NOT_DETERMINED.to_owned();
+    }
+    format!("{} .. {}", figure(e.low), figure(e.high))
+}
+
+/// A unit in a table; a plain number has none.
+pub fn unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
 }
 
 /// The experiments that `findings` suggest, or why there is none, a line each.
@@ -164,7 +164,10 @@ const LONGEST: usize = 120;
 /// Four significant digits, in plain or scientific notation, whichever is shorter to read.
 pub fn figure(x: f64) -> String {
     let size = x.abs();
-    if x == 0.0 || (1e-3..1e5).contains(&size) {
+    if x == 0.0 {
+        return "0".into();
+    }
+    if (1e-3..1e5).contains(&size) {
         let digits = (3 - size.max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
         format!("{x:.digits$}")
     } else {
@@ -200,10 +203,32 @@ mod tests {
             unit: "V".into(),
             low: 0.3,
             high: 0.5,
+            identifiable: true,
+        };
+        let told = parameters_within(std::slice::from_ref(&one), 60);
+        assert!(told.lines().all(|line| line.len() <= 60), "{told}");
+        assert!(told.contains("0.3000 .. 0.5000"), "{told}");
+        let wide = parameters_within(&[one], 80);
+        assert!(wide.lines().all(|line| line.len() <= 80) && wide.lines().count() == 1, "{wide}");
+    }
+
+    #[test]
+    fn an_interval_that_the_data_leave_open_is_not_printed_with_its_ends() {
+        let open = Estimate {
+            name: "b/a1".into(),
+            value: 6036.0,
+            unit: "1".into(),
+            low: 1e-32,
+            high: 1e38,
             identifiable: false,
         };
-        let told = parameters_within(&[one], 60);
-        assert!(told.lines().all(|line| line.len() <= 60) && told.contains("not determined"), "{told}");
+        for width in [60, 80] {
+            let told = parameters_within(std::slice::from_ref(&open), width);
+            assert!(told.contains("6036") && told.contains("not determined"), "{told}");
+            assert!(!told.contains("e38") && !told.contains("e-32"), "{told}");
+        }
+        let endless = Estimate { high: f64::INFINITY, identifiable: true, ..open };
+        assert_eq!(interval(&endless), "not determined");
     }
 
     #[test]
@@ -220,7 +245,7 @@ mod tests {
     #[test]
     fn figures_have_four_digits() {
         for (x, text) in
-            [(0.0, "0.000000"), (1.23456, "1.235"), (0.05, "0.05000"), (12345.6, "12346"), (2e-6, "2.000e-6")]
+            [(0.0, "0"), (1.23456, "1.235"), (0.05, "0.05000"), (12345.6, "12346"), (2e-6, "2.000e-6")]
         {
             assert_eq!(figure(x), text);
         }

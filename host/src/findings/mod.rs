@@ -46,7 +46,7 @@ pub struct Findings {
     pub noise_floor_rad: f64,
     /// From the base model on.
     pub ladder: Vec<Rung>,
-    /// First diagnosis, best first.
+    /// First diagnosis, best first; what a diagnosis suggests stands before all others.
     pub candidates: Vec<Ranked>,
     /// Sets that the data cannot tell apart.
     pub rivals: Vec<Vec<Kind>>,
@@ -156,7 +156,7 @@ impl Findings {
             explained_share: errors.explained_share(),
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
-            candidates: found.candidates.clone(),
+            candidates: first(&found.candidates, suggested),
             rivals: found.open_sets(),
             next_experiment,
             no_experiment,
@@ -224,6 +224,14 @@ impl Findings {
     }
 }
 
+/// `ranked` with the effect that is suggested in front: searched to its end, another one may have failed.
+fn first(ranked: &[Ranked], suggested: Option<Kind>) -> Vec<Ranked> {
+    let (mut all, others): (Vec<Ranked>, Vec<Ranked>) =
+        ranked.iter().cloned().partition(|c| Some(c.effect) == suggested);
+    all.extend(others);
+    all
+}
+
 /// The verdict on what a discovery found, as [`Findings`] tell it.
 pub fn verdict_of(found: &Discovery) -> Verdict {
     errors_of(&found.ladder, found.noise_floor).verdict(found.effects.len(), found.adequacy)
@@ -233,4 +241,18 @@ pub fn verdict_of(found: &Discovery) -> Verdict {
 pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
     let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
     Errors { base: error(ladder.first()), model: error(ladder.last()), noise }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_suggested_stands_before_the_others_which_keep_their_order() {
+        let ranked = |effect| Ranked { effect, score: 0.5, validation: None, evidence: String::new() };
+        let all = [Kind::Coulomb, Kind::Delay, Kind::Compliance].map(ranked);
+        let order = |suggested| first(&all, suggested).iter().map(|c| c.effect).collect::<Vec<_>>();
+        assert_eq!(order(Some(Kind::Compliance)), [Kind::Compliance, Kind::Coulomb, Kind::Delay]);
+        assert_eq!(order(None), [Kind::Coulomb, Kind::Delay, Kind::Compliance]);
+    }
 }

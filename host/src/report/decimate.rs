@@ -34,8 +34,10 @@ pub fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return 0.0;
     }
-    let scale = 10_f64.powi(digits - 1 - x.abs().log10().floor() as i32);
-    let y = (x * scale).round() / scale;
+    let places = digits - 1 - x.abs().log10().floor() as i32;
+    // Of a large number, whole tens are divided out: tenths of a power of ten are no exact numbers.
+    let scale = 10_f64.powi(places.abs());
+    let y = if places >= 0 { (x * scale).round() / scale } else { (x / scale).round() * scale };
     if y.is_finite() { y } else { x }
 }
 

@@ -5,6 +5,7 @@ use motorlens_virtual_motor::{Effect, Motor};
 use super::*;
 use crate::diagnose::discover::{Options, discover};
 use crate::findings::Findings;
+use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::motor_file::MotorFile;
 use crate::simulate::{Excitation, Role, Scenario, plays};
@@ -99,4 +100,26 @@ fn every_axis_has_a_title_with_its_unit() {
             assert!(title.contains('(') && title.ends_with(')'), "{}: {title}", figure.id);
         }
     }
+}
+
+#[test]
+fn an_interval_that_the_records_leave_open_says_so_and_has_no_ends() {
+    let mut story = STORY.clone();
+    let open = Estimate {
+        name: "gain".into(),
+        value: 1.4,
+        unit: "1".into(),
+        low: 1.25e-32,
+        high: 3.5e38,
+        identifiable: false,
+    };
+    let known =
+        Estimate { name: "tau_m".into(), low: 1.2, high: 205_799_999.9, identifiable: true, ..open.clone() };
+    story.parameters = vec![open, known];
+    let page = html(&story).unwrap();
+    let parameters = page.split("<caption>Parameters</caption>").nth(1).unwrap();
+    let rows = parameters.split("</table>").next().unwrap();
+    assert!(rows.contains("<td>not determined</td><td></td>"), "{rows}");
+    assert!(!rows.contains("e-32") && !rows.contains("000000000"), "{rows}");
+    assert!(rows.contains("<td>1.2 … 205800000</td>"), "{rows}");
 }

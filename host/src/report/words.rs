@@ -57,6 +57,27 @@ pub fn nothing_missing(plain: bool) -> &'static str {
     }
 }
 
+/// Said of a parameter of which the records leave open what it is.
+pub const NOT_DETERMINED: &str = "not determined";
+
+/// Whether the ends of the interval of `e` tell anything: those of a parameter that the records do not determine may be any numbers.
+pub fn has_interval(e: &Estimate) -> bool {
+    e.identifiable && e.low.is_finite() && e.high.is_finite()
+}
+
+fn interval(e: &Estimate) -> String {
+    if has_interval(e) {
+        format!("{} … {}", rounded(e.low, 4), rounded(e.high, 4))
+    } else {
+        NOT_DETERMINED.to_owned()
+    }
+}
+
+/// A unit in a table; a plain number has none.
+fn unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { unit.to_owned() }
+}
+
 /// Parameters or combinations with their intervals.
 pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
     let terms = glossary::terms(&formula::all());
@@ -68,12 +89,8 @@ pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
         meaning: meaning(&e.name),
         name: e.name.clone(),
         value: rounded(e.value, 5),
-        interval: if e.low.is_finite() && e.high.is_finite() {
-            format!("{} … {}", rounded(e.low, 4), rounded(e.high, 4))
-        } else {
-            "unbounded".into()
-        },
-        unit: e.unit.clone(),
+        interval: interval(e),
+        unit: unit(&e.unit),
         identifiable: if e.identifiable { "yes" } else { "no" },
     });
     rows.collect()
@@ -98,7 +115,7 @@ pub fn moved_rows(story: &Story) -> Vec<MovedRow> {
         before: was(&e.name),
         name: e.name.clone(),
         after: rounded(e.value, 5),
-        unit: e.unit.clone(),
+        unit: unit(&e.unit),
     });
     rows.collect()
 }

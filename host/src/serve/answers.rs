@@ -129,7 +129,7 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                 let setting = Setting { rivals: &diagnosis.rivals, in_model: scene.effects() };
                 let (cards, figures) = missing::cards(&scene.suspects(), &setting);
                 json!({ "figures": figures, "cards": cards, "rivals": diagnosis.rivals, "next": diagnosis.next,
-                        "worth": diagnosis.worth, "diagnosed": scene.diagnosis.is_some() })
+                        "worth": diagnosis.suggested.is_some(), "diagnosed": scene.diagnosis.is_some() })
             }
             "falls" => {
                 let ladder = falls::Ladder {

@@ -29,8 +29,8 @@ pub struct Diagnosis {
     pub limits: Vec<DetectionLimit>,
     /// What the model leaves.
     pub left: Adequacy,
-    /// Whether the first suspect is worth adding.
-    pub worth: bool,
+    /// The effect that is worth adding, if any: the first of the suspects.
+    pub suggested: Option<Kind>,
 }
 
 /// Longest programme that is proposed, s.
@@ -47,6 +47,11 @@ impl Diagnosis {
         mut candidates: Vec<Fitted>,
     ) -> Self {
         let best = step_up(evidence, base, model, &mut candidates);
+        let suggested = best.as_ref().and_then(|best| best.kinds().last().copied());
+        // Searched to its end the first may fail where a later one holds: what is suggested stands first.
+        if let Some(place) = candidates.iter().position(|c| c.kinds().last().copied() == suggested) {
+            candidates[..=place].rotate_right(1);
+        }
         let noise = evidence.noise_under(best.as_ref().unwrap_or(model));
         let ranked = ladder::rank(model, &candidates, &noise, evidence);
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
@@ -55,16 +60,18 @@ impl Diagnosis {
             Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
         let suspects = suspects.collect();
-        let worth = best.is_some();
         let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
         let among: Vec<&Fitted> = found.iter().flat_map(|set| &set.models).collect();
         let volts = evidence.highest_voltage();
         let next = plan::choose(&evidence.whole, &among, Limits { volts, seconds: LONGEST_S });
-        let limits =
-            if worth { Vec::new() } else { detection_limits(evidence, base, model, &formula::all(), volts) };
+        let limits = if suggested.is_some() {
+            Vec::new()
+        } else {
+            detection_limits(evidence, base, model, &formula::all(), volts)
+        };
         let next = NextExperiment::of(next, &limits);
         let rivals = found.iter().map(Rivals::kinds).collect();
         let left = Adequacy::of(evidence, base, model, floor);
-        Self { suspects, rivals, next, limits, left, worth, candidates }
+        Self { suspects, rivals, next, limits, left, suggested, candidates }
     }
 }

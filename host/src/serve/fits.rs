@@ -83,12 +83,11 @@ pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
         let work = Work::of(&job.app.session());
         let Some(found) = tried(job, &work, &formula::all()) else { return stopped() };
         let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, work.floor, found);
-        let message = if diagnosis.worth {
-            "An effect is missing; the best candidate comes first."
-        } else {
-            "No effect of the library is worth adding to this model."
-        };
-        End::Done(message.into(), Box::new(move |session| session.diagnosis = Some(Arc::new(diagnosis))))
+        let message = diagnosis.suggested.map_or_else(
+            || "No effect of the library is worth adding to this model.".to_owned(),
+            |effect| format!("An effect is missing; {effect} is the best candidate."),
+        );
+        End::Done(message, Box::new(move |session| session.diagnosis = Some(Arc::new(diagnosis))))
     })
 }
 

@@ -260,12 +260,11 @@ impl Scene {
     /// The verdict and what to do next.
     pub fn standing(&self) -> Standing {
         let diagnosis = self.diagnosis.as_deref();
-        let first = diagnosis.filter(|d| d.worth).and_then(|d| d.suspects.first());
         Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
             left: diagnosis.map(|d| d.left),
-            suggested: first.map(|s| s.ranked.effect),
+            suggested: diagnosis.and_then(|d| d.suggested),
             doubted: self.doubt.map(|d| (d.effect, d.rises)),
             experiment: diagnosis
                 .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),

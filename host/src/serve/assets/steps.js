@@ -103,7 +103,7 @@ async function showLadder() {
 }
 async function showEstimates() {
   const { parameters, combinations, faults } = await ask("/api/figures/estimates");
-  const cells = (e) => [e.name, e.value, e.interval, e.unit, e.identifiable];
+  const cells = (e) => [e.name, e.value, e.interval, e.unit];
   const mark = (e) => e.identifiable;
   rows("parameters", parameters, cells, mark);
   rows("combinations", combinations, cells, mark);
