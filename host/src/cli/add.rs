@@ -109,8 +109,12 @@ fn verdict(done: &Addition) -> String {
     let error = |errors: &Errors| errors.validation.unwrap_or(errors.train).rmse;
     let (before, after) = (error(&done.before), error(&done.after));
     let on = if done.after.validation.is_some() { "validation records" } else { "the records fitted" };
-    let way = if after > before { "rises" } else { "falls" };
     let percent = 100.0 * (after / before.max(1e-300) - 1.0).abs();
+    let way = match () {
+        () if percent < 0.5 => "stays as it was".to_owned(),
+        () if after > before => format!("rises by {percent:.0} %"),
+        () => format!("falls by {percent:.0} %"),
+    };
     let worth = if done.worth { "worth adding" } else { "not worth adding: held-out data do not confirm it" };
-    format!("\n{}: {worth}; with it the error on {on} {way} by {percent:.0} %.\n", done.effect)
+    format!("\n{}: {worth}; with it the error on {on} {way}.\n", done.effect)
 }

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
+use crate::report::baseline;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -77,6 +78,9 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
+    if let Some(usual) = baseline(found, records) {
+        text += &format!("{}\n", watch::errors("kS-kV-kA, the usual model", &usual, unit));
+    }
     text += &format!("The noise level is {} {unit} rms.\n\n", prose::figure(found.noise_floor));
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";

@@ -11,7 +11,7 @@ use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Result;
-use crate::findings::{Findings, NextExperiment, Verdict};
+use crate::findings::{Action, Findings, NextExperiment, NextStep, Verdict};
 use crate::sentence::capital;
 
 /// Options of `plan`.
@@ -59,14 +59,16 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     console.answer(&answer, || story(&answer, &findings));
     if answer.next_experiment.is_some() {
         let file = args.out.as_deref().map_or_else(|| "programme.json".to_owned(), prose::shell);
-        let command = match &args.out {
-            Some(_) => {
-                format!("motorlens capture --port PORT --programme {file} --counts-per-rev COUNTS --out next")
-            }
-            None => format!("motorlens plan LOG... --out {file}"),
-        };
-        let what = if args.out.is_some() { "run it on the motor" } else { "write it down for the board" };
-        console.next(what, &command);
+        if args.out.is_some() {
+            let play = format!("--programme {file} --counts-per-rev COUNTS --out next");
+            console.next("run it on the motor", &format!("motorlens capture --port PORT {play}"));
+        } else if !console.json() {
+            let write = NextStep {
+                label: "write it down for the board".into(),
+                ..NextStep::new(Action::Experiment, None)
+            };
+            console.say(prose::next(&write, None, &args.input.logs));
+        }
     } else if !console.json() {
         console.say(prose::next(&findings.next_step, None, &args.input.logs));
     }

@@ -154,12 +154,48 @@ pub fn next(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
     let all = all.join(" ");
     let logs = if all.is_empty() || all.len() > LONGEST { "LOG...".to_owned() } else { all };
     let model = model.map_or_else(|| "model.json".to_owned(), shell);
-    let command = step.command.replace("LOG...", &logs).replace("MODEL", &model);
+    let reading = reading_again(std::env::args().skip(1));
+    let command = step.command.replace("LOG...", &(logs + &reading)).replace("MODEL", &model);
     then(&step.label.to_lowercase(), &command)
 }
 
+/// Options that say how logs are read and judged: the next verb needs them again.
+const READING: [&str; 14] = [
+    "--map",
+    "--format",
+    "--hold",
+    "--motor",
+    "-m",
+    "--rate",
+    "--supply-volts",
+    "--counts-per-rev",
+    "--metres-per-rev",
+    "--servo-gain",
+    "--servo-damping",
+    "--validate",
+    "-v",
+    "--effect-file",
+];
+
+/// Those of the words of a command that say how logs are read, as a shell takes them, each with a blank before it.
+fn reading_again(words: impl Iterator<Item = String>) -> String {
+    let (mut again, mut words) = (String::new(), words);
+    while let Some(word) = words.next() {
+        let option = word.split('=').next().unwrap_or_default();
+        let ranges = ["--skip", "--judge-by"].contains(&option);
+        if !ranges && !READING.contains(&option) {
+            continue;
+        }
+        again += &format!(" {}", guess::quoted(&word));
+        if option == word {
+            again += &words.next().map_or_else(String::new, |value| format!(" {}", guess::quoted(&value)));
+        }
+    }
+    again
+}
+
 /// More characters of file names than these are not repeated.
-const LONGEST: usize = 120;
+const LONGEST: usize = 400;
 
 /// Four significant digits, in plain or scientific notation, whichever is shorter to read.
 pub fn figure(x: f64) -> String {
@@ -193,6 +229,16 @@ mod tests {
         let step = NextStep::new(Action::Diagnose, None);
         let told = next(&step, Some(Path::new("base.json")), &["a.csv".into(), "b.csv".into()]);
         assert_eq!(told, "next: find what is missing with\n  motorlens diagnose base.json a.csv b.csv\n");
+    }
+
+    #[test]
+    fn the_next_command_reads_the_logs_as_this_one_did() {
+        let given =
+            "discover a.csv --map time=t:ms,duty=pwm:255 -v b.csv --supply-volts=11.1 --out m.json --quiet";
+        let again = reading_again(given.split(' ').map(str::to_owned));
+        assert_eq!(again, " --map time=t:ms,duty=pwm:255 -v b.csv --supply-volts=11.1");
+        let spaced = ["--motor", "my motor.toml", "a.csv", "--skip", "1..2"].map(str::to_owned);
+        assert_eq!(reading_again(spaced.into_iter()), " --motor \"my motor.toml\" --skip 1..2");
     }
 
     #[test]

@@ -47,12 +47,16 @@ pub fn climb<'a>(
 
 /// A rung of the ladder.
 pub fn rung_line(rung: &Rung, unit: &str) -> String {
+    errors(&prose::effects(&rung.effects), rung, unit)
+}
+
+/// The errors of a model that is called `name`.
+pub fn errors(name: &str, rung: &Rung, unit: &str) -> String {
     let validation = rung
         .validation
         .map_or(String::new(), |v| format!("   validation {:>9} {unit}", prose::figure(v.rmse)));
     // The numbers stay on one line; many effects get one of their own before it.
-    let (effects, wide) = (prose::effects(&rung.effects), prose::width().saturating_sub(47));
-    let effects =
-        if effects.len() > wide { format!("{effects}\n{:wide$}", "") } else { format!("{effects:<wide$}") };
-    format!("{effects} rmse {:>9} {unit}{validation}", prose::figure(rung.train.rmse))
+    let wide = prose::width().saturating_sub(47);
+    let name = if name.len() > wide { format!("{name}\n{:wide$}", "") } else { format!("{name:<wide$}") };
+    format!("{name} rmse {:>9} {unit}{validation}", prose::figure(rung.train.rmse))
 }

@@ -15,6 +15,13 @@ pub struct Rise {
     pub times: f64,
 }
 
+impl Rise {
+    /// Where, as it follows "the error rises".
+    pub fn place(&self) -> String {
+        format!(", most on {} around {:.1} s", self.record, self.at_s)
+    }
+}
+
 /// Width of the windows that are compared, s.
 const WINDOW_S: f64 = 0.5;
 

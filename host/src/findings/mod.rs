@@ -21,7 +21,7 @@ use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
-pub use standing::{Action, Facts, NextStep, Standing, named};
+pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
 pub use verdict::{Errors, Verdict, multiple};
 
 /// Everything found, in the order of the published layout.

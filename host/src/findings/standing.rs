@@ -6,6 +6,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::verdict::{Errors, Verdict};
+use crate::compare::rise::Rise;
 use crate::fit::uncertainty::Estimate;
 use crate::report::figure::in_words;
 use crate::select::adequacy::Adequacy;
@@ -34,14 +35,25 @@ pub struct Facts<'a> {
     pub left: Option<Adequacy>,
     /// An effect that is worth adding.
     pub suggested: Option<Kind>,
-    /// The effect added last, where held-out data do not confirm it, and whether the error rises with it.
-    pub doubted: Option<(Kind, bool)>,
+    /// The effect added last, where held-out data do not confirm it.
+    pub doubted: Option<Doubted<'a>>,
     /// Whether an experiment is known that would tell indistinguishable models apart.
     pub experiment: bool,
     /// Effects that the records cannot show at any size.
     pub hidden: &'a [Kind],
     /// Whether the data have problems of their own.
     pub data_problems: bool,
+}
+
+/// An effect that held-out data do not confirm.
+#[derive(Debug, Clone, Copy)]
+pub struct Doubted<'a> {
+    /// The effect.
+    pub effect: Kind,
+    /// Whether the error rises with it.
+    pub rises: bool,
+    /// Where it rises most.
+    pub most: Option<&'a Rise>,
 }
 
 impl Standing {
@@ -52,7 +64,7 @@ impl Standing {
         let verdict = searched.map(|left| facts.errors.verdict(facts.effects.len(), left));
         let disturbance = searched.and_then(|left| left.disturbance_v);
         let headline = match (verdict, facts.doubted) {
-            (_, Some((effect, rises))) => facts.errors.doubt(effect.name(), rises),
+            (_, Some(doubted)) => facts.errors.doubt(&doubted),
             (Some(verdict @ Verdict::Explained), None) if facts.effects.is_empty() => {
                 facts.errors.headline(facts.effects, verdict, disturbance) + &not_shown(facts.hidden)
             }
@@ -135,7 +147,9 @@ impl NextStep {
 
     fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
         let action = match verdict {
-            _ if facts.doubted.is_some() => return Self::new(Action::Remove, facts.doubted.map(|d| d.0)),
+            _ if facts.doubted.is_some() => {
+                return Self::new(Action::Remove, facts.doubted.map(|d| d.effect));
+            }
             _ if facts.suggested.is_some() => return Self::new(Action::Add, facts.suggested),
             None => Action::Diagnose,
             Some(Verdict::BadData) => Action::Data,
@@ -230,11 +244,17 @@ mod tests {
     #[test]
     fn an_effect_that_raises_the_error_is_to_be_removed() {
         let effects = ["delay (2 ms)".to_owned()];
-        let told =
-            Standing::of(&Facts { doubted: Some((Kind::Delay, true)), left: None, ..facts(&effects, 150.0) });
+        let most = Rise { record: "stairs".into(), at_s: 3.25, times: 2.0 };
+        let doubted = Some(Doubted { effect: Kind::Delay, rises: true, most: Some(&most) });
+        let told = Standing::of(&Facts { doubted, left: None, ..facts(&effects, 150.0) });
         assert_eq!(told.next.effect, Some(Kind::Delay));
         assert_eq!((told.badge, told.next.action), ("Not confirmed", Action::Remove));
-        assert!(told.headline.contains("rises"), "{told:?}");
+        let said =
+            "With delay the error rises, most on stairs around 3.2 s; what is left is 150 x the noise.";
+        assert_eq!(told.headline, said);
+        let doubted = Some(Doubted { effect: Kind::Delay, rises: false, most: None });
+        let told = Standing::of(&Facts { doubted, left: None, ..facts(&effects, 90.0) });
+        assert_eq!(told.headline, "Held-out data do not confirm delay; what is left is 90 x the noise.");
     }
 
     #[test]

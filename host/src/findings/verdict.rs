@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::standing::Doubted;
+use crate::compare::rise::Rise;
 use crate::report::figure::in_words;
 use crate::select::adequacy::Adequacy;
 use crate::sentence::capital;
@@ -145,9 +147,13 @@ impl Errors {
     }
 
     /// Said where held-out data do not confirm the effect added last.
-    pub fn doubt(&self, effect: &str, rises: bool) -> String {
-        let way = if rises { "the error rises" } else { "held-out data do not confirm it" };
-        format!("With {effect} {way}; what is left is {}", self.left())
+    pub fn doubt(&self, doubted: &Doubted) -> String {
+        let (effect, left) = (doubted.effect, self.left());
+        if !doubted.rises {
+            return format!("Held-out data do not confirm {effect}; what is left is {left}");
+        }
+        let most = doubted.most.map_or_else(String::new, Rise::place);
+        format!("With {effect} the error rises{most}; what is left is {left}")
     }
 
     fn share_of<S: AsRef<str>>(&self, effects: &[S]) -> String {

@@ -54,8 +54,8 @@ impl Side {
         match self {
             Self::Speed => "Speed (rad/s)",
             Self::Voltage => "Voltage (V)",
-            Self::OutputAngle => "Angle within a turn of the output shaft (deg)",
-            Self::MotorAngle => "Angle within a turn of the motor (deg)",
+            Self::OutputAngle => "Angle of the output shaft (deg)",
+            Self::MotorAngle => "Angle of the motor (deg)",
             Self::Reversal => "Time since the reversal (s)",
         }
     }

@@ -134,7 +134,7 @@ fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
 }
 
 /// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
-fn baseline(discovery: &Discovery, records: &[Record]) -> Option<Rung> {
+pub(crate) fn baseline(discovery: &Discovery, records: &[Record]) -> Option<Rung> {
     let usual = feedforward::search(&discovery.evidence.whole, records).ok()?;
     Some(ladder::rung(&discovery.evidence, &usual.values))
 }

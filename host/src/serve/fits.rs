@@ -126,7 +126,7 @@ fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str
 
 /// Where the error rose, in words.
 fn at(rise: Option<&Rise>) -> String {
-    rise.map_or(String::new(), |r| format!(", most on {} around {:.1} s", r.record, r.at_s))
+    rise.map_or_else(String::new, Rise::place)
 }
 
 /// The error before and after, on the records that judge.

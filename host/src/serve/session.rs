@@ -13,7 +13,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::estimate::feedforward;
-use crate::findings::{Facts, Standing, errors_of, named};
+use crate::findings::{Doubted, Facts, Standing, errors_of, named};
 use crate::fit::layout::Values;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
@@ -265,7 +265,11 @@ impl Scene {
             effects: &named(&self.effects(), &self.view.estimates()[0]),
             left: diagnosis.map(|d| d.left),
             suggested: diagnosis.and_then(|d| d.suggested),
-            doubted: self.doubt.map(|d| (d.effect, d.rises)),
+            doubted: self.doubt.map(|d| Doubted {
+                effect: d.effect,
+                rises: d.rises,
+                most: self.rises.last().and_then(Option::as_ref),
+            }),
             experiment: diagnosis
                 .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
