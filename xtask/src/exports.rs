@@ -1,4 +1,4 @@
-//! Exported models in the tools that they are for: MuJoCo, a Modelica compiler, FMPy, WPILib's mathematics, a URDF reader.
+//! Exported models in the tools that they are for: MuJoCo, a Modelica compiler, FMPy, WPILib's mathematics, a URDF reader, BAM.
 //!
 //! None is in Debian's archive (OpenModelica has one of its own), so all come from Python's registry into a virtual
 //! environment; rumoca is the one that compiles and simulates Modelica.
@@ -24,6 +24,12 @@ const PYTHON: [(&str, &str); 5] = [
 pub fn tests() -> Result<Count> {
     apt::ensure_apt(&["python3-venv", "gcc"])?;
     let python = environment(&process::root().join("target/exports/venv"), &PYTHON)?;
+    let there = Command::new(&python).args(["-c", "import bam.simulate"]).output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        // BAM asks for Python 3.12, and its simulator runs on older ones; what else it asks for talks to servos.
+        let words = ["-m", "pip", "install", "--quiet", "--no-deps", "--ignore-requires-python"];
+        process::run(Command::new(&python).args(words).args(["better-actuator-models>=1", "colorama"]))?;
+    }
     process::run_tests(
         process::cargo()
             .args([

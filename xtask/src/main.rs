@@ -10,6 +10,7 @@ mod browser;
 mod cortex_m0;
 mod emulated;
 mod exports;
+mod features;
 mod fuzz;
 mod image;
 mod instructions;

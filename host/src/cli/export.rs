@@ -30,7 +30,7 @@ pub struct Args {
     /// Write it here
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Step of a program or of MuJoCo's simulation, in seconds [default: 0.001, MuJoCo 0.00025]
+    /// Step of a program or of MuJoCo's simulation, in seconds [default: 0.001, MuJoCo 0.00005]
     #[arg(long, value_name = "SECONDS", value_parser = step)]
     step: Option<f64>,
     /// Stall torque per volt at the output shaft in N m/V [default: unknown; MuJoCo then has torques in volts]

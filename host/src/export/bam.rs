@@ -16,6 +16,9 @@ use crate::model_file::Model;
 const TAKEN: [Kind; 5] =
     [Kind::Coulomb, Kind::CoulombAsymmetric, Kind::Stribeck, Kind::LoadFriction, Kind::Delay];
 
+/// Knee of friction by load that is none, V.
+const NO_KNEE_V: f64 = 1e-3;
+
 /// The parameter file.
 pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let scale = options.torque(Format::Bam)?;
@@ -25,6 +28,11 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         let why = "BAM's friction is the same in both directions";
         lost.push(super::Lost::new(Kind::CoulombAsymmetric, why));
         carried = super::actuator::one_level(carried, a.friction, &[]);
+    }
+    // BAM's friction by load begins with the load; this model's may begin above a knee, and what that costs is told.
+    let knees = carried.effects.iter_mut().filter(|(kind, _)| *kind == Kind::LoadFriction);
+    for (_, parameters) in knees {
+        parameters[1] = parameters[1].min(NO_KNEE_V);
     }
     let smallest = match (a.stribeck.is_some(), a.load_share.is_some()) {
         (_, true) => 5,

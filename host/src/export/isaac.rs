@@ -1,7 +1,7 @@
 //! An actuator configuration for Isaac Lab: `DCMotorCfg`, whose torque is clipped by the line from stall to no-load speed.
 //!
-//! `saturation_effort` is the stall torque at the nominal voltage and `velocity_limit` the no-load speed; the joint's armature and
-//! friction are the motor's. Isaac Lab's motor follows a torque, not a voltage: back-EMF is in the clip only. Source: Isaac Lab,
+//! `saturation_effort` is the stall torque at the nominal voltage and `velocity_limit` the speed at which back-EMF takes all of it:
+//! the line is the motor's own torque, and the joint's viscous friction comes off it once more. Armature and friction are the motor's. Isaac Lab's motor follows a torque, not a voltage: back-EMF is in the clip only. Source: Isaac Lab,
 //! isaaclab.actuators (2.3).
 
 use motorlens_shared::effects::Kind;
@@ -60,7 +60,7 @@ from isaaclab.actuators import DCMotorCfg
 ",
         name = options.name.as_deref().unwrap_or("output"),
         stall = scale * volts,
-        no_load = b.gain * volts,
+        no_load = volts / b.base().back_emf(),
         stiffness = 0.1 * scale * volts,
         damping = 2.0 * (0.1 * scale * volts * scale * b.tau_m / b.gain).sqrt(),
         armature = scale * b.tau_m / b.gain,

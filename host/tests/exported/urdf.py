@@ -1,0 +1,36 @@
+"""A URDF in MuJoCo: the joint's friction and damping are MuJoCo's, and the motor is the line from its effort to its velocity."""
+import math, pathlib, re, sys
+import mujoco
+import xml.etree.ElementTree as tree
+
+limit = next(tree.parse(sys.argv[1]).getroot().iter("limit"))
+dynamics = next(tree.parse(sys.argv[1]).getroot().iter("dynamics"))
+text = open(sys.argv[1]).read()
+nominal = float(re.search(r"shaft at (\S+) V;", text).group(1))
+armature = float(re.search(r"seen there: (\S+) kg", text).group(1))
+stall = float(limit.get("effort"))
+# At the no-load speed, damping takes what back-EMF leaves.
+slope = stall / float(limit.get("velocity")) - float(dynamics.get("damping"))
+# The robot's own: torques of weight (sine, cosine) and hoist, N m.
+sine, cosine, hoist = map(float, pathlib.Path(sys.argv[1] + ".robot").read_text().split())
+PARTS = 20
+spec = mujoco.MjSpec.from_file(sys.argv[1])
+spec.option.timestep = 1e-3 / PARTS
+spec.option.gravity = [0, 0, 0]
+joint = spec.joints[0]
+# As the file's comment says: URDF has no place for it.
+joint.armature = armature
+# A URDF does not tell how hard friction is.
+joint.solref_friction = [2e-3 / PARTS, 1]
+joint.solimp_friction = [0.9999, 0.9999, 0.001, 0.5, 2]
+body = joint.parent
+body.mass, body.inertia, body.explicitinertial = 1e-9, [1e-12] * 3, True
+model = spec.compile()
+data = mujoco.MjData(model)
+for line in sys.stdin:
+    for _ in range(PARTS):
+        x = data.qpos[0]
+        load = sine * math.sin(x) + cosine * math.cos(x) + hoist
+        data.qfrc_applied[0] = stall * float(line) / nominal - slope * data.qvel[0] - load
+        mujoco.mj_step(model, data)
+    print(repr(float(data.qpos[0])))
