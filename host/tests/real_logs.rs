@@ -167,7 +167,7 @@ struct Owned {
     share: f64,
 }
 
-fn owned() -> [Owned; 3] {
+fn owned() -> [Owned; 4] {
     let map = |map: &str| ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
     [
         Owned {
@@ -202,6 +202,15 @@ fn owned() -> [Owned; 3] {
             named: &[Kind::Gravity],
             // Its gear friction is no sure gain on these nine seconds: the validation record, which shows it, does not help to choose.
             share: 0.4,
+        },
+        Owned {
+            directory: "frc-romi-left",
+            fitted: &["train/fast-backward.csv", "train/slow-backward.csv", "train/slow-forward.csv"],
+            unseen: "validation/fast-forward.csv",
+            options: ReadOptions::default(),
+            // By radio, which one step of three tests shows.
+            named: &[Kind::Delay],
+            share: 0.55,
         },
     ]
 }

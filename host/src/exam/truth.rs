@@ -13,9 +13,10 @@ use crate::select::with;
 /// leaves no more than noise and does not beat the accepted one: no answer could know what does not show.
 /// Where no search leads `truth` itself to the noise, nothing is excused.
 pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
-    let Some(truth) = truth else { return true };
+    // Both are fitted alike: the answer was fitted for simulating when it was found.
+    let Some(truth) = truth.map(|truth| truth.simulating(&found.evidence)) else { return true };
     let (base, answer) = (&found.selected.steps[0], found.selected.model());
-    !Adequacy::of(&found.evidence, base, truth, found.noise_floor).explained
+    !Adequacy::of(&found.evidence, base, &truth, found.noise_floor).explained
         || truth.beats(answer, &found.evidence, base)
 }
 

@@ -41,6 +41,16 @@ fn is_large(gain: Gain, all: f64, places: usize) -> bool {
     gain.total > (LARGE.0 + (places as f64).ln()).max(LARGE.1 * all)
 }
 
+/// What the likelihood has to gain by a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every log is late by
+/// something, which shows only where the voltage jumps: a test with one step has one block that tells. In 120 plain motors, half of them
+/// disturbed, one gained more (docs/DIAGNOSIS.md).
+const LATE: f64 = 2.0 * WORTH;
+
+/// Whether `gain` is enough for what is only late where `all` natural logarithms are explained with it.
+fn is_late_enough(gain: Gain, all: f64) -> bool {
+    gain.total > LATE.max(SHARE * all)
+}
+
 /// Standard errors that the best of so many `places` has to show where one alone has to show `sure`: each of them may pass by chance so many
 /// times less often (C. Bonferroni, 1936; the tail of a normal distribution falls like exp(-z^2 / 2)).
 fn best_of(places: usize, sure: f64) -> f64 {
@@ -205,9 +215,11 @@ impl Fitted {
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
 
-    /// The same, or by so much that fewer standard errors do.
+    /// The same, or by so much that fewer standard errors do, or where it is only late.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        self.beats_surely(other, data, base) || self.outweighs(other, data, base)
+        self.beats_surely(other, data, base)
+            || self.outweighs(other, data, base)
+            || self.is_surely_late(other, data, base)
     }
 
     /// Whether it is better than `other` by so much that it has to be only likely: a disturbance that lasts makes the blocks differ by more
@@ -219,12 +231,21 @@ impl Fitted {
         is_large && self.is_likelier(gain, best_of(places, LIKELY), other, data)
     }
 
+    /// Whether all that it has beyond `other` is late, and its likelihood is higher by so much that nothing else has to be sure.
+    pub fn is_surely_late(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
+        let mut new = self.kinds().iter().filter(|kind| !other.kinds().contains(kind));
+        new.all(|kind| kind.spec().is_late())
+            && is_late_enough(self.gain_over(other), self.gain_over(base).total)
+            && self.fall(other, data).rise() <= 0.0
+    }
+
     /// Whether `kind`, which gains so much beside it, would be accepted, as far as the likelihood alone tells, where `explained` natural
     /// logarithms are explained so far.
     pub fn would_accept(&self, kind: Kind, gain: Gain, explained: f64) -> bool {
         let (all, places) = (explained + gain.total, places(kind));
         is_worth(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
+            || kind.spec().is_late() && is_late_enough(gain, all)
     }
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.

@@ -109,7 +109,9 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
         }
         settled.push(candidate);
     }
-    settled.into_iter().find(|c| c.outweighs(model, data, base))
+    let outweighs = settled.iter().position(|c| c.outweighs(model, data, base));
+    let late = || settled.iter().position(|c| c.is_surely_late(model, data, base));
+    outweighs.or_else(late).map(|k| settled.swap_remove(k))
 }
 
 /// `accepted`, and those of the models `tried` in its place that do as well; none where none does.

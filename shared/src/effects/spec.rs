@@ -170,6 +170,12 @@ impl Spec {
     pub fn place(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|p| p.name == name)
     }
+    /// Whether all that it is is late: its only size is a time, as a delay's or a filter's.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        self.parameters.iter().all(|p| !p.strength || p.unit == "s")
+            && self.parameters.iter().any(|p| p.strength)
+    }
     /// Stands between rotor and load.
     #[inline(always)]
     #[must_use]

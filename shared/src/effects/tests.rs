@@ -52,6 +52,17 @@ fn names_are_unique_and_lead_back_to_their_row() {
 }
 
 #[test]
+fn only_a_delay_and_a_filter_are_nothing_but_late() {
+    let late: Vec<&str> =
+        Kind::ALL.iter().filter(|kind| kind.spec().is_late()).map(|kind| kind.name()).collect();
+    assert_eq!(
+        late,
+        ["delay", "sensor_lag"],
+        "a new effect whose only size is a time is believed on fewer blocks (select::fitted)"
+    );
+}
+
+#[test]
 fn every_row_is_complete_and_consistent() {
     for kind in Kind::ALL {
         let s = kind.spec();
