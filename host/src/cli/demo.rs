@@ -33,7 +33,7 @@ pub struct Args {
 
 impl Default for Args {
     fn default() -> Self {
-        Self { hidden: crate::serve::DEMO, out: "motorlens-demo".into() }
+        Self { hidden: simulate::DEMO, out: "motorlens-demo".into() }
     }
 }
 

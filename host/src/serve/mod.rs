@@ -29,7 +29,7 @@ use axum::{Router, middleware};
 use serde_json::Value;
 use tokio::sync::broadcast;
 
-pub use puzzle::{DEMO, demo};
+pub use puzzle::demo;
 pub use session::Session;
 
 use crate::error::{Error, Result};

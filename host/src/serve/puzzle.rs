@@ -17,15 +17,12 @@ use crate::error::{Error, Result};
 use crate::motor_file::MotorFile;
 use crate::simulate::{self, Role, SimulateArgs};
 
-/// Picks what the demo hides.
-pub const DEMO: u64 = 25;
-
 /// The session of the demo's records.
 ///
 /// # Errors
 /// None that a user can cause.
 pub fn demo() -> Result<Session> {
-    hidden(DEMO)
+    hidden(crate::simulate::DEMO)
 }
 
 /// A session of records with the effects that `seed` picks.

@@ -28,6 +28,9 @@ use crate::error::{Error, Result};
 use crate::log::{Record, write_canonical};
 use crate::{atomic_file, motor_file};
 
+/// Picks what the demo hides.
+pub const DEMO: u64 = 25;
+
 /// The name of the motor file in the directory of a simulation.
 pub const MOTOR_FILE: &str = "motor.toml";
 /// The name of the sealed answer there.
