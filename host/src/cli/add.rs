@@ -110,10 +110,10 @@ fn verdict(done: &Addition) -> String {
     let (before, after) = (error(&done.before), error(&done.after));
     let on = if done.after.validation.is_some() { "validation records" } else { "the records fitted" };
     let percent = 100.0 * (after / before.max(1e-300) - 1.0).abs();
-    let way = match () {
-        () if percent < 0.5 => "stays as it was".to_owned(),
-        () if after > before => format!("rises by {percent:.0} %"),
-        () => format!("falls by {percent:.0} %"),
+    let way = if percent < 0.5 {
+        "stays as it was".to_owned()
+    } else {
+        format!("{} by {percent:.0} %", if after > before { "rises" } else { "falls" })
     };
     let worth = if done.worth { "worth adding" } else { "not worth adding: held-out data do not confirm it" };
     format!("\n{}: {worth}; with it the error on {on} {way}.\n", done.effect)

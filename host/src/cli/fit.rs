@@ -168,7 +168,7 @@ fn doubts(profiles: &[Profile]) -> String {
             (false, true) => format!("at least {low}"),
             (true, true) => words::NOT_DETERMINED.to_owned(),
         };
-        let unit = if p.open_below && p.open_above { "" } else { prose::unit(&p.unit) };
+        let unit = if p.open_below && p.open_above { "" } else { words::unit(&p.unit) };
         let range = format!("{range} {unit}");
         text += &format!("{:<28} by profile {}\n", p.name, range.trim_end());
     }

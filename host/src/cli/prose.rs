@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+
 use crate::compare::measures::Measures;
 use crate::findings::{Findings, NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
-use crate::log::Warning;
-use crate::log::guess;
+use crate::log::{ReadArgs, Warning, guess};
 use crate::report::words;
 use crate::select::DetectionLimit;
 use crate::sentence::capital;
@@ -34,11 +35,11 @@ pub fn parameters(list: &[Estimate]) -> String {
 fn parameters_within(list: &[Estimate], width: usize) -> String {
     let mut text = String::new();
     for e in list {
-        let value = format!("{} {}", figure(e.value), unit(&e.unit));
+        let value = format!("{} {}", figure(e.value), words::unit(&e.unit));
         text += &if width < 80 {
             format!("{} {}\n    {}\n", e.name, value.trim_end(), interval(e))
         } else {
-            let row = format!("{:<28} {:>11} {:<12}", e.name, figure(e.value), unit(&e.unit));
+            let row = format!("{:<28} {:>11} {:<12}", e.name, figure(e.value), words::unit(&e.unit));
             format!("{row} {}\n", interval(e))
         };
     }
@@ -51,11 +52,6 @@ pub fn interval(e: &Estimate) -> String {
         return words::NOT_DETERMINED.to_owned();
     }
     format!("{} .. {}", figure(e.low), figure(e.high))
-}
-
-/// A unit in a table; a plain number has none.
-pub fn unit(unit: &str) -> &str {
-    if unit == "1" { "" } else { unit }
 }
 
 /// The experiments that `findings` suggest, or why there is none, a line each.
@@ -159,31 +155,20 @@ pub fn next(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
     then(&step.label.to_lowercase(), &command)
 }
 
-/// Options that say how logs are read and judged: the next verb needs them again.
-const READING: [&str; 14] = [
-    "--map",
-    "--format",
-    "--hold",
-    "--motor",
-    "-m",
-    "--rate",
-    "--supply-volts",
-    "--counts-per-rev",
-    "--metres-per-rev",
-    "--servo-gain",
-    "--servo-damping",
-    "--validate",
-    "-v",
-    "--effect-file",
-];
-
-/// Those of the words of a command that say how logs are read, as a shell takes them, each with a blank before it.
-fn reading_again(words: impl Iterator<Item = String>) -> String {
-    let (mut again, mut words) = (String::new(), words);
+/// Those of the words of a command that say how logs are read and judged, as a shell takes them, each with a blank before it: the next verb
+/// needs them again.
+fn reading_again(mut words: impl Iterator<Item = String>) -> String {
+    let reading = ReadArgs::augment_args(clap::Command::new("motorlens"));
+    let reads = |option: &str| {
+        let long =
+            |arg: &clap::Arg| arg.get_long().is_some_and(|long| option.strip_prefix("--") == Some(long));
+        let short = |arg: &clap::Arg| arg.get_short().is_some_and(|short| option == format!("-{short}"));
+        option == "--effect-file" || reading.get_arguments().any(|arg| long(arg) || short(arg))
+    };
+    let mut again = String::new();
     while let Some(word) = words.next() {
         let option = word.split('=').next().unwrap_or_default();
-        let ranges = ["--skip", "--judge-by"].contains(&option);
-        if !ranges && !READING.contains(&option) {
+        if !reads(option) {
             continue;
         }
         again += &format!(" {}", guess::quoted(&word));

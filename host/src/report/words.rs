@@ -74,8 +74,8 @@ fn interval(e: &Estimate) -> String {
 }
 
 /// A unit in a table; a plain number has none.
-fn unit(unit: &str) -> String {
-    if unit == "1" { String::new() } else { unit.to_owned() }
+pub fn unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
 }
 
 /// Parameters or combinations with their intervals.
@@ -90,7 +90,7 @@ pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
         name: e.name.clone(),
         value: rounded(e.value, 5),
         interval: interval(e),
-        unit: unit(&e.unit),
+        unit: unit(&e.unit).to_owned(),
         identifiable: if e.identifiable { "yes" } else { "no" },
     });
     rows.collect()
@@ -115,7 +115,7 @@ pub fn moved_rows(story: &Story) -> Vec<MovedRow> {
         before: was(&e.name),
         name: e.name.clone(),
         after: rounded(e.value, 5),
-        unit: unit(&e.unit),
+        unit: unit(&e.unit).to_owned(),
     });
     rows.collect()
 }

@@ -31,14 +31,19 @@ const LARGE: (f64, f64) = (50.0, 0.1);
 /// Standard errors: 5 % of a normal distribution.
 pub const LIKELY: f64 = 1.64;
 
-/// Whether `gain`, the best of those at so many `places`, is worth mentioning where `all` natural logarithms are explained with it.
-fn is_worth(gain: Gain, all: f64, places: usize) -> bool {
-    gain.total > (WORTH + (places as f64).ln()).max(SHARE * all)
+/// Whether `gain`, the best of those at so many `places`, is so many natural logarithms, and this share of `all` that are explained with it.
+fn is_beyond(gain: Gain, (nats, share): (f64, f64), all: f64, places: usize) -> bool {
+    gain.total > (nats + (places as f64).ln()).max(share * all)
 }
 
-/// Whether `gain` is so much that it has to be only likely.
+/// Whether it is worth mentioning.
+fn is_worth(gain: Gain, all: f64, places: usize) -> bool {
+    is_beyond(gain, (WORTH, SHARE), all, places)
+}
+
+/// Whether it is so much that it has to be only likely.
 fn is_large(gain: Gain, all: f64, places: usize) -> bool {
-    gain.total > (LARGE.0 + (places as f64).ln()).max(LARGE.1 * all)
+    is_beyond(gain, LARGE, all, places)
 }
 
 /// What the likelihood has to gain by a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every log is late by
@@ -46,9 +51,9 @@ fn is_large(gain: Gain, all: f64, places: usize) -> bool {
 /// disturbed, one gained more (docs/DIAGNOSIS.md).
 const LATE: f64 = 2.0 * WORTH;
 
-/// Whether `gain` is enough for what is only late where `all` natural logarithms are explained with it.
+/// Whether it is enough for what is only late.
 fn is_late_enough(gain: Gain, all: f64) -> bool {
-    gain.total > LATE.max(SHARE * all)
+    is_beyond(gain, (LATE, SHARE), all, 1)
 }
 
 /// Standard errors that the best of so many `places` has to show where one alone has to show `sure`: each of them may pass by chance so many
@@ -233,8 +238,7 @@ impl Fitted {
 
     /// Whether all that it has beyond `other` is late, and its likelihood is higher by so much that nothing else has to be sure.
     pub fn is_surely_late(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        let mut new = self.kinds().iter().filter(|kind| !other.kinds().contains(kind));
-        new.all(|kind| kind.spec().is_late())
+        self.beyond(other).all(|kind| kind.spec().is_late())
             && is_late_enough(self.gain_over(other), self.gain_over(base).total)
             && self.fall(other, data).rise() <= 0.0
     }
@@ -250,7 +254,12 @@ impl Fitted {
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.
     fn places_beyond(&self, other: &Self) -> usize {
-        self.kinds().iter().filter(|kind| !other.kinds().contains(kind)).map(|kind| places(*kind)).product()
+        self.beyond(other).map(places).product()
+    }
+
+    /// The effects that it has beyond those of `other`.
+    fn beyond(&self, other: &Self) -> impl Iterator<Item = Kind> {
+        self.kinds().iter().copied().filter(|kind| !other.kinds().contains(kind))
     }
 
     /// Whether its `gain` over `other` is so many standard errors `sure`, and a rise of the simulation error does not speak against it.

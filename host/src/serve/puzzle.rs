@@ -22,7 +22,7 @@ use crate::simulate::{self, Role, SimulateArgs};
 /// # Errors
 /// None that a user can cause.
 pub fn demo() -> Result<Session> {
-    hidden(crate::simulate::DEMO)
+    hidden(simulate::DEMO)
 }
 
 /// A session of records with the effects that `seed` picks.
