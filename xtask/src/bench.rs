@@ -27,9 +27,7 @@ pub fn serve(options: &Options) -> Result<()> {
 /// Runs the bench's own tests on the image, and the host program against it.
 pub fn tests() -> Result<Count> {
     let image = arm::build_image()?;
-    // As the host's own tests have built it already.
-    process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
-    let program = process::root().join("target/debug/motorlens");
+    let program = process::program()?;
     let mut tests = bench_cargo("test");
     for (variable, board) in ["MOTORLENS_NUCLEO", "MOTORLENS_BLACKPILL"].iter().zip(&arm::BOARDS[1..]) {
         tests.env(variable, arm::build_image_for(board)?);

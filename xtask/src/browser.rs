@@ -18,15 +18,13 @@ pub fn tests() -> Result<Count> {
         }
         process::run(Command::new("npm").current_dir(directory()).args(["ci", "--no-audit", "--no-fund"]))?;
     }
-    process::run(process::cargo().args(["build", "-p", "motorlens", "--locked"]))?;
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| process::root().join("target"), PathBuf::from);
+    let program = process::program()?;
     process::run_tests(
         process::cargo()
             .current_dir(directory())
             .args(["test", "--locked", "--", "--test-threads=1", "--show-output"])
-            .env("MOTORLENS", target.join("debug/motorlens"))
-            .env("CARGO_TARGET_DIR", target.join("browser")),
+            .env("CARGO_TARGET_DIR", process::target().join("browser"))
+            .env("MOTORLENS", program),
     )
 }
 

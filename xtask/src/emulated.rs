@@ -125,10 +125,7 @@ fn prepare() -> Result<()> {
         }
         process::run(Command::new("npm").current_dir(directory()).args(["ci", "--no-audit", "--no-fund"]))?;
     }
-    if !program().is_file() {
-        process::run(process::cargo().args(["build", "--package", "motorlens", "--locked"]))?;
-    }
-    Ok(())
+    process::program().map(|_| ())
 }
 
 /// The host's program with these arguments.
@@ -139,7 +136,7 @@ pub fn motorlens(arguments: &[&str]) -> Command {
 }
 
 fn program() -> PathBuf {
-    process::root().join("target/debug/motorlens")
+    process::target().join("debug/motorlens")
 }
 
 /// Where the emulated boards stand.

@@ -34,8 +34,8 @@ pub fn tests() -> Result<Count> {
         process::cargo()
             .args([
                 "test",
-                "--package",
-                "motorlens",
+                // As the host's own tests were built, so that nothing is compiled again.
+                "--workspace",
                 "--test",
                 "export",
                 "--test",

@@ -27,6 +27,20 @@ pub fn cargo() -> Command {
     command
 }
 
+/// Builds the host's program, and returns its path.
+///
+/// With the features that `cargo test --workspace` chooses, so that after the host's own tests nothing is left to build:
+/// alone, the package would get fewer features of its dependencies and be compiled once more.
+pub fn program() -> Result<PathBuf> {
+    run(cargo().args(["test", "--workspace", "--locked", "--no-run", "--test", "terminal"]))?;
+    Ok(target().join("debug/motorlens"))
+}
+
+/// Where cargo puts what it builds.
+pub fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
 /// Runs a command with its output passed through. Fails with the command line when its status is not zero.
 pub fn run(command: &mut Command) -> Result<()> {
     let line = describe(command);

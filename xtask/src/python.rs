@@ -36,6 +36,8 @@ pub fn tests() -> Result<Count> {
         .args(["-m", "maturin", "build", "--release", "--locked", "--out"])
         .arg(&wheels)
         .current_dir(directory());
+    // Optimising across crates takes minutes and changes no answer.
+    maturin.env("CARGO_PROFILE_RELEASE_LTO", "off").env("CARGO_PROFILE_RELEASE_DEBUG", "0");
     process::run(maturin.env("CARGO_TARGET_DIR", process::root().join("target")))?;
     let wheel = std::fs::read_dir(&wheels)?.flatten().next().context("maturin made no wheel")?.path();
     process::run(install().arg(format!("{}[tables,plots,test]", wheel.display())))?;
