@@ -25,6 +25,18 @@ fn write(directory: &Path, name: &str, text: &str) {
 }
 
 #[test]
+fn two_files_that_give_different_effects_one_name_are_refused_with_the_place() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    write(here, "dry.toml", DRY);
+    write(here, "drier.toml", &DRY.replace("typical = 0.2", "typical = 0.4"));
+    run(here, "effects --effect-file dry.toml --effect-file dry.toml dry").ends(0);
+    let refused = run(here, "effects --effect-file dry.toml --effect-file drier.toml dry").ends(3);
+    let wanted = ["drier.toml, line 1, column 8", "two different effects are called dry", "another name"];
+    assert!(wanted.iter().all(|words| refused.err.contains(words)), "{}", refused.err);
+}
+
+#[test]
 fn a_formula_is_simulated_discovered_compared_and_exported() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();

@@ -34,7 +34,20 @@ def found(logs):
     return motorlens.discover(logs["training"] + logs["repeats"], validate=logs["held_out"], motor=logs["motor"])
 
 
-def test_ten_lines_find_the_hidden_effect_and_its_size(found):
+def test_the_readmes_lines_reproduce_the_answer_of_the_demo(tmp_path, monkeypatch):
+    readme = (pathlib.Path(__file__).parents[1] / "README.md").read_text()
+    lines = next(block for block in readme.split("```python\n")[1:] if "hidden=" in block).split("```")[0]
+    assert len(lines.strip().splitlines()) <= 10
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(lines, names)
+    found = names["found"]
+    assert found.verdict == "explained" and found.effects == ["dead_zone"], found.headline
+    level = found.parameters.set_index("name").loc["dead_zone.width"]
+    assert abs(level.value - 0.5994) < 0.005 and level.low < 0.5994 < level.high
+
+
+def test_the_hidden_effect_and_its_size_are_found(found):
     assert found.effects == ["coulomb"] and found.verdict == "explained"
     level = found.parameters.set_index("name").loc["coulomb.level"]
     assert level.low < 0.3 < level.high

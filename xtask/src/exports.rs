@@ -40,6 +40,8 @@ pub fn tests() -> Result<Count> {
                 "export",
                 "--test",
                 "export_tools",
+                "--test",
+                "export_errors",
                 "--locked",
             ])
             .env("MOTORLENS_LONG_TESTS", "1")

@@ -3,6 +3,8 @@
 //! With the set known to the compiler a step has no branches and the motion stays in registers: 3 to 4 times
 //! faster than a loop that asks each effect for its kind. Sets of three and more take that loop.
 
+#![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
+
 use core::marker::PhantomData;
 
 use motorlens_shared::base::Base;

@@ -90,6 +90,10 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     if options.name.is_none() {
         notes.push("\"actuator\" is the name of BAM's actuator class; give it by --name.".into());
     }
+    if a.delay_s > 0.0 {
+        notes
+            .push("BAM 1.0 does not act on \"command_delay\": shift the commands of a rollout by it.".into());
+    }
     let content = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
     Ok(Exported { content: content.into_bytes(), beside: None, notes, lost, carried })
 }

@@ -1,8 +1,9 @@
 //! An actuator configuration for Isaac Lab: `DCMotorCfg`, whose torque is clipped by the line from stall to no-load speed.
 //!
 //! `saturation_effort` is the stall torque at the nominal voltage and `velocity_limit` the speed at which back-EMF takes all of it:
-//! the line is the motor's own torque, and the joint's viscous friction comes off it once more. Armature and friction are the motor's. Isaac Lab's motor follows a torque, not a voltage: back-EMF is in the clip only. Source: Isaac Lab,
-//! isaaclab.actuators (2.3).
+//! the line is the motor's own torque, and the joint's viscous friction comes off it once more. Armature and friction are the motor's.
+//! Isaac Lab's motor follows a torque, not a voltage: back-EMF is in the clip only. Source: Isaac Lab, isaaclab.actuators (2.3; 3.0
+//! calls the limits `actuator_effort_limit` and `actuator_velocity_limit` and takes the names of 2.3 until 4.0).
 
 use motorlens_shared::effects::Kind;
 
@@ -42,7 +43,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     };
     let text = format!(
         "\
-# Written by motorlens for Isaac Lab 2.3. Torques in N m, speeds in rad/s, of the output shaft at {volts} V.
+# Written by motorlens for Isaac Lab 2.3; 3.0 takes it too, and warns that its limits have new names. Torques in N m, speeds in rad/s, of the output shaft at {volts} V.
 from isaaclab.actuators import DCMotorCfg
 
 {delay}MOTOR = DCMotorCfg(

@@ -3,6 +3,8 @@
 //! The error of a free run drifts: one lost count or one cog too many shifts everything after it. So candidates
 //! are ranked by the error's *increments* over 50 ms, under a pseudo-Huber loss, and polished on the error itself.
 
+#![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
+
 use super::grid::{Grid, Quantity};
 use super::scales::{append_coefficients, levels};
 use super::simulate::{Block, LANES};

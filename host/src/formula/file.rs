@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::definition::{Field, Written, WrittenParameter, Wrong};
-use super::library::define;
+use super::library::{define, is_taken};
 use crate::error::{BadInput, Result};
 use crate::motor_file::{did_you_mean, unknown_key};
 
@@ -62,7 +62,7 @@ const KEYS: [&str; 12] = [
 /// Reads the effect in a file.
 ///
 /// # Errors
-/// A file that cannot be read; what is wrong in it, with line and column.
+/// A file that cannot be read; what is wrong in it, with line and column; a name that the program offers for another effect.
 pub fn read(path: &Path) -> Result<Kind> {
     let text = std::fs::read_to_string(path).map_err(|e| crate::log::cannot_read(path, &e))?;
     parse(path, &text)
@@ -98,7 +98,14 @@ fn parse(path: &Path, text: &str) -> Result<Kind> {
         source: raw.source.clone(),
         parameters: parameters.collect(),
     };
-    define(&written).map_err(|Wrong { field, why, remedy }| {
+    let defined = define(&written).and_then(|kind| {
+        if !is_taken(kind) {
+            return Ok(kind);
+        }
+        let why = format!("two different effects are called {}", written.name);
+        Err(Wrong { field: Field::Name, why, remedy: "give one of them another name".into() })
+    });
+    defined.map_err(|Wrong { field, why, remedy }| {
         let start = match field {
             Field::Name => raw.name.span().start,
             Field::Port => raw.port.span().start,
@@ -136,10 +143,12 @@ mod tests {
         assert_eq!(kind.spec().parameters[0].high, 1.0);
         assert!(kind.spec().probes.iter().all(|p| p.len() == 1 && p[0] >= 0.0));
         assert_eq!(parse(Path::new("fan.toml"), FAN).unwrap(), kind);
-        assert!(
-            parse(Path::new("fan.toml"), &FAN.replace("0.01", "0.02")).is_err(),
-            "another under this name"
-        );
+    }
+
+    #[test]
+    fn two_callers_may_describe_different_effects_by_one_name() {
+        let (ours, theirs) = (Path::new("ours.toml"), Path::new("theirs.toml"));
+        assert_ne!(parse(ours, FAN).unwrap(), parse(theirs, &FAN.replace("0.01", "0.02")).unwrap());
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! The user's effects beside the library's, by name.
+//! The user's effects beside the library's.
 //!
-//! An effect is defined once in a process and lives as long as it: fits hold many copies of its name.
+//! A description is kept once in a process and lives as long as it: fits hold many copies of its name. Callers do not see each
+//! other's: two of them may describe different effects by one name. Only what a program offers by its options is there by name.
 
 use std::sync::Mutex;
 
 use motorlens_shared::effects::{Kind, UserDefined};
 
 use super::Written;
-use super::definition::{Field, Wrong};
+use super::definition::Wrong;
 
 struct Entry {
     written: Written,
@@ -19,26 +20,18 @@ struct Entry {
 static DEFINED: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 
 fn defined<T>(look: impl FnOnce(&mut Vec<Entry>) -> T) -> T {
-    // A panic elsewhere leaves the list whole: entries are only ever pushed.
+    // A panic elsewhere leaves the list whole: entries are pushed, and offered, in one step.
     look(&mut DEFINED.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
 /// The effect that `written` describes; the same description gives the same effect.
 ///
 /// # Errors
-/// A description that is wrong, or another one under the same name.
+/// A description that is wrong.
 pub fn define(written: &Written) -> Result<Kind, Wrong> {
     defined(|list| {
-        if let Some(entry) = list.iter().find(|e| e.written.name == written.name) {
-            return if entry.written == *written {
-                Ok(entry.kind)
-            } else {
-                Err(Wrong {
-                    field: Field::Name,
-                    why: format!("two different effects are called {}", written.name),
-                    remedy: "give one of them another name".into(),
-                })
-            };
+        if let Some(entry) = list.iter().find(|e| e.written == *written) {
+            return Ok(entry.kind);
         }
         let kind = Kind::Formula(UserDefined(written.define()?));
         list.push(Entry { written: written.clone(), kind, offered: false });
@@ -46,7 +39,12 @@ pub fn define(written: &Written) -> Result<Kind, Wrong> {
     })
 }
 
-/// Lets searches try `kind`.
+/// Whether another effect than `kind` is offered by its name.
+pub(super) fn is_taken(kind: Kind) -> bool {
+    defined(|list| list.iter().any(|e| e.offered && e.kind != kind && e.written.name == kind.name()))
+}
+
+/// Lets the program's searches try `kind`, and find it by its name.
 pub fn offer(kind: Kind) {
     defined(|list| list.iter_mut().filter(|e| e.kind == kind).for_each(|e| e.offered = true));
 }
@@ -57,10 +55,14 @@ pub fn all() -> Vec<Kind> {
     Kind::ALL.iter().copied().chain(own).collect()
 }
 
-/// The effect called `name`, the user's included.
+/// The effect called `name`: the library's, one that was offered, or the one last read from a model.
 pub fn by_name(name: &str) -> Option<Kind> {
-    Kind::by_name(name)
-        .or_else(|| defined(|list| list.iter().find(|e| e.written.name == name).map(|e| e.kind)))
+    let own = |offered: bool| {
+        defined(|list| {
+            list.iter().rfind(|e| e.written.name == name && (e.offered || !offered)).map(|e| e.kind)
+        })
+    };
+    Kind::by_name(name).or_else(|| own(true)).or_else(|| own(false))
 }
 
 /// What was written of a user's effect.

@@ -1,5 +1,7 @@
 //! One source, compiled for several vector units, chosen when the program runs.
 
+#![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
+
 use super::fused::Fused32;
 use motorlens_shared::lanes::Lanes;
 use motorlens_shared::linear::Laned;

@@ -169,7 +169,7 @@ impl Definition {
     }
 }
 
-/// A [`Definition`] as a kind of effect; two of the same name are the same.
+/// A [`Definition`] as a kind of effect: itself only, since two people may give one name to different effects.
 #[derive(Clone, Copy)]
 pub struct UserDefined(pub &'static Definition);
 
@@ -181,7 +181,7 @@ impl core::fmt::Debug for UserDefined {
 
 impl PartialEq for UserDefined {
     fn eq(&self, other: &Self) -> bool {
-        self.0.spec.name == other.0.spec.name
+        core::ptr::eq(self.0, other.0)
     }
 }
 impl Eq for UserDefined {}
@@ -192,7 +192,8 @@ impl PartialOrd for UserDefined {
 }
 impl Ord for UserDefined {
     fn cmp(&self, other: &Self) -> core::cmp::Ordering {
-        self.0.spec.name.cmp(other.0.spec.name)
+        let place = |own: &Self| core::ptr::from_ref(own.0).addr();
+        self.0.spec.name.cmp(other.0.spec.name).then_with(|| place(self).cmp(&place(other)))
     }
 }
 impl core::hash::Hash for UserDefined {

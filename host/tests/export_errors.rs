@@ -1,0 +1,157 @@
+//! The bar of every export: run in its own tool against a record, it errs by at most a hundredth more than the model does, or it
+//! is refused.
+
+mod exported;
+#[path = "exported/tools.rs"]
+mod tools;
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use exported::{OPTIONS, model, truth};
+use motorlens::export::cost::cost;
+use motorlens::export::{Format, Options, export};
+use motorlens::log::{self, ReadOptions, Record};
+use motorlens::model_file::Model;
+use motorlens::motor_file::{self, MotorFile};
+use motorlens_shared::effects::Kind;
+use tools::{HELD_MODELICA, TARGETS, python, run, volts};
+
+/// Effects with their parameters.
+type Effects = &'static [(Kind, &'static [f64])];
+
+/// A record, its voltage in steps of a millisecond, and which of the readings after each step it measured.
+struct Measured {
+    record: Record,
+    motor: MotorFile,
+    volts: Vec<f64>,
+    readings: Vec<(usize, f64)>,
+}
+
+impl Measured {
+    /// Root mean square of what `run` misses it by.
+    fn error(&self, run: &[f64]) -> f64 {
+        let sum: f64 = self.readings.iter().map(|(step, x)| (run[*step] - x) * (run[*step] - x)).sum();
+        (sum / self.readings.len() as f64).sqrt()
+    }
+}
+
+/// Runs every target that takes `model`, and says which. `own` is the model's error on the record.
+fn targets_that_take(python: &str, name: &str, model: &Model, measured: &Measured, own: f64) -> Vec<Format> {
+    let (mut taken, mut worse) = (Vec::new(), Vec::new());
+    for (format, file, script, tool) in &TARGETS {
+        let step_s = if *format == Format::Mujoco { None } else { OPTIONS.step_s };
+        let options = Options { step_s, torque_per_volt: Some(0.1), ..OPTIONS };
+        let exported = export(model, *format, &options).unwrap();
+        let price = cost(model, &exported, std::slice::from_ref(&measured.record), &measured.motor).unwrap();
+        if !exported.lost.is_empty() || price.is_too_high() {
+            println!("{name:<10} {format:?}: refused");
+            continue;
+        }
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(file);
+        // Joints that leave weight and hoist to the robot are given a robot that has them.
+        let effects = model.values().effects;
+        let of = |kind: Kind, place: usize| {
+            let found = effects.iter().find(|(other, _)| *other == kind);
+            0.1 * found.map_or(0.0, |(_, parameters)| parameters[place])
+        };
+        let robot = [of(Kind::Gravity, 0), of(Kind::Gravity, 1), of(Kind::ConstantLoad, 0)];
+        std::fs::write(format!("{}.robot", path.display()), robot.map(|x| x.to_string()).join(" ")).unwrap();
+        std::fs::write(&path, &exported.content).unwrap();
+        if let Some((ending, text)) = &exported.beside {
+            std::fs::write(path.with_extension(ending), text).unwrap();
+        }
+        let is_held = *format == Format::Modelica && measured.volts != volts();
+        let script = if is_held { HELD_MODELICA } else { script };
+        let there = measured.error(&run(python, script, &path, &measured.volts));
+        println!("{name:<10} {format:?}: {there:.5} rad in {tool}, {own:.5} rad by the model");
+        taken.push(*format);
+        // Between two bodies MuJoCo's contact is another one than the model's: shorter steps bring it no nearer.
+        let allowed = if name == "backlash" && *format == Format::Mujoco { 1.03 } else { 1.01 };
+        if there > allowed * own {
+            worse.push(format!("{name} in {format:?}: {there} rad, {own} rad by the model"));
+        }
+    }
+    assert!(worse.is_empty(), "{worse:#?}");
+    taken
+}
+
+/// Loads, friction, gear, driver and sensor, on the record of a motor that the model meets to half a percent, read by an encoder.
+#[test]
+fn every_target_has_the_models_own_error_on_a_record_or_is_refused() {
+    let Some(python) = python() else { return };
+    let cases: [(&str, Effects); 10] = [
+        ("plain", &[]),
+        ("friction", &[(Kind::Coulomb, &[0.2])]),
+        ("dead zone", &[(Kind::Coulomb, &[0.2]), (Kind::DeadZone, &[0.4, 0.0])]),
+        ("arm", &[(Kind::Gravity, &[0.8, -0.3]), (Kind::Coulomb, &[0.2])]),
+        ("hoist", &[(Kind::ConstantLoad, &[0.5]), (Kind::Coulomb, &[0.3])]),
+        ("spring", &[(Kind::Spring, &[0.5, -0.1]), (Kind::Saturation, &[0.5])]),
+        ("delay", &[(Kind::Delay, &[0.0061]), (Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4])]),
+        ("worm gear", &[(Kind::LoadFriction, &[0.2, 0.3]), (Kind::Coulomb, &[0.1])]),
+        ("backlash", &[(Kind::Backlash, &[0.05, 0.4, 0.3, 120.0, 0.4]), (Kind::Coulomb, &[0.2])]),
+        (
+            "shaft",
+            &[(Kind::Compliance, &[8.0, 0.4, 0.05, 0.3]), (Kind::Cogging, &[0.2, -0.1, 0.05, -0.02, 3.0])],
+        ),
+    ];
+    let volts = volts();
+    let time: Vec<f64> = (0..=volts.len()).map(|k| k as f64 * 1e-3).collect();
+    let mut taken = Vec::new();
+    for (name, effects) in cases {
+        let mut fitted = model(effects);
+        let angles: Vec<f64> = truth(&fitted, &volts).iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+        fitted.base.gain *= 1.005;
+        let (logged, held) = ([&[0.0], angles.as_slice()].concat(), [volts.as_slice(), &[0.0]].concat());
+        let record = motorlens::record("record", &time, &held, motorlens::Measured::Angle(&logged)).unwrap();
+        let readings = angles.into_iter().enumerate().collect();
+        let measured = Measured { record, motor: MotorFile::default(), volts: volts.clone(), readings };
+        let own = measured.error(&truth(&fitted, &volts));
+        taken.extend(targets_that_take(&python, name, &fitted, &measured, own));
+    }
+    let times = |format: Format| taken.iter().filter(|other| **other == format).count();
+    assert!(TARGETS[..5].iter().all(|(format, ..)| times(*format) == cases.len()), "{taken:?}");
+    assert!(TARGETS.iter().all(|(format, ..)| times(*format) > 0), "{taken:?}");
+}
+
+/// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it.
+#[test]
+fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
+    let (Some(python), Some(rig)) = (python(), real("undcmotor-angle")) else { return };
+    let motor = motor_file::read(&rig.join("motor.toml")).unwrap();
+    let options = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
+    let read = |file: &str| log::read(&rig.join(file), &options).unwrap();
+    let training = [read("train/profile.csv"), read("train/stairs.csv")].concat();
+    let record = read("validation/step.csv").remove(0);
+    let how = motorlens::Options { motor: motor.clone(), ..motorlens::Options::default() };
+    let found =
+        motorlens::discover_records(&training, &how, &mut |_| ControlFlow::Continue(())).unwrap().model;
+
+    let steps: Vec<usize> =
+        record.time_s.iter().map(|t| ((t - record.time_s[0]) * 1e3).round() as usize).collect();
+    let held = steps.windows(2).zip(&record.voltage_v).flat_map(|(w, v)| vec![*v; w[1] - w[0]]).collect();
+    let angle = record.angle_rad.clone().expect("the rig measures its angle");
+    let readings = steps.iter().zip(&angle).skip(1).map(|(step, x)| (step - 1, x - angle[0])).collect();
+    let simulated = found.simulate(&record.time_s, &record.voltage_v, 0.0).unwrap();
+    let missed = simulated.iter().zip(&angle).skip(1).map(|(a, b)| (a - (b - angle[0])).powi(2)).sum::<f64>();
+    let own = (missed / (angle.len() - 1) as f64).sqrt();
+    let measured = Measured { record, motor, volts: held, readings };
+    println!("{:?}", found.values());
+    let taken = targets_that_take(&python, "real", &found, &measured, own);
+    assert!(TARGETS[..5].iter().all(|(format, ..)| taken.contains(format)), "{taken:?}");
+}
+
+/// Where a real rig's logs are; says so where they are absent.
+fn real(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("MOTORLENS_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
+    let found = root.join(name);
+    if !found.is_dir() {
+        let message = format!("SKIPPED: no real logs at {} (set MOTORLENS_DATA)\n", found.display());
+        let _ = std::io::stderr().write_all(message.as_bytes());
+        return None;
+    }
+    Some(found)
+}
