@@ -77,8 +77,9 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         rig.count_rad = g.quantum * g.interval_s;
     }
     let prior = prior(motor);
-    let (mut left, mut base) = first_base(&grids, &rig, &prior);
-    // Whether a speed is that of the instant or a mean since the last sample, the motion tells.
+    let (mut left, mut base) = first_base(&grids, &rig, &prior, Seen::Whole);
+    // Whether a speed is that of the instant or a mean since the last sample, the motion tells: half a sample shows where the speed
+    // changes, whatever friction takes of it in between.
     if grids.iter().all(|g| g.quantity != Quantity::Angle) {
         let other = |quantity| match quantity {
             Quantity::Speed => Quantity::MeanSpeed,
@@ -86,8 +87,14 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         };
         let others: Vec<Grid> =
             grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
-        let (left_so, base_so) = first_base(&others, &rig, &prior);
-        if left_so < DECIDES * left {
+        let (left_so, base_so) = first_base(&others, &rig, &prior, Seen::Whole);
+        let [as_it_looks, so] = [&grids, &others].map(|g| first_base(g, &rig, &prior, Seen::Changes).0);
+        let is_other = match so / as_it_looks {
+            ratio if ratio < DECIDES => true,
+            ratio if ratio > 1.0 / DECIDES => false,
+            _ => left_so < DECIDES * left,
+        };
+        if is_other {
             (left, base, grids) = (left_so, base_so, others);
         }
     }
@@ -150,8 +157,18 @@ impl Problem {
     }
 }
 
-/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.
-fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, BaseValues) {
+/// What of a speed is to be met.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Seen {
+    /// The speed itself.
+    Whole,
+    /// Its changes from sample to sample.
+    Changes,
+}
+
+/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass. The squared error that the
+/// best leaves comes first.
+fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior, seen: Seen) -> (f64, BaseValues) {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
     let share = prior.viscous_share.0;
@@ -171,9 +188,11 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, BaseValues) {
             let mut still = grid.clone();
             still.begin_at(0.0, 0.0);
             predict_block(&layout, &xs, &unit, &still, &mut series);
-            let span = ((0.05 / grid.interval_s).round() as usize).max(1);
+            let is_speed = grid.quantity != Quantity::Angle;
+            let changes = is_speed && seen == Seen::Changes;
+            let span = if changes { 1 } else { ((0.05 / grid.interval_s).round() as usize).max(1) };
             for k in 0..series.len().saturating_sub(span) {
-                let speed = grid.quantity != Quantity::Angle;
+                let speed = is_speed && !changes;
                 let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
                 let y = (y - before) / grid.sigma;
                 yy += y * y;

@@ -45,6 +45,18 @@ pub struct Warning {
     pub fix: String,
 }
 
+impl Warning {
+    /// What is odd, as people read it: programs look for the `kind_of_fault:` before some of them.
+    pub fn told(&self) -> String {
+        match self.what.split_once(": ") {
+            Some((kind, rest)) if kind.bytes().all(|b| b == b'_' || b.is_ascii_lowercase()) => {
+                format!("{}: {rest}", kind.replace('_', " "))
+            }
+            _ => self.what.clone(),
+        }
+    }
+}
+
 /// One run of one motor.
 ///
 /// All present columns have the length of `time_s`; times rise strictly; all numbers are finite. Times and angles

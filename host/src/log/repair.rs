@@ -124,18 +124,23 @@ fn speed_spikes(speed: &[f64]) -> Vec<usize> {
     found.iter().copied().filter(|&k| is_beyond(k) || is_sudden(k)).collect()
 }
 
-/// Readings of a voltage that no drive gives for so short: single ones far beyond all others. The value before them holds.
+/// Readings of a voltage that no drive gives for so short: few, far beyond all others, and back within some samples. The value before
+/// them holds.
 fn hold_voltage_spikes(record: &mut Record) {
     let volts = &mut record.voltage_v;
-    let found = spikes(volts);
-    let rest = (0..volts.len()).filter(|k| found.binary_search(k).is_err());
-    let highest = rest.fold(0.0, |highest: f64, k| highest.max(volts[k].abs()));
-    let garbled: Vec<usize> = found.into_iter().filter(|&k| volts[k].abs() > SPIKE_SPEED * highest).collect();
-    if garbled.is_empty() || highest == 0.0 || garbled.len() as f64 > MOST_GARBLED * volts.len() as f64 {
+    let mut sizes: Vec<f64> = volts.iter().map(|v| v.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let most = (MOST_GARBLED * volts.len() as f64).ceil() as usize;
+    let first = sizes.len().saturating_sub(most + 1);
+    // The gap above what the drive gives: a voltage of nothing but pulses has none.
+    let gap = sizes[first..].windows(2).find(|pair| pair[0] > 0.0 && pair[1] > SPIKE_SPEED * pair[0]);
+    let Some(highest) = gap.map(|pair| pair[0]) else { return };
+    let garbled: Vec<usize> = (0..volts.len()).filter(|&k| volts[k].abs() > highest).collect();
+    if garbled.windows(LONGEST_SPIKE + 1).any(|run| run[LONGEST_SPIKE] - run[0] == LONGEST_SPIKE) {
         return;
     }
     for &k in &garbled {
-        volts[k] = volts[k - 1];
+        volts[k] = if k > 0 { volts[k - 1] } else { 0.0 };
     }
     record.warnings.push(Warning {
         place: format!("{}, column voltage_v", record.path.display()),
@@ -291,7 +296,16 @@ mod tests {
         assert_eq!((parts[0].voltage_v[300], parts[0].voltage_v[600]), (clean[299], clean[599]));
         assert!(parts[0].warnings[0].what.contains("sample 301"), "{:?}", parts[0].warnings);
         record.voltage_v = (0..800).map(|k| if k % 20 == 0 { 12.0 } else { 0.0 }).collect();
-        assert_eq!(repaired(record.clone()), [record]);
+        assert_eq!(repaired(record.clone()), [record.clone()]);
+        // Equal readings in a voltage that hardly ever changes.
+        record.voltage_v = (0..800).map(|k| if k / 200 % 2 == 0 { 6.0 } else { -6.0 }).collect();
+        let clean = record.voltage_v.clone();
+        for k in (50..800).step_by(90) {
+            record.voltage_v[k] = 655.35;
+        }
+        let parts = repaired(record);
+        assert_eq!(parts[0].voltage_v, clean);
+        assert!(parts[0].warnings[0].what.contains("9 readings"), "{:?}", parts[0].warnings);
     }
 
     #[test]

@@ -28,6 +28,8 @@ pub(super) struct Rows<'a> {
     pub held: Vec<Blanks>,
     /// Whether a column says so often that it has no value that this is no fault: it is logged less often.
     often_nothing: Vec<bool>,
+    /// Of the time and of each column, whether its whole numbers have points or commas between their thousands.
+    whole: Vec<Whole>,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
@@ -90,6 +92,7 @@ impl<'a> Rows<'a> {
             last: vec![None; count],
             held: vec![Blanks::default(); count],
             often_nothing: often_nothing(wanted, head),
+            whole: vec![Whole::default(); count + 1],
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -157,7 +160,7 @@ impl<'a> Rows<'a> {
             };
             let value = match column.quantity {
                 Quantity::Direction => direction(text),
-                _ => field(text).map(|value| column.unit.to_si(value)),
+                _ => field(text, self.whole[k + 1].read(text)).map(|value| column.unit.to_si(value)),
             };
             let value = value.map_err(|why| Unread::Bad(column.header.as_str(), why))?;
             self.last[k] = Some(value);
@@ -181,11 +184,13 @@ impl<'a> Rows<'a> {
             TimeSource::Columns(seconds, rest) => {
                 let whole = self.moment(seconds, 1.0)?;
                 let text = self.splitter.get(rest.index).unwrap_or_default();
-                Ok(whole + field(text).map_err(|why| (rest.header.as_str(), why))? * rest.unit.factor)
+                Ok(whole
+                    + field(text, number(text)).map_err(|why| (rest.header.as_str(), why))?
+                        * rest.unit.factor)
             }
             TimeSource::Intervals(column) => {
                 let text = self.splitter.get(column.index).unwrap_or_default();
-                let interval = field(text).and_then(|dt| {
+                let interval = field(text, self.whole[0].read(text)).and_then(|dt| {
                     if dt < 0.0 {
                         Err(format!("\"{text}\" is no time since the row before"))
                     } else {
@@ -202,14 +207,14 @@ impl<'a> Rows<'a> {
 
     fn moment(&mut self, column: &'a Wanted, unit_s: f64) -> Result<f64, (&'a str, String)> {
         let text = self.splitter.get(column.index).unwrap_or_default();
-        let number = number(text);
+        let number = self.whole[0].read(text);
         if number.is_some_and(|value| value.is_finite())
             && let Some(time) = self.clock.read(text, unit_s, number)
         {
             return Ok(time);
         }
         let time = if number.is_none() { self.clock.read(text, unit_s, None) } else { None };
-        time.ok_or_else(|| (column.header.as_str(), field(text).err().unwrap_or_default()))
+        time.ok_or_else(|| (column.header.as_str(), field(text, number).err().unwrap_or_default()))
     }
 }
 
@@ -223,9 +228,55 @@ fn is_blank_permitted(splitter: &Splitter, width: Option<usize>) -> bool {
     width.is_some_and(|width| splitter.len() >= width)
 }
 
-/// The finite number in a field, or why there is none.
-fn field(text: &str) -> Result<f64, String> {
-    match number(text) {
+/// Whole numbers of one column, row by row: `990`, then `1.000` or `1,000`, where another row's would be a decimal sign.
+#[derive(Clone, Copy)]
+struct Whole {
+    /// All so far were plain whole numbers.
+    only: bool,
+    last: Option<f64>,
+    between: Option<char>,
+}
+
+impl Default for Whole {
+    fn default() -> Self {
+        Self { only: true, last: None, between: None }
+    }
+}
+
+impl Whole {
+    /// The number in `text`. Thousands are told from decimals by what came before: the numbers go on, or they jump to a thousandth.
+    fn read(&mut self, text: &str) -> Option<f64> {
+        if !self.only && self.between.is_none() {
+            return number(text);
+        }
+        let grouped = |sign: char| {
+            let thousands = text.contains(sign) && !text.starts_with('0') && is_grouped(text, &[sign]);
+            thousands.then(|| text.replace(sign, "").parse::<f64>().ok()).flatten()
+        };
+        if let Some(value) = self.between.and_then(grouped) {
+            self.last = Some(value);
+            return Some(value);
+        }
+        let plain = number(text)?;
+        let is_whole = text.bytes().all(|b| b.is_ascii_digit() || b == b'-' || b == b'+');
+        if let (true, false, Some(last)) = (self.only, is_whole, self.last) {
+            let goes_on = |value: f64| (value - last).abs() < (plain - last).abs();
+            for sign in ['.', ','] {
+                if let Some(value) = grouped(sign).filter(|value| goes_on(*value)) {
+                    (self.between, self.last) = (Some(sign), Some(value));
+                    return Some(value);
+                }
+            }
+        }
+        self.only &= is_whole;
+        self.last = Some(plain);
+        Some(plain)
+    }
+}
+
+/// The finite number in a field, read as `number`, or why there is none.
+fn field(text: &str, number: Option<f64>) -> Result<f64, String> {
+    match number {
         Some(value) if value.is_finite() => Ok(value),
         Some(_) => Err(format!("\"{text}\" is not a number a fit can use")),
         None if text.is_empty() => Err("the field is empty".into()),
@@ -238,7 +289,7 @@ fn field(text: &str) -> Result<f64, String> {
 
 /// What a field of a column of directions says, or why it says nothing.
 fn direction(text: &str) -> Result<f64, String> {
-    direction::named(text).map_or_else(|| field(text), Ok)
+    direction::named(text).map_or_else(|| field(text, number(text)), Ok)
 }
 
 /// The number in a field; a comma within a field is a decimal one, since it separates nothing, and thousands may stand apart.
@@ -251,6 +302,7 @@ pub(super) fn number(text: &str) -> Option<f64> {
         with_point
             .or_else(|| with_thousands(plain))
             .or_else(|| points_and_comma(text))
+            .or_else(|| twice_grouped(text))
             .or_else(|| hex(text))
             .or_else(|| one_of(text))
     })
@@ -281,6 +333,12 @@ fn points_and_comma(text: &str) -> Option<f64> {
     is_grouped(whole, &[between]).then(plain).flatten()
 }
 
+/// `1.234.567` or `1,234,567`: twice in a number no sign is a decimal one.
+fn twice_grouped(text: &str) -> Option<f64> {
+    let sign = ['.', ','].into_iter().find(|sign| text.matches(*sign).count() > 1)?;
+    is_grouped(text, &[sign]).then(|| text.replace(sign, "").parse().ok()).flatten()
+}
+
 /// Whether a whole number has its digits in threes, but for the first.
 fn is_grouped(whole: &str, between: &[char]) -> bool {
     let mut groups = whole.trim_start_matches(['-', '+']).split(between);
@@ -300,4 +358,24 @@ fn hex(text: &str) -> Option<f64> {
         16 => number as i64 as f64,
         _ => number as f64,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_told_from_decimals_by_the_numbers_before() {
+        let read = |texts: &[&str]| {
+            let mut column = Whole::default();
+            texts.iter().map(|text| column.read(text).unwrap_or(f64::NAN)).collect::<Vec<_>>()
+        };
+        assert_eq!(read(&["980", "990", "1.000", "1.010"]), [980.0, 990.0, 1000.0, 1010.0]);
+        assert_eq!(read(&["-990", "-1,000", "-999"]), [-990.0, -1000.0, -999.0]);
+        assert_eq!(read(&["999.990", "1.000.000"]), [999.99, 1e6]);
+        // Decimals whose zeros were left out.
+        assert_eq!(read(&["5", "5", "4.926", "5"]), [5.0, 5.0, 4.926, 5.0]);
+        assert_eq!(read(&["0", "1", "1.125", "1.25"]), [0.0, 1.0, 1.125, 1.25]);
+        assert_eq!(read(&["0", "0", "0.125"]), [0.0, 0.0, 0.125]);
+    }
 }

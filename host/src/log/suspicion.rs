@@ -12,7 +12,7 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
-use super::voltages::{duty, is_level, one_level, unsigned};
+use super::voltages::{duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, faults, together};
 
@@ -42,6 +42,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         speed_beside_angle,
         blind_near_zero,
         unsigned,
+        unsigned_motion,
     ];
     let regressed = [clipped, wrong_gear];
     let seen: Vec<Seen> =

@@ -112,6 +112,34 @@ pub(super) fn unsigned(record: &Record) -> Option<Odd> {
     })
 }
 
+/// A speed below this share of the fastest is none, whatever its sign.
+const NO_SPEED: f64 = 0.02;
+
+/// A motion that never goes back, of a motor that is driven both ways and turns as fast as either asks: one channel of an encoder, or a
+/// magnitude.
+pub(super) fn unsigned_motion(record: &Record) -> Option<Odd> {
+    let (volts, motion) = (&record.voltage_v, speed(record));
+    let lowest = motion.iter().fold(0.0, |low: f64, w| low.min(*w));
+    let (forth, back) =
+        volts.iter().fold((0.0, 0.0), |(forth, back), v| (forth + v.max(0.0), back - v.min(0.0)));
+    if lowest < -NO_SPEED * peak(&motion) || forth.min(back) <= BOTH_WAYS * (forth + back) {
+        return None;
+    }
+    let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
+    let magnitude: Vec<f64> = smooth.iter().map(|v| v.abs()).collect();
+    let with_magnitude = correlation(&magnitude, &motion);
+    let follows = with_magnitude > FOLLOWS && with_magnitude > correlation(&smooth, &motion).abs() + MORE;
+    let column = if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" };
+    follows.then(|| {
+        (
+            "unsigned_motion",
+            column,
+            "the motor is driven both ways and its motion never goes back: the sign of the motion is not in this column".into(),
+            "read the encoder by both its channels, or log the speed with its sign; else fit to records of one direction (--skip)".into(),
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,6 +154,17 @@ mod tests {
         let mut hoist = motor();
         hoist.voltage_v.iter_mut().for_each(|v| *v += 7.0);
         assert_eq!(unsigned(&hoist), None);
+    }
+
+    #[test]
+    fn a_motion_without_its_sign_is_told_and_a_motor_that_runs_one_way_is_not() {
+        let mut record = motor();
+        assert_eq!(unsigned_motion(&record), None);
+        let magnitude = speed(&record).iter().map(|w| w.abs()).collect();
+        (record.angle_rad, record.speed_rad_s) = (None, Some(magnitude));
+        assert_eq!(unsigned_motion(&record).unwrap().0, "unsigned_motion");
+        record.voltage_v.iter_mut().for_each(|v| *v = v.abs());
+        assert_eq!(unsigned_motion(&record), None);
     }
 
     #[test]

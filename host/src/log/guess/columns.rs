@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{registers, words};
+use super::{registers, sides, words};
 use crate::log::direction;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -60,8 +60,17 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             && range.peak() > 1.0
             && range.peak() <= 60.0
         {
-            // "command", "output": in volts by its size.
-            *guess = Some((Quantity::Voltage, plain));
+            // "command", "output": in volts by its size, and less plainly than what was measured.
+            *guess = Some((Quantity::Voltage, 1));
+        }
+    }
+    // What always rises is a clock, whatever it is called: `elapsed`.
+    for (index, guess) in quantities.iter_mut().enumerate() {
+        let rises = || rows.len() > 3 && rows.windows(2).all(|w| w[1].get(index) > w[0].get(index));
+        if let Some((Quantity::Interval, plain)) = *guess
+            && rises()
+        {
+            *guess = Some((Quantity::Time, plain));
         }
     }
     let is_timed = |q: &Option<(Quantity, u8)>| {
@@ -101,6 +110,14 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         parts.push(Part { quantity, index, rest: None, unit });
     }
+    let unit_at = |quantity: Quantity, index: usize| {
+        unit_of(quantity, said[index].unit, &values(index).collect::<Vec<_>>())
+    };
+    let among = |quantity: Quantity| {
+        let of = |k: &usize| quantities[*k].is_some_and(|(q, _)| q == quantity);
+        (0..names.len()).filter(of).collect::<Vec<_>>()
+    };
+    sides::pair(&mut parts, names, &among, &unit_at);
     // A servo's angle is told in the unit of its target.
     let of_target = parts.iter().find(|part| part.quantity == Quantity::Target).map(|part| part.unit.clone());
     let angle = parts.iter_mut().find(|part| part.quantity == Quantity::Angle);

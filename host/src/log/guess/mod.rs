@@ -7,6 +7,7 @@ mod columns;
 mod look;
 mod preview;
 mod registers;
+mod sides;
 pub mod words;
 
 use std::fmt::Write as _;
@@ -33,6 +34,9 @@ pub struct Proposal {
     pub rate: Option<String>,
     /// A line for every column, with its range as it would be read.
     pub preview: Vec<String>,
+    /// What is asked of columns whose unit is not known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unknown_units: Vec<String>,
 }
 
 impl Proposal {
@@ -54,7 +58,7 @@ impl Proposal {
 
     /// What a person has to put in the place of an assumption.
     pub fn assumptions(&self) -> String {
-        let mut all = Vec::new();
+        let mut all = self.unknown_units.clone();
         if let Some(volts) = &self.supply_volts {
             all.push(format!("put your supply's voltage in the place of {volts}"));
         }
@@ -156,6 +160,7 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
         counts_per_rev: second.counts_per_rev.or(first.counts_per_rev),
         metres_per_rev: second.metres_per_rev.or(first.metres_per_rev),
         preview: [first.preview, second.preview].concat(),
+        unknown_units: [first.unknown_units, second.unknown_units].concat(),
         ..first
     })
 }
@@ -191,7 +196,16 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
+        unknown_units: parts.iter().filter_map(|part| unknown_unit(&names[part.index], &part.unit)).collect(),
     }
+}
+
+/// What is asked where a name tells a unit, as in `speed (krpm)`, that is none of those known, so that `taken` stands in its place.
+fn unknown_unit(name: &str, taken: &str) -> Option<String> {
+    let unit = words::bracketed(name).1.filter(|unit| !unit.is_empty() && !words::is_unit(unit))?;
+    Some(format!(
+        "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"
+    ))
 }
 
 fn per_turn_of(part: &Part) -> Option<PerTurn> {

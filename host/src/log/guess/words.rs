@@ -183,7 +183,7 @@ const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 const RATES: [&str; 3] = ["dot", "rate", "derivative"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 98] = [
+const UNITS: [(&str, Quantity, &str); 104] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -263,6 +263,12 @@ const UNITS: [(&str, Quantity, &str); 98] = [
     ("radians", Angle, "rad"),
     ("deg", Angle, "deg"),
     ("degrees", Angle, "deg"),
+    ("degree", Angle, "deg"),
+    ("grad", Angle, "deg"),
+    ("grados", Angle, "deg"),
+    ("gradi", Angle, "deg"),
+    ("graus", Angle, "deg"),
+    ("degrés", Angle, "deg"),
     ("°", Angle, "deg"),
     ("rev", Angle, "rev"),
     ("revs", Angle, "rev"),
@@ -388,7 +394,8 @@ pub fn said(name: &str) -> Said {
     let drives = matches!(quantity, Some((Voltage | Duty, plain)) if plain >= 3)
         && !any_of(&WANTED)
         && !any_of(&REGISTERS);
-    let quantity = quantity.map(|(of, plain)| if drives && wanted { (of, 1) } else { (of, plain) });
+    let asked = drives && wanted || matches!(quantity, Some((Voltage, _))) && any_of(&COMMANDED[..3]);
+    let quantity = quantity.map(|(of, plain)| if asked { (of, 1) } else { (of, plain) });
     let (wanted, target) = (wanted && !drives, target && !drives);
     let register = any_of(&REGISTERS);
     Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, register, effort }
@@ -406,7 +413,7 @@ pub fn told(name: &str) -> Option<(Quantity, &'static str)> {
 }
 
 /// The name without what stands in its brackets, and that.
-fn bracketed(name: &str) -> (String, Option<String>) {
+pub(super) fn bracketed(name: &str) -> (String, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
         if let Some((before, rest)) = name.split_once(open)
             && let Some((inside, after)) = rest.split_once(close)
