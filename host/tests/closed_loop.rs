@@ -128,15 +128,22 @@ fn statistics(all: &[Closed]) -> Statistics {
     statistics
 }
 
+/// Motors whose loops run side by side.
+const THREADS: usize = 2;
+
 /// The loop on every kind, every sort of poor records and every motor.
 fn closed(kinds: &[Kind], seeds: std::ops::Range<u64>, disturbance: f64) -> Vec<Closed> {
-    let mut all = Vec::new();
-    for kind in kinds {
-        for data in POOR {
-            all.extend(seeds.clone().filter_map(|seed| close(*kind, data, seed, disturbance)));
-        }
-    }
-    all
+    let of = |kind: Kind| POOR.map(|data| seeds.clone().map(move |seed| (kind, data, seed)));
+    // The two sorts of records take different times, so that each thread gets both.
+    let all: Vec<_> = kinds.iter().map(|kind| of(*kind).into_iter().flatten().collect::<Vec<_>>()).collect();
+    std::thread::scope(|scope| {
+        let part = |from: usize| {
+            let mine = all.iter().skip(from).step_by(THREADS).flatten();
+            mine.filter_map(|(kind, data, seed)| close(*kind, *data, *seed, disturbance)).collect::<Vec<_>>()
+        };
+        let parts: Vec<_> = (0..THREADS).map(|from| scope.spawn(move || part(from))).collect();
+        parts.into_iter().flat_map(|part| part.join().expect("a loop is closed or open")).collect()
+    })
 }
 
 #[test]

@@ -81,7 +81,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 fn story(done: &Addition, unit: &str) -> String {
-    let mut text = String::new();
+    let mut text = verdict(done) + "\n";
     for (name, errors) in
         [("given", &done.given), ("refitted without it", &done.before), ("with it", &done.after)]
     {
@@ -101,7 +101,7 @@ fn story(done: &Addition, unit: &str) -> String {
         );
     }
     let new = &done.parameters[done.moved.len()..];
-    text + &prose::parameters(new) + &verdict(done)
+    text + &prose::parameters(new)
 }
 
 /// Whether it is worth it, and a rise called a rise.
@@ -115,6 +115,10 @@ fn verdict(done: &Addition) -> String {
     } else {
         format!("{} by {percent:.0} %", if after > before { "rises" } else { "falls" })
     };
-    let worth = if done.worth { "worth adding" } else { "not worth adding: held-out data do not confirm it" };
+    let worth = if done.worth {
+        "worth adding"
+    } else {
+        "not worth adding: blocks held out of the records fitted do not confirm it"
+    };
     format!("\n{}: {worth}; with it the error on {on} {way}.\n", done.effect)
 }

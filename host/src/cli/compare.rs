@@ -12,7 +12,8 @@ use crate::compare::measures::Measures;
 use crate::compare::{FailureMap, Slice, failure_map, write_trace};
 use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
-use crate::findings::{Errors, Facts, Standing};
+use crate::estimate::feedforward;
+use crate::findings::{Action, Errors, Facts, NextStep, Standing};
 use crate::log::Record;
 
 /// Options of `compare`.
@@ -47,6 +48,11 @@ struct OfRecord {
     measures: Measures,
 }
 
+/// The method that stands in a model that was diagnosed.
+const DISCOVERED: &str = "discover";
+/// Multiples of the noise up to which such a model is to be used.
+const ENOUGH: f64 = 10.0;
+
 /// Runs the model over every log, those of `--validate` too: nothing is fitted here.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
@@ -68,39 +74,52 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         records: runs.iter().map(of).collect(),
         failures: map.slices.clone(),
     };
-    console.answer(&document, || story(&document, &map));
+    let (noise, error) = (noise_floor(&all, &[], &problem), together.rmse);
+    let mut standing = Standing::of(&Facts {
+        errors: Errors { base: error, model: error, noise, missed: together.missed() },
+        effects: &model.values().kinds().iter().map(ToString::to_string).collect::<Vec<_>>(),
+        left: None,
+        suggested: None,
+        doubted: None,
+        experiment: false,
+        hidden: &[],
+        data_problems: false,
+    });
+    if model.origin.method == DISCOVERED {
+        // What it is missing has been looked for.
+        standing.badge = "Compared";
+        let enough = error <= ENOUGH * noise;
+        standing.next = NextStep::new(if enough { Action::Export } else { Action::Experiment }, None);
+    }
+    console.answer(&document, || {
+        let usual = feedforward::errors(&problem, &all, None).map(|(usual, _)| usual);
+        prose::headed(&standing, &story(&document, &map, usual.as_ref()))
+    });
     if let Some(path) = &args.trace {
         console.say(format!("trace: {}", path.display()));
     }
     if !console.json() {
-        let noise = noise_floor(&all, &[], &problem);
-        let error = together.rmse;
-        console.say(prose::standing(
-            &Standing::of(&Facts {
-                errors: Errors { base: error, model: error, noise },
-                effects: &model.values().kinds().iter().map(ToString::to_string).collect::<Vec<_>>(),
-                left: None,
-                suggested: None,
-                doubted: None,
-                experiment: false,
-                hidden: &[],
-                data_problems: false,
-            }),
-            Some(&args.model),
-            &args.input.logs,
-        ));
+        console.say(prose::next(&standing.next, Some(&args.model), &args.input.logs));
     }
     Ok(())
 }
 
-fn story(document: &Document, map: &FailureMap) -> String {
+/// `usual` is what kS-kV-kA leaves when it is fitted to these records.
+fn story(document: &Document, map: &FailureMap, usual: Option<&Measures>) -> String {
     let mut text =
         format!("{}, simulated over every record by itself\n\n", prose::effects(&document.effects));
     for r in &document.records {
         text += &format!("{}\n", prose::measures(&r.record, &r.measures, map.unit));
     }
-    text += &format!("{}\n\nwhere it fails, by\n", prose::measures("all", &document.pooled, map.unit));
-    for slice in &map.slices {
+    text += &format!("{}\n", prose::measures("all", &document.pooled, map.unit));
+    if let Some(usual) = usual {
+        text += &format!(
+            "{}\n(kS-kV-kA is fitted to these records; the model is as it is)\n",
+            prose::usual(usual, map.unit)
+        );
+    }
+    text += "\nwhere it fails, the clearest first, by\n";
+    for slice in map.by_concentration() {
         text += &format!("  {:<30} {}\n", slice.title, slice.reading);
     }
     text

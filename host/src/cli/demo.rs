@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args as _, FromArgMatches};
 use serde::Serialize;
 
-use super::discover::{search, story};
+use super::discover::{self, search};
 use super::input::Logs;
 use super::{Console, prose};
 use crate::compare::failure_map;
@@ -71,9 +71,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 
     console.say("3. Every effect is tried on it; what held-out data confirm is added:");
     let (found, findings) = search(&logs, &Options::default(), console)?;
-    console.say(story(&found, &findings, &logs.records));
-    let standing = findings.standing();
-    console.say(format!("{}: {}", standing.badge, standing.headline));
+    console.say(prose::headed(&findings.standing(), &discover::story(&found, &findings, &logs.records)));
     let model = args.out.join("model.json");
     found.model.write(&model)?;
 
@@ -83,7 +81,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         && found.effects.iter().all(|k| answer.effects.iter().any(|name| name == k.name()));
     console.say(if right { "   Found right." } else { "   Not what was found." });
     let report = args.out.join("report.html");
-    report::write(&Story::of(&found, &findings, &logs.records), &report)?;
+    let mut story = Story::of(&found, &findings, &logs.records);
+    story.standing.next.command = prose::commands(&story.standing.next, Some(&model), &training).join("\n");
+    report::write(&story, &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 
 use super::discover::{or_bad_data, unit};
-use super::input::LogArgs;
+use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
 use crate::diagnose::ladder::Ranked;
 use crate::error::Result;
-use crate::findings::Findings;
+use crate::findings::{Action, Findings};
 use crate::model_file::Model;
 use crate::report::Suspect;
 use crate::report::missing::{self, Setting};
@@ -31,19 +31,29 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let model = or_bad_data(Model::read(&args.model), &[], console)?;
     let logs = or_bad_data(args.input.load(), &[], console)?;
-    logs.warn(console);
-    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let (found, findings) = or_bad_data(diagnosed(&model, &logs, console), logs.faults(), console)?;
+    let mut standing = findings.standing();
+    if standing.next.action == Action::Experiment {
+        standing.next.command = "motorlens plan MODEL LOG... --out programme.json".into();
+    }
     let unit = unit(&logs.records);
-    let mut progress = watch::climb(console, &bar, unit);
-    let found = diagnose(&model, &logs.records, &logs.validation, &logs.motor, &mut progress);
-    bar.finish_and_clear();
-    let found = or_bad_data(found, logs.faults(), console)?;
-    let findings = Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults());
-    console.answer(&findings, || story(&found, &findings, unit));
+    console.answer(&findings, || prose::headed(&standing, &story(&found, &findings, unit)));
     if !console.json() {
-        console.say(prose::standing(&findings.standing(), Some(&args.model), &args.input.logs));
+        console.say(prose::next(&standing.next, Some(&args.model), &args.input.logs));
     }
     Ok(())
+}
+
+/// What `model` is missing on `logs`, watched.
+pub fn diagnosed(model: &Model, logs: &Logs, console: &Console) -> Result<(Discovery, Findings)> {
+    logs.warn(console);
+    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let mut progress = watch::climb(console, &bar, unit(&logs.records));
+    let found = diagnose(model, &logs.records, &logs.validation, &logs.motor, &mut progress);
+    bar.finish_and_clear();
+    let found = found?;
+    let findings = Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults());
+    Ok((found, findings))
 }
 
 /// The candidates as a table, best first: those that the records cannot tell apart share a place.

@@ -37,12 +37,13 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     if let Some(path) = &args.out {
         found.model.write(path)?;
     }
-    console.answer(&findings, || story(&found, &findings, &logs.records));
+    let standing = findings.standing();
+    console.answer(&findings, || prose::headed(&standing, &story(&found, &findings, &logs.records)));
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::standing(&findings.standing(), args.out.as_deref(), &args.input.logs));
+        console.say(prose::next(&standing.next, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }

@@ -118,21 +118,22 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         headline: &standing.headline,
         next_step: &standing.next,
     };
-    console.answer(&document, || story(&fitted, unit(&logs.records)));
+    console.answer(&document, || prose::headed(&standing, &story(&fitted, unit(&logs.records))));
     if let Some(path) = &args.out {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::standing(&standing, args.out.as_deref(), &args.input.logs));
+        console.say(prose::next(&standing.next, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }
 
 /// Whether the model is enough, and what to do next.
 fn standing(fit: &Fit) -> Standing {
-    let error = fit.validation.unwrap_or(fit.train).rmse;
+    let judged = fit.validation.unwrap_or(fit.train);
+    let error = judged.rmse;
     Standing::of(&Facts {
-        errors: Errors { base: error, model: error, noise: fit.noise_level },
+        errors: Errors { base: error, model: error, noise: fit.noise_level, missed: judged.missed() },
         effects: &named(&fit.model.values().kinds(), &fit.parameters),
         left: None,
         suggested: None,
@@ -150,9 +151,16 @@ fn story(fit: &Fit, unit: &str) -> String {
     text += &prose::parameters(&fit.combinations);
     text += &doubts(&fit.profiles);
     text += &open(&fit.identifiability);
-    text += &format!("\n{}\n", prose::measures("records fitted", &fit.train, unit));
-    if let Some(m) = &fit.validation {
-        text += &format!("{}\n", prose::measures("validation records", m, unit));
+    let usual = fit.usual.as_ref();
+    let of_both = [
+        ("records fitted", Some(&fit.train), usual.map(|(train, _)| train)),
+        ("validation records", fit.validation.as_ref(), usual.and_then(|(_, unseen)| unseen.as_ref())),
+    ];
+    text += "\n";
+    for (name, errors, usual) in of_both {
+        let lines = errors.map(|m| prose::measures(name, m, unit)).into_iter();
+        text +=
+            &lines.chain(usual.map(|m| prose::usual(m, unit))).map(|line| line + "\n").collect::<String>();
     }
     text + &format!("{:.2} s, {} simulations", fit.seconds, fit.evaluations)
 }

@@ -37,15 +37,52 @@ pub struct Logs {
 }
 
 impl LogArgs {
+    /// The model that stands before the logs, where the first file is one, and the logs.
+    pub fn after_model(&self) -> (Option<Model>, Self) {
+        let reading = self.reading.clone();
+        let first = self.logs.first().filter(|_| self.logs.len() > 1);
+        match first.and_then(|first| Model::read(first).ok()) {
+            Some(model) => (Some(model), Self { logs: self.logs[1..].to_vec(), reading }),
+            None => (None, Self { logs: self.logs.clone(), reading }),
+        }
+    }
+
     /// Reads all logs.
     pub fn load(&self) -> Result<Logs> {
         let motor = self.reading.motor_file()?;
         if let Some(path) = &self.reading.motor {
             fixed::check(path, &motor.fixed)?;
         }
-        let Loaded { records, validation, warnings } = log::load(&self.logs, &self.reading)?;
+        let Loaded { records, validation, mut warnings } = log::load(&self.logs, &self.reading)?;
+        warnings.extend(behind_validate(&self.logs, std::env::args().skip(1)));
         Ok(Logs { warnings, ..Logs::new(records, validation, motor) })
     }
+}
+
+/// Says which of `logs` stand right behind a log that is kept out, with others before it: who wrote so wanted them kept out too.
+fn behind_validate(logs: &[PathBuf], words: impl Iterator<Item = String>) -> Option<Warning> {
+    let (mut before, mut behind, mut near) = (false, Vec::new(), None);
+    for word in words {
+        // The log that `--validate` takes is 1 word behind it.
+        near = match near {
+            _ if matches!(word.as_str(), "-v" | "--validate") => Some(0),
+            Some(_) if word.starts_with('-') => None,
+            Some(at) => Some(at + 1),
+            None => None,
+        };
+        let is_log = logs.iter().any(|log| log.as_os_str() == word.as_str());
+        match near {
+            Some(at) if at > 1 && before && is_log => behind.push(word),
+            Some(_) => {}
+            None => before |= is_log,
+        }
+    }
+    (!behind.is_empty()).then(|| Warning {
+        place: behind.join(", "),
+        what: "fitted, although it stands behind --validate, which takes one log".into(),
+        fix: "write --validate before each log that is to be kept out; else put this one before --validate"
+            .into(),
+    })
 }
 
 impl Logs {
@@ -77,4 +114,23 @@ pub fn model_and_problem(model: &Path, records: &[Record], motor: &MotorFile) ->
     // Nothing is fitted here: the model's own values stand.
     problem.fixed.clear();
     Ok((model, problem))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(words: &str, logs: &[&str]) -> Option<String> {
+        let logs: Vec<PathBuf> = logs.iter().map(PathBuf::from).collect();
+        behind_validate(&logs, words.split(' ').map(str::to_owned)).map(|warning| warning.place)
+    }
+
+    #[test]
+    fn logs_that_a_pattern_put_behind_validate_are_named() {
+        let words = "discover a.csv b.csv --validate h1.csv h2.csv h3.csv --motor m.toml";
+        assert_eq!(told(words, &["a.csv", "b.csv", "h2.csv", "h3.csv"]).as_deref(), Some("h2.csv, h3.csv"));
+        assert_eq!(told("discover -v h1.csv a.csv b.csv", &["a.csv", "b.csv"]), None);
+        assert_eq!(told("discover a.csv -v h1.csv -v h2.csv", &["a.csv"]), None);
+        assert_eq!(told("discover a.csv --validate=h1.csv b.csv", &["a.csv", "b.csv"]), None);
+    }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::diagnose::diagnosed;
 use super::discover::{or_bad_data, search};
 use super::input::LogArgs;
 use super::{Console, prose};
@@ -17,7 +18,8 @@ use crate::sentence::capital;
 /// Options of `plan`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:
-  motorlens plan run1.csv run2.csv -m motor.toml -o next.json")]
+  motorlens plan run1.csv run2.csv -m motor.toml -o next.json
+  motorlens plan model.json run1.csv run2.csv -o next.json")]
 pub struct Args {
     #[command(flatten)]
     input: LogArgs,
@@ -42,11 +44,16 @@ struct Answer {
     no_experiment: Option<String>,
 }
 
-/// Diagnoses the logs and chooses the programme.
+/// Diagnoses the logs, from a model where one stands before them, and chooses the programme.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
-    let logs = or_bad_data(args.input.load(), &[], console)?;
-    let options = Options { most: 1, ..Options::default() };
-    let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
+    let (model, input) = args.input.after_model();
+    let logs = or_bad_data(input.load(), &[], console)?;
+    let found = match &model {
+        Some(model) => diagnosed(model, &logs, console),
+        // The experiment is that of the diagnosis that proposed it.
+        None => search(&logs, &Options::default(), console),
+    };
+    let (found, findings) = or_bad_data(found, logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
     let plan = found.plan(Limits { volts, seconds: args.seconds });
     let no_experiment = plan.as_ref().and_then(Plan::why_none);

@@ -22,7 +22,18 @@ pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
     )
 }
 
-/// A fault of the data and what to do.
+/// What the usual model leaves, under the errors of a model; one that records do not determine runs away.
+pub fn usual(m: &Measures, unit: &str) -> String {
+    if m.missed() > RUN_AWAY {
+        return "  kS-kV-kA is not determined by these records".to_owned();
+    }
+    measures("  kS-kV-kA for comparison", m, unit)
+}
+
+/// Multiples of the motion that no usable model misses.
+const RUN_AWAY: f64 = 2.0;
+
+/// A fault of the data and what to do, by the name that docs/LOGS.md and `--json` know it by.
 pub fn fault(fault: &Warning) -> String {
     format!("data: {}: {}\n  do: {}", fault.place, fault.what, fault.fix)
 }
@@ -74,7 +85,7 @@ pub fn limits(limits: &[DetectionLimit]) -> String {
         text += &format!("These records would have shown further effects from: {}.\n", shown.join(", "));
     }
     if !hidden.is_empty() {
-        text += &format!("They cannot show: {}.\n", hidden.join(", "));
+        text += &format!("They cannot confirm at any size: {}.\n", hidden.join(", "));
     }
     text
 }
@@ -139,20 +150,47 @@ pub fn shell(path: &Path) -> String {
     guess::quoted(&path.display().to_string())
 }
 
-/// The verdict, what to do next, and the command that does it.
-pub fn standing(standing: &Standing, model: Option<&Path>, logs: &[PathBuf]) -> String {
-    format!("{}: {}\n{}", standing.badge, standing.headline, next(&standing.next, model, logs))
+/// The verdict, in front of the `story` that it sums up.
+pub fn headed(standing: &Standing, story: &str) -> String {
+    format!("\n{}: {}\n\n{story}", standing.badge, standing.headline)
 }
 
-/// What to do next, as a command that can be pasted where the files are few.
+/// What to do next, with the commands that do it.
 pub fn next(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
+    then(&step.label.to_lowercase(), &commands(step, model, logs).join("\n  "))
+}
+
+/// The commands of the next step, to be pasted where the files are few. A model that was not written is written first.
+pub fn commands(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> Vec<String> {
     let all: Vec<String> = logs.iter().map(|log| shell(log)).collect();
     let all = all.join(" ");
     let logs = if all.is_empty() || all.len() > LONGEST { "LOG...".to_owned() } else { all };
-    let model = model.map_or_else(|| "model.json".to_owned(), shell);
-    let reading = reading_again(std::env::args().skip(1));
-    let command = step.command.replace("LOG...", &(logs + &reading)).replace("MODEL", &model);
-    then(&step.label.to_lowercase(), &command)
+    let given = || std::env::args().skip(1);
+    let keep = (model.is_none() && step.command.contains("MODEL")).then(|| keeping(given()));
+    let model = model.map_or_else(|| MODEL.to_owned(), shell);
+    let command = step.command.replace("LOG...", &(logs + &reading_again(given()))).replace("MODEL", &model);
+    keep.into_iter().flatten().chain([command]).collect()
+}
+
+/// The name of a model that has none.
+const MODEL: &str = "model.json";
+
+/// The command of these `words`, but that it writes its model; none for one that is too long to repeat.
+fn keeping(words: impl Iterator<Item = String>) -> Option<String> {
+    let mut all = vec!["motorlens".to_owned()];
+    let mut words = words.peekable();
+    let reports = words.peek().is_some_and(|verb| verb == "report");
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "report" if all.len() == 1 => all.push("discover".into()),
+            // Where a report goes is no place for a model.
+            "-o" | "--out" if reports => drop(words.next()),
+            out if reports && out.starts_with("--out=") => {}
+            _ => all.push(guess::quoted(&word)),
+        }
+    }
+    let text = format!("{} --out {MODEL}", all.join(" "));
+    (text.len() <= 2 * LONGEST).then_some(text)
 }
 
 /// Those of the words of a command that say how logs are read and judged, as a shell takes them, each with a blank before it: the next verb
@@ -224,6 +262,16 @@ mod tests {
         assert_eq!(again, " --map time=t:ms,duty=pwm:255 -v b.csv --supply-volts=11.1");
         let spaced = ["--motor", "my motor.toml", "a.csv", "--skip", "1..2"].map(str::to_owned);
         assert_eq!(reading_again(spaced.into_iter()), " --motor \"my motor.toml\" --skip 1..2");
+    }
+
+    #[test]
+    fn a_model_that_was_not_written_is_written_before_it_is_used() {
+        let keep = |words: &str| keeping(words.split(' ').map(str::to_owned)).unwrap();
+        let fitted = keep("fit a.csv -e coulomb --motor motor.toml");
+        assert_eq!(fitted, "motorlens fit a.csv -e coulomb --motor motor.toml --out model.json");
+        for report in ["report a.csv -o r.html -v b.csv", "report a.csv --out=r.html -v b.csv"] {
+            assert_eq!(keep(report), "motorlens discover a.csv -v b.csv --out model.json");
+        }
     }
 
     #[test]

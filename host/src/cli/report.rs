@@ -43,7 +43,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = search(&logs, &options, console)?;
-    let story = Story::of(&found, &findings, &logs.records);
+    let mut story = Story::of(&found, &findings, &logs.records);
+    story.standing.next.command = prose::commands(&story.standing.next, None, &args.input.logs).join("\n");
     report::write(&story, &args.out)?;
     let size = std::fs::metadata(&args.out)
         .map_err(|source| Error::Io { doing: format!("cannot look at {}", args.out.display()), source })?;
@@ -56,8 +57,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         effects: found.effects.clone(),
     };
     console.answer(&document, || {
-        let standing = prose::standing(&findings.standing(), None, &args.input.logs);
-        format!("{}\nreport: {}\n{standing}", document.summary, args.out.display())
+        let next = prose::next(&findings.standing().next, None, &args.input.logs);
+        let told = format!("{}\nreport: {}\n{next}", document.summary, args.out.display());
+        prose::headed(&story.standing, &told)
     });
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
+use super::prose::figure;
 use super::{Console, prose};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
@@ -98,16 +99,16 @@ fn text(c: &Comparison) -> String {
         "", "own model", "model of both", "other's model", c.unit
     );
     for (name, e) in ["first set", "second set"].iter().zip(&c.errors) {
-        text += &format!("{name:<12} {:>12.4e} {:>14.4e} {:>14.4e}\n", e.own, e.both, e.other);
+        text += &format!("{name:<12} {:>12} {:>14} {:>14}\n", figure(e.own), figure(e.both), figure(e.other));
     }
     text += &format!("\n{:<28} {:>12} {:>12} {:>11}\n", "parameter", "first", "second", "deviations");
     for p in &c.parameters {
         let mark = if p.differs { "  differs" } else { "" };
         text += &format!(
-            "{:<28} {:>12.4e} {:>12.4e} {:>11.1}{mark}\n",
+            "{:<28} {:>12} {:>12} {:>11.1}{mark}\n",
             format!("{} / {}", p.name, p.unit),
-            p.first[0],
-            p.second[0],
+            figure(p.first[0]),
+            figure(p.second[0]),
             p.deviations
         );
     }

@@ -101,8 +101,12 @@ fn text(tuned: &Tuned, period: f64) -> String {
     );
     for t in &tuned.trials {
         text += &format!(
-            "{:<44} {:>11.3e} {:>11.3e} {:>11.3e} {:>13.3e}\n",
-            t.compensation, t.position.rms, t.position.worst, t.position.at_the_end, t.velocity.rms
+            "{:<44} {:>11} {:>11} {:>11} {:>13}\n",
+            t.compensation,
+            prose::figure(t.position.rms),
+            prose::figure(t.position.worst),
+            prose::figure(t.position.at_the_end),
+            prose::figure(t.velocity.rms)
         );
     }
     text + "\n" + &tuned.advice.join("\n") + "\n"

@@ -36,7 +36,13 @@ pub fn climb<'a>(
                 bar.set_position(1);
             }
             let step = depth + 1;
-            bar.set_message(format!("step {step}: trying {effect}"));
+            // The last one is tried in a moment; what takes long is what follows.
+            let all_tried = bar.length() == Some(bar.position());
+            bar.set_message(if all_tried {
+                format!("step {step}: the best of them, on all records")
+            } else {
+                format!("step {step}: trying {effect}")
+            });
         }
         Progress::Rung(rung) => {
             bar.set_position(0);

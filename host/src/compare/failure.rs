@@ -118,18 +118,43 @@ fn slice(sorting: Sorting, all: &[Moment]) -> Slice {
     Slice { by: sorting.name, title: sorting.title, reading: reading(&bins), unit: sorting.unit, bins }
 }
 
+impl Slice {
+    /// How unlike the time the error is spread over the bins, 0 ..= 1: the total variation distance of their shares.
+    pub fn concentration(&self) -> f64 {
+        0.5 * self.bins.iter().map(|b| (b.share_of_growth - b.share_of_samples).abs()).sum::<f64>()
+    }
+}
+
+impl FailureMap {
+    /// The sortings, the one in which the error is most concentrated first.
+    pub fn by_concentration(&self) -> Vec<&Slice> {
+        let mut all: Vec<&Slice> = self.slices.iter().collect();
+        all.sort_by(|a, b| b.concentration().total_cmp(&a.concentration()));
+        all
+    }
+}
+
+/// Share of the error for its share of the time.
+fn density(bin: &Bin) -> f64 {
+    bin.share_of_growth / bin.share_of_samples.max(1e-12)
+}
+
+/// Of the bins that explain something, the one in which most of the error is made for its time, if it stands out.
+fn fullest(bins: &[Bin]) -> Option<&Bin> {
+    let noteworthy = bins.iter().filter(|b| b.share_of_growth >= NOTEWORTHY);
+    noteworthy.max_by(|a, b| density(a).total_cmp(&density(b))).filter(|b| density(b) >= CONSPICUOUS)
+}
+
 /// The bin in which the error is made, or that there is none.
 fn reading(bins: &[Bin]) -> String {
-    let density = |b: &Bin| b.share_of_growth / b.share_of_samples.max(1e-12);
-    let noteworthy = bins.iter().filter(|b| b.share_of_growth >= NOTEWORTHY);
-    match noteworthy.max_by(|a, b| density(a).total_cmp(&density(b))) {
-        Some(b) if density(b) >= CONSPICUOUS => format!(
+    match fullest(bins) {
+        Some(b) => format!(
             "{}: {:.0} % of the error is made here, in {:.0} % of the time",
             b.label,
             100.0 * b.share_of_growth,
             100.0 * b.share_of_samples
         ),
-        _ => "evenly spread".to_owned(),
+        None => "evenly spread".to_owned(),
     }
 }
 
@@ -194,6 +219,8 @@ mod tests {
         let soon: f64 =
             slice.bins.iter().filter(|b| b.high.is_some_and(|h| h <= 0.05)).map(|b| b.share_of_growth).sum();
         assert!(soon > 0.5, "{soon}");
+        let order: Vec<f64> = map.by_concentration().iter().map(|slice| slice.concentration()).collect();
+        assert!(order.is_sorted_by(|a, b| a >= b) && slice.concentration() > 0.3, "{order:?}");
     }
 
     #[test]

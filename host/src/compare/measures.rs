@@ -19,6 +19,13 @@ pub struct Measures {
     pub samples: usize,
 }
 
+impl Measures {
+    /// Share of the motion that is missed: the error over the rms of what was measured about its mean.
+    pub fn missed(&self) -> f64 {
+        1.0 - 0.01 * self.nrmse_fit_percent
+    }
+}
+
 /// Sums from which [`Measures`] are made, over any number of records.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {

@@ -62,6 +62,8 @@ pub struct Discovery {
     pub adequacy: Adequacy,
     /// From the base model to the accepted one; a model that is diagnosed comes second, if it has effects.
     pub ladder: Vec<Rung>,
+    /// The models of the selection's steps as they would be used: fitted for simulating.
+    pub shown: Vec<Values>,
     /// First diagnosis, best first.
     pub candidates: Vec<Ranked>,
     /// The model on all records.

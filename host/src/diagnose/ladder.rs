@@ -9,6 +9,7 @@ use crate::compare::measures::Measures;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::select::fitted::Fitted;
+use crate::select::gain::Gain;
 use crate::select::noise::Noise;
 
 /// A rung of the ladder.
@@ -70,11 +71,21 @@ pub(crate) fn rank(base: &Fitted, candidates: &[Fitted], noise: &Noise, evidence
                 effect,
                 score: (1.0 - excess(c) / excess(base).max(1e-9)).clamp(0.0, 1.0),
                 validation: unseen(evidence, &c.values()),
-                evidence: format!(
-                    "with {effect} the model leaves {percent:.0} % of what the base model leaves, every time scale alike; on blocks held out its likelihood gains {:.0} nats, {:.1} standard errors",
-                    gain.total, gain.sure
-                ),
+                evidence: evidence_of(effect, percent, &gain),
             })
         })
         .collect()
+}
+
+/// What speaks for `effect`, which leaves so many `percent` of the error, in words.
+fn evidence_of(effect: Kind, percent: f64, gain: &Gain) -> String {
+    // What only steps of the voltage show may leave the whole error as it was.
+    let left = if percent < 99.5 {
+        format!(
+            "with {effect} the model leaves {percent:.0} % of what the base model leaves, every time scale alike; "
+        )
+    } else {
+        format!("{effect} hardly changes the error as a whole; ")
+    };
+    format!("{left}on blocks held out its likelihood gains {gain}")
 }

@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::{check_effects, unseen};
+use super::{check_effects, kept_out};
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
@@ -88,15 +88,14 @@ pub fn add(
 
     let whole = &evidence.whole;
     let (old_values, new_values) = (old.simulating(&evidence).values(), new.simulating(&evidence).values());
+    let unseen = kept_out(whole, validation, motor);
     let errors = |v: &Values| Errors {
         train: pooled(&free_runs(whole, v)).unwrap_or_default(),
-        validation: if validation.is_empty() { None } else { unseen(whole, validation, motor, v) },
+        validation: unseen.as_ref().and_then(|unseen| pooled(&free_runs(unseen, v))),
     };
     let gain = new.gain_over(&old);
     let why = format!(
-        "with {effect} the likelihood of blocks held out gains {:.0} nats ({:.1} standard errors), and the cross-validated simulation error is {:.0} % of what it was{}",
-        gain.total,
-        gain.sure,
+        "with {effect} the likelihood of blocks held out gains {gain}, and the cross-validated simulation error is {:.0} % of what it was{}",
         100.0 * (new.crossed(&evidence) - old.crossed(&evidence)).exp(),
         if better { "" } else { "; that is not worth its parameters" }
     );

@@ -10,6 +10,8 @@ use motorlens_shared::effects::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::Searched;
+use crate::compare::measures::Measures;
+use crate::diagnose::ladder::simulated;
 use crate::error::{BadInput, Result};
 use crate::fit::layout::{BaseValues, Values};
 use crate::fit::search::Problem;
@@ -61,6 +63,16 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
     };
     let effects = vec![(Kind::Coulomb, vec![k.friction])];
     Ok(Searched { values: Values { base, effects }, history: Vec::new(), evaluations: 0 })
+}
+
+/// What kS-kV-kA fitted to `records` leaves on them, and on those of `unseen`; none where a record does not give it.
+pub(crate) fn errors(
+    problem: &Problem,
+    records: &[Record],
+    unseen: Option<&Problem>,
+) -> Option<(Measures, Option<Measures>)> {
+    let values = search(problem, records).ok()?.values;
+    Some((simulated(problem, &values)?, unseen.and_then(|unseen| simulated(unseen, &values))))
 }
 
 /// Sign, speed and acceleration, and the voltage, averaged over every window in which `record` turns one way.

@@ -90,6 +90,8 @@ pub struct Fit {
     pub train: Measures,
     /// Errors on the records kept out.
     pub validation: Option<Measures>,
+    /// What the usual model, kS-kV-kA, leaves on the records fitted and on those kept out; none where a record does not give it.
+    pub usual: Option<(Measures, Option<Measures>)>,
     /// What a perfect model would leave, rms in the measured unit.
     pub noise_level: f64,
     /// Best IAE of every generation; one number for methods without generations.
@@ -151,9 +153,9 @@ pub fn fit(
     };
     let model = Model::new(&searched.values, &problem.rig, &problem.prior, origin);
     let mut fit = describe(&problem, &searched.values, model, records);
-    if !validation.is_empty() {
-        fit.validation = unseen(&problem, validation, motor, &searched.values);
-    }
+    let kept_out = kept_out(&problem, validation, motor);
+    fit.validation = kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, &searched.values)));
+    fit.usual = feedforward::errors(&problem, records, kept_out.as_ref());
     fit.noise_level = noise_floor(records, validation, &problem);
     (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
     fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
@@ -171,6 +173,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         parameters,
         train: pooled(&free_runs(problem, values)).unwrap_or_default(),
         validation: None,
+        usual: None,
         noise_level: 0.0,
         objective_history: Vec::new(),
         evaluations: 0,
@@ -178,9 +181,9 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
     }
 }
 
-/// Errors on records that were kept out of the fit of `problem`.
-fn unseen(problem: &Problem, validation: &[Record], motor: &MotorFile, values: &Values) -> Option<Measures> {
-    pooled(&free_runs(&problem.on(problem.lay_out(validation, motor)), values))
+/// The records that the fit of `problem` does not see, laid out like those that it does; none where there are none.
+fn kept_out(problem: &Problem, validation: &[Record], motor: &MotorFile) -> Option<Problem> {
+    (!validation.is_empty()).then(|| problem.on(problem.lay_out(validation, motor)))
 }
 
 /// The effect of that name.

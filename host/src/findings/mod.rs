@@ -9,6 +9,7 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
+use crate::compare::measures::Measures;
 use crate::diagnose::discover::Discovery;
 use crate::diagnose::ladder::{Ranked, Rung};
 use crate::diagnose::plan::{Limits, Plan};
@@ -22,7 +23,7 @@ use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
-pub use verdict::{Errors, Verdict, multiple};
+pub use verdict::{Errors, Verdict, multiple, times};
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]
@@ -103,7 +104,7 @@ impl NextExperiment {
         let shown = asked().filter(|(_, other)| other.name == programme.name);
         let names = shown.map(|(effect, _)| effect.name()).collect::<Vec<_>>().join(", ");
         let why = format!(
-            "these records cannot show {names} at any size; {} would show most of it",
+            "these records cannot confirm {names} at any size; {} would show most of it",
             programme.name
         );
         Some(Self { why, programme: programme.clone() })
@@ -131,7 +132,7 @@ impl Findings {
         let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
         let no_experiment = plan.as_ref().and_then(Plan::why_none);
         let next_experiment = NextExperiment::of(plan, &found.limits);
-        let later = shown_by_fit::faults(&parameters, &found.effects);
+        let mut later = shown_by_fit::faults(&parameters, &found.effects);
         let standing = Standing::of(&Facts {
             errors,
             effects: &named(in_model, &parameters),
@@ -143,8 +144,11 @@ impl Findings {
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
         });
+        later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
         // While an effect is suggested something is left.
         let open = || errors.verdict(in_model.len(), Adequacy::default());
+        let rivals = found.open_sets();
+        let rival = |kind: Kind| rivals.iter().any(|set| set.contains(&kind));
         Self {
             schema: 1,
             effects: found.effects[own.unwrap_or(0)..].to_vec(),
@@ -157,10 +161,11 @@ impl Findings {
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: first(&found.candidates, suggested),
-            rivals: found.open_sets(),
+            rivals: rivals.clone(),
             next_experiment,
             no_experiment,
-            detection_limits: found.limits.clone(),
+            // What stands for an accepted effect is a rival, no further effect.
+            detection_limits: found.limits.iter().filter(|limit| !rival(limit.effect)).cloned().collect(),
             data_faults: of_logs.iter().cloned().chain(later).collect(),
             of_logs: of_logs.len(),
             parameters,
@@ -239,8 +244,9 @@ pub fn verdict_of(found: &Discovery) -> Verdict {
 
 /// The errors of a ladder's first and last model, with the noise level.
 pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
-    let error = |rung: Option<&Rung>| rung.map_or(0.0, |rung| judged(rung).rmse);
-    Errors { base: error(ladder.first()), model: error(ladder.last()), noise }
+    let of = |rung: Option<&Rung>| rung.map_or_else(Measures::default, judged);
+    let (base, model) = (of(ladder.first()), of(ladder.last()));
+    Errors { base: base.rmse, model: model.rmse, noise, missed: model.missed() }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::verdict::{Errors, Verdict};
+use super::verdict::{Errors, Verdict, spoken};
 use crate::compare::rise::Rise;
 use crate::fit::uncertainty::Estimate;
 use crate::report::figure::in_words;
@@ -69,7 +69,7 @@ impl Standing {
                 facts.errors.headline(facts.effects, verdict, disturbance) + &not_shown(facts.hidden)
             }
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, disturbance),
-            (None, None) => facts.errors.so_far(facts.effects, facts.suggested.map(Kind::name)),
+            (None, None) => facts.errors.so_far(facts.effects, facts.suggested),
         };
         let badge = match (facts.doubted, facts.suggested, verdict) {
             (Some(_), ..) => "Not confirmed",
@@ -131,7 +131,9 @@ impl NextStep {
         let name = effect.map_or("the effect", Kind::name);
         let (label, command) = match action {
             Action::Diagnose => ("Find what is missing".into(), "motorlens diagnose MODEL LOG...".into()),
-            Action::Add => (format!("Add {name}"), format!("motorlens add MODEL {name} LOG... --out MODEL")),
+            Action::Add => {
+                (format!("Add {name}"), format!("motorlens add MODEL {name} LOG... --out with-{name}.json"))
+            }
             Action::Remove => (format!("Remove {name}"), "motorlens discover LOG... --out model.json".into()),
             Action::Experiment => {
                 ("Run the next experiment".into(), "motorlens plan LOG... --out programme.json".into())
@@ -166,10 +168,10 @@ impl NextStep {
 fn not_shown(hidden: &[Kind]) -> String {
     match hidden {
         [] => String::new(),
-        [one] => format!("; they cannot show {one}"),
-        [first, second] => format!("; they cannot show {first} or {second}"),
+        [one] => format!("; they cannot confirm {}", spoken(*one)),
+        [first, second] => format!("; they cannot confirm {} or {}", spoken(*first), spoken(*second)),
         [first, second, rest @ ..] => {
-            format!("; they cannot show {first}, {second} and {} more", rest.len())
+            format!("; they cannot confirm {}, {} and {} more", spoken(*first), spoken(*second), rest.len())
         }
     }
 }
@@ -190,7 +192,7 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
     };
     effects
         .iter()
-        .map(|kind| (kind.name().replace('_', " "), size(kind)))
+        .map(|kind| (spoken(*kind), size(kind)))
         .map(|(name, size)| size.map_or_else(|| name.clone(), |size| format!("{name} ({size})")))
         .collect()
 }
@@ -202,7 +204,7 @@ mod tests {
     const ALL: Adequacy = Adequacy { explained: true, disturbance_v: None };
 
     fn facts(effects: &[String], model: f64) -> Facts<'_> {
-        let errors = Errors { base: 101.0, model, noise: 1.0 };
+        let errors = Errors { base: 101.0, model, noise: 1.0, missed: 0.01 };
         Facts {
             errors,
             effects,
@@ -229,14 +231,14 @@ mod tests {
     fn while_an_effect_is_to_be_added_nothing_is_said_to_have_failed() {
         let told = Standing::of(&Facts { suggested: Some(Kind::DeadZone), ..facts(&[], 101.0) });
         assert_eq!((told.verdict, told.next.effect), (None, Some(Kind::DeadZone)));
-        assert!(told.headline.ends_with("the best candidate is dead_zone."), "{told:?}");
+        assert!(told.headline.ends_with("the best candidate is dead zone."), "{told:?}");
     }
 
     #[test]
     fn who_proposes_an_effect_does_not_say_that_the_noise_leaves_none_to_find() {
         let effects = ["dead_zone (0.6 V)".to_owned()];
         let told = Standing::of(&Facts { suggested: Some(Kind::SensorLag), ..facts(&effects, 1.1) });
-        assert!(told.headline.ends_with("1.1 x the noise; the best candidate is sensor_lag."), "{told:?}");
+        assert!(told.headline.ends_with("1.1 x the noise; the best candidate is sensor lag."), "{told:?}");
         let told = Standing::of(&Facts { left: None, ..facts(&effects, 1.1) });
         assert!(told.headline.ends_with("about as little as the noise allows."), "{told:?}");
     }
@@ -261,7 +263,7 @@ mod tests {
     fn what_the_records_cannot_show_is_said_where_they_show_nothing_missing() {
         let hidden = [Kind::Backlash, Kind::Delay, Kind::Cogging];
         let told = Standing::of(&Facts { hidden: &hidden, experiment: true, ..facts(&[], 1.0) });
-        assert!(told.headline.ends_with("they cannot show backlash, delay and 1 more."), "{told:?}");
+        assert!(told.headline.ends_with("they cannot confirm backlash, delay and 1 more."), "{told:?}");
         assert_eq!(told.next.action, Action::Experiment);
     }
 

@@ -1,5 +1,6 @@
 //! The verdict, from plain numbers: one word, one sentence, and what to do next.
 
+use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::standing::Doubted;
@@ -12,6 +13,10 @@ use crate::sentence::capital;
 const MANY: f64 = 10.0;
 /// ... and above which a fit that nobody has diagnosed is doubted.
 const CLOSE: f64 = 1.5;
+/// What a disturbance may leave of the motion: a model that misses more of it than this explains part of it at most.
+const MISSED: f64 = 0.1;
+/// A noise level that is a smaller share of the motion is that of a file's decimals or of a filter: a geared motor's encoder has no such steps.
+const SMOOTH: f64 = 1e-6;
 
 /// How a diagnosis ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -48,12 +53,15 @@ pub struct Errors {
     pub model: f64,
     /// Noise level.
     pub noise: f64,
+    /// Share of the motion that the accepted model misses: its error over the rms of what was measured about its mean.
+    pub missed: f64,
 }
 
 impl Errors {
-    /// Error of the accepted model in multiples of the noise level; none without a noise level.
+    /// Error of the accepted model in multiples of the noise level; none where the readings are too smooth to have one.
     pub fn left_over(&self) -> Option<f64> {
-        (self.noise > 0.0).then(|| self.model / self.noise)
+        let motion = if self.missed > 0.0 { self.model / self.missed } else { 0.0 };
+        (self.noise > SMOOTH * motion).then(|| self.model / self.noise)
     }
 
     /// Fraction of the error above the noise level that the effects explain: negative where the error rose, none where
@@ -66,7 +74,8 @@ impl Errors {
     /// The verdict on `effects` accepted effects, which leave what `left` says.
     pub fn verdict(&self, effects: usize, left: Adequacy) -> Verdict {
         let few = self.left_over().is_some_and(|n| n <= MANY);
-        if left.explained && (few || left.disturbance_v.is_some()) {
+        let little = left.disturbance_v.is_some() && self.missed <= MISSED;
+        if left.explained && (few || little) {
             Verdict::Explained
         } else if effects > 0 && self.model < self.base {
             Verdict::PartlyExplained
@@ -80,7 +89,10 @@ impl Errors {
 
     /// What is left, in the one unit of all sentences.
     fn left(&self) -> String {
-        self.left_over().map_or_else(|| "an unknown multiple of the noise".into(), multiple)
+        self.left_over().map_or_else(
+            || format!("{:.1} % of the motion, beside a noise too small to be known", 100.0 * self.missed),
+            multiple,
+        )
     }
 
     /// The verdict on `effects`, as a sentence names them, in one sentence without its full stop; `disturbance_v` is what they leave, V,
@@ -129,7 +141,7 @@ impl Errors {
     }
 
     /// How far a model with `effects` has come while nobody has looked for what it is missing, or with a `candidate` to add.
-    pub fn so_far<S: AsRef<str>>(&self, effects: &[S], candidate: Option<&str>) -> String {
+    pub fn so_far<S: AsRef<str>>(&self, effects: &[S], candidate: Option<Kind>) -> String {
         let said = if effects.is_empty() {
             format!("The base model leaves {}", self.left())
         } else if self.base == self.model {
@@ -143,12 +155,12 @@ impl Errors {
             // Who proposes an effect does not say in one breath that there is none to find.
             Some(_) if candidate.is_none() => ": about as little as the noise allows",
             Some(_) | None => "",
-        } + &candidate.map_or(String::new(), |best| format!("; the best candidate is {best}"))
+        } + &candidate.map_or(String::new(), |best| format!("; the best candidate is {}", spoken(best)))
     }
 
     /// Said where held-out data do not confirm the effect added last.
     pub fn doubt(&self, doubted: &Doubted) -> String {
-        let (effect, left) = (doubted.effect, self.left());
+        let (effect, left) = (spoken(doubted.effect), self.left());
         if !doubted.rises {
             return format!("Held-out data do not confirm {effect}; what is left is {left}");
         }
@@ -170,6 +182,11 @@ impl Errors {
     }
 }
 
+/// The effect's name as a sentence has it.
+pub fn spoken(effect: Kind) -> String {
+    effect.name().replace('_', " ")
+}
+
 /// The names of `effects` as the subject of a sentence, and what it says of them.
 fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
     let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
@@ -178,7 +195,12 @@ fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
 
 /// So many times the noise, in words: two digits below ten.
 pub fn multiple(n: f64) -> String {
-    if n < 9.95 { format!("{n:.1} x the noise") } else { format!("{n:.0} x the noise") }
+    times(n) + " the noise"
+}
+
+/// The same on a plot whose axis says what is multiplied.
+pub fn times(n: f64) -> String {
+    if n < 9.95 { format!("{n:.1} x") } else { format!("{n:.0} x") }
 }
 
 #[cfg(test)]
@@ -190,14 +212,14 @@ mod tests {
 
     #[test]
     fn a_hundred_times_the_noise_is_never_called_explained() {
-        let errors = Errors { base: 151.0, model: 151.0, noise: 1.0 };
+        let errors = Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01 };
         assert_eq!(errors.verdict(0, ALL), Verdict::Unexplained);
         assert!(errors.headline::<&str>(&[], Verdict::Unexplained, None).ends_with("151 x the noise"));
     }
 
     #[test]
     fn the_share_and_what_is_left_are_in_one_sentence() {
-        let errors = Errors { base: 101.0, model: 4.0, noise: 1.0 };
+        let errors = Errors { base: 101.0, model: 4.0, noise: 1.0, missed: 0.01 };
         assert_eq!(errors.verdict(1, SOME), Verdict::PartlyExplained);
         let said = errors.headline(&["coulomb"], Verdict::PartlyExplained, None);
         assert_eq!(
@@ -208,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_disturbance_that_hides_nothing_is_named_with_its_size() {
-        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0 };
+        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01 };
         let left = Adequacy { explained: true, disturbance_v: Some(0.05) };
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         assert_eq!(errors.verdict(0, left), Verdict::Explained);
@@ -223,8 +245,24 @@ mod tests {
     }
 
     #[test]
+    fn a_disturbance_that_is_half_of_the_motion_is_not_called_explained() {
+        let left = Adequacy { explained: true, disturbance_v: Some(0.07) };
+        let errors = Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6 };
+        assert_eq!(errors.verdict(1, left), Verdict::PartlyExplained);
+        assert_eq!(Errors { missed: 0.05, ..errors }.verdict(1, left), Verdict::Explained);
+    }
+
+    #[test]
+    fn readings_too_smooth_to_have_a_noise_are_told_by_what_is_missed_of_the_motion() {
+        let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04 };
+        assert_eq!(errors.left_over(), None);
+        let told = errors.headline(&["coulomb (0.4 V)"], Verdict::PartlyExplained, None);
+        assert!(told.contains("what is left is 4.0 % of the motion"), "{told}");
+    }
+
+    #[test]
     fn a_rise_is_called_a_rise() {
-        let errors = Errors { base: 2.0, model: 3.0, noise: 1.0 };
+        let errors = Errors { base: 2.0, model: 3.0, noise: 1.0, missed: 0.01 };
         assert_eq!(errors.verdict(1, SOME), Verdict::Unexplained);
         assert!(errors.headline(&["delay"], Verdict::Unexplained, None).contains("the error rises"));
     }

@@ -93,7 +93,7 @@ impl Side {
         };
         let verdict = match share {
             _ if after < 0.1 * before => "the effects in the model explain it".to_owned(),
-            s if s >= 30.0 => format!("{s:.0} % of its variance follows {depends}: this is where it fails"),
+            s if s >= 30.0 => format!("{s:.0} % of its variance follows {depends}: it fails here"),
             s if s >= 8.0 => format!("{s:.0} % of its variance follows {depends}"),
             s => format!("hardly any of its variance ({s:.0} %) follows {depends}"),
         };
@@ -176,6 +176,8 @@ pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> V
     all.sort_by(|a, b| share(b).total_cmp(&share(a)));
     all.push(memory(records, against));
     all.push(harmonics(torques, gear_ratio, against));
+    // Words without a plot would leave a gap beside one.
+    all.sort_by_key(Figure::is_empty);
     all
 }
 

@@ -2,12 +2,11 @@
 
 use serde::Serialize;
 
-use super::decimate::rounded;
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::multiple;
+use crate::findings::{multiple, times};
 
 /// The error that counts for a model: on validation records where there are any.
 pub fn judged(rung: &Rung) -> Measures {
@@ -133,7 +132,7 @@ impl Ladder<'_> {
         let mut columns = vec![Numbers::new((0..values.len()).map(|k| k as f64), 5)];
         let mut curves = vec![Curve {
             draw: Draw::Dotted,
-            words: values.iter().map(|v| format!("{} x", rounded(*v, 3))).collect(),
+            words: values.iter().map(|v| times(*v)).collect(),
             ..Curve::line("model", name, 0, Numbers::new(values.iter().copied(), 5))
         }];
         let mut all = values.clone();

@@ -31,6 +31,11 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// Whether there is nothing to draw, so that the words stand alone.
+    pub fn is_empty(&self) -> bool {
+        self.columns.iter().all(|column| column.values.is_empty())
+    }
+
     /// A figure without panels yet.
     pub fn titled(id: impl Into<String>, title: impl Into<String>, reading: String) -> Self {
         let (id, title) = (id.into(), title.into());

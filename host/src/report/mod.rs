@@ -29,6 +29,7 @@ pub use story::{DRAWN, Shown, Story, Suspect, Torques, title, torques};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::glossary;
+use crate::log::Warning;
 use figure::Figure;
 
 /// How the pages look.
@@ -89,6 +90,11 @@ fn ladder(story: &Story) -> falls::Ladder<'_> {
     }
 }
 
+/// Data problems as people read them.
+fn told(faults: &[Warning]) -> Vec<Warning> {
+    faults.iter().map(|fault| Warning { what: fault.told(), ..fault.clone() }).collect()
+}
+
 /// The report as HTML.
 ///
 /// # Errors
@@ -113,7 +119,7 @@ pub fn html(story: &Story) -> Result<String> {
         "figures": figures,
         "cards": cards,
         "nothing_missing": words::nothing_missing(story.model.effects.is_empty()),
-        "faults": story.faults,
+        "faults": told(&story.faults),
         "parameters": words::estimate_rows(&story.parameters),
         "combinations": words::estimate_rows(&story.combinations),
         "records": words::record_rows(story),

@@ -2,6 +2,7 @@
 
 use motorlens_shared::effects::Kind;
 
+use crate::diagnose::ladder::Rung;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 
@@ -29,6 +30,33 @@ pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
     })
 }
 
+/// The last model of `ladder`, where a smaller one does much better on the records that judged it.
+pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
+    let error = |rung: &Rung| rung.validation.map(|m| m.rmse);
+    let last = ladder.last().and_then(error)?;
+    let (best, least) =
+        ladder.iter().filter_map(|rung| Some((rung, error(rung)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (last > MUCH_WORSE * least).then(|| Warning {
+        place: "validation records".into(),
+        what: format!(
+            "not_confirmed: they are met {:.1} times better by the model with {}, before the effects that came after it",
+            last / least,
+            if best.effects.is_empty() { "no effects".to_owned() } else { names(&best.effects) }
+        ),
+        fix: format!(
+            "use that model (fit --effects {}), or record more like the validation records to fit to: they choose nothing by themselves",
+            if best.effects.is_empty() { "none".to_owned() } else { names(&best.effects).replace(" and ", ",") }
+        ),
+    })
+}
+
+/// An error on validation records so many times that of a smaller model is told.
+const MUCH_WORSE: f64 = 1.25;
+
+fn names(effects: &[Kind]) -> String {
+    effects.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
+}
+
 /// Effects that are faults of the measurement, and how to end them instead of modelling them.
 fn of_the_sensor(kind: Kind) -> Option<Warning> {
     let (what, fix) = match kind {
@@ -47,4 +75,27 @@ fn of_the_sensor(kind: Kind) -> Option<Warning> {
         _ => return None,
     };
     Some(Warning { place: "all records together".into(), what: what.into(), fix: fix.into() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::measures::Measures;
+
+    #[test]
+    fn a_smaller_model_that_meets_the_validation_records_much_better_is_named() {
+        let rung = |effects: &[Kind], rmse| Rung {
+            effects: effects.to_vec(),
+            train: Measures::default(),
+            validation: Some(Measures { rmse, ..Measures::default() }),
+        };
+        let ladder =
+            [rung(&[], 1.2), rung(&[Kind::Coulomb, Kind::Delay], 0.04), rung(&[Kind::Stribeck], 0.12)];
+        let told = doubted_by_validation(&ladder).unwrap();
+        assert!(told.what.contains("3.0 times better by the model with coulomb and delay"), "{}", told.what);
+        assert!(told.fix.contains("fit --effects coulomb,delay"), "{}", told.fix);
+        assert_eq!(doubted_by_validation(&ladder[..2]), None);
+        let alone = ladder.map(|rung| Rung { validation: None, ..rung });
+        assert_eq!(doubted_by_validation(&alone), None);
+    }
 }

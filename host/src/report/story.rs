@@ -93,8 +93,7 @@ pub const DRAWN: usize = 4;
 impl Story {
     /// The story of a discovery on `records`, as its `findings` tell it.
     pub fn of(discovery: &Discovery, findings: &Findings, records: &[Record]) -> Self {
-        let rungs = &discovery.selected.steps;
-        let base = rungs[0].values();
+        let base = discovery.shown[0].clone();
         let values = discovery.model.values();
         let whole = &discovery.evidence.whole;
         let shown = shown(whole, discovery.evidence.kept_out.as_ref(), &base, &values);
@@ -123,12 +122,11 @@ impl Story {
 
 /// Where each step of the ladder raised the error most, on the records that judge.
 fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
-    let rungs = &discovery.selected.steps;
-    if rungs.len() != discovery.ladder.len() {
+    if discovery.shown.len() != discovery.ladder.len() {
         return vec![None; discovery.ladder.len()];
     }
     let problem = discovery.evidence.kept_out.as_ref().unwrap_or(&discovery.evidence.whole);
-    let runs: Vec<Vec<FreeRun>> = rungs.iter().map(|rung| free_runs(problem, &rung.values())).collect();
+    let runs: Vec<Vec<FreeRun>> = discovery.shown.iter().map(|values| free_runs(problem, values)).collect();
     let steps = runs.windows(2).map(|pair| worst_rise(&pair[0], &pair[1]));
     std::iter::once(None).chain(steps).collect()
 }

@@ -50,7 +50,7 @@ fn the_steps_come_in_the_order_of_the_work() {
         .map(|id| page.find(&format!("section id=\"{id}\"")).expect(id))
         .collect();
     assert!(places.is_sorted());
-    let fault = page.find("stale_samples").expect("told before any physics");
+    let fault = page.find("stale samples").expect("told before any physics");
     assert!(places[0] < fault && fault < places[1]);
     let ids: Vec<&str> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     let twice = ids.iter().find(|id| ids.iter().filter(|other| other == id).count() > 1);

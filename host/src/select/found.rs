@@ -48,7 +48,7 @@ pub fn discovery(
 ) -> Discovery {
     let Begin { at: begun, evidence, plain, model } = begin;
     let told = RefCell::new(progress);
-    let mut ladder = Vec::new();
+    let (mut ladder, mut shown) = (Vec::new(), Vec::new());
     let selected = run(
         &evidence,
         model,
@@ -56,9 +56,12 @@ pub fn discovery(
         options.most,
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
         &mut |model| {
-            let step = rung(&evidence, &model.values());
+            // Errors are those of the model as it would be used, so that `fit` and `compare` tell the same.
+            let values = model.simulating(&evidence).values();
+            let step = rung(&evidence, &values);
             (told.borrow_mut())(Progress::Rung(step.clone()));
             ladder.push(step);
+            shown.push(values);
         },
     );
     let origin = Origin {
@@ -70,9 +73,10 @@ pub fn discovery(
     let (base, model) = (&selected.steps[0], selected.model());
     let values = model.values();
     // The accepted model was corrected once more.
-    let last = rung(&evidence, &values);
     ladder.truncate(selected.steps.len() - 1);
-    ladder.push(last.clone());
+    ladder.push(rung(&evidence, &values));
+    shown.truncate(selected.steps.len() - 1);
+    shown.push(values.clone());
     let noise_floor = noise_floor(records, validation, &evidence.whole);
     if let Some(plain) = &plain {
         ladder.insert(0, rung(&evidence, &plain.values()));
@@ -84,6 +88,7 @@ pub fn discovery(
         effects: values.kinds(),
         noise_floor,
         ladder,
+        shown,
         candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
         limits: detection_limits(&evidence, base, model, &options.library, evidence.highest_voltage()),
         model: Model::new(&values, &evidence.whole.rig, &evidence.whole.prior, origin),

@@ -18,6 +18,14 @@ pub struct Gain {
     pub sure: f64,
 }
 
+impl std::fmt::Display for Gain {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        // A loss too small to be told is not "-0".
+        let [total, sure] = [self.total.round(), (10.0 * self.sure).round() / 10.0].map(|x| x + 0.0);
+        write!(f, "{total:.0} nats, {sure:.1} standard errors")
+    }
+}
+
 impl Gain {
     /// Of `new` over `old`, scores block by block.
     pub fn of(new: &[f64], old: &[f64]) -> Self {
@@ -58,6 +66,12 @@ mod tests {
         let (even, single) = (Gain::of(&even, &old), Gain::of(&single, &old));
         assert!(even.total > 40.0 && even.sure > 10.0, "{even:?}");
         assert!(single.total > 40.0 && single.sure < 1.7, "{single:?}");
+    }
+
+    #[test]
+    fn nothing_is_told_without_a_sign() {
+        let told = Gain { total: -0.2, sure: -0.04 }.to_string();
+        assert_eq!(told, "0 nats, 0.0 standard errors");
     }
 
     #[test]

@@ -113,9 +113,13 @@ impl Data {
         Self { entries, motor, past: Vec::new() }
     }
 
-    /// The records with this role, cut.
+    /// The records with this role, cut. What a cut leaves of a record may stand still, and then says nothing of the motor.
     pub fn with(&self, role: Role) -> Vec<Record> {
-        self.entries.iter().filter(|e| e.role == role).flat_map(Entry::pieces).collect()
+        let of = |role: Role| self.entries.iter().filter(move |e| e.role == role);
+        let fitted: Vec<Record> = of(Role::Fit).flat_map(Entry::pieces).collect();
+        let stands = still_beside(&fitted.iter().collect::<Vec<_>>());
+        let says = |entry: &Entry, piece: &Record| entry.cuts.is_empty() || !stands(piece);
+        of(role).flat_map(|e| e.pieces().into_iter().filter(move |piece| says(e, piece))).collect()
     }
 
     /// What the verbs do with the records of a motor before they judge them: all servos of which nobody knows the controller get one,

@@ -31,7 +31,10 @@ use crate::select::forward::forward;
 struct Work {
     evidence: Evidence,
     base: Fitted,
+    /// As effects are chosen by.
     model: Fitted,
+    /// The same as it is shown.
+    shown: Fitted,
     floor: f64,
 }
 
@@ -40,7 +43,8 @@ impl Work {
         Self {
             evidence: session.evidence.clone(),
             base: session.base.clone(),
-            model: session.current.clone(),
+            model: session.chosen.clone(),
+            shown: session.current.clone(),
             floor: session.floor,
         }
     }
@@ -112,15 +116,16 @@ fn searched(job: &Job, work: &Work, begin: &Values) -> Option<Fitted> {
 
 /// Searches from `begin` and makes the result the session's model; `added` is the effect that came.
 fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str) -> End {
-    let Some(model) = searched(job, work, begin) else { return stopped() };
-    let (before, after) = (rung(&work.evidence, &work.model), rung(&work.evidence, &model));
-    let rise = rise(&work.evidence, &work.model, &model);
+    let Some(chosen) = searched(job, work, begin) else { return stopped() };
+    let shown = chosen.simulating(&work.evidence);
+    let (before, after) = (rung(&work.evidence, &work.shown), rung(&work.evidence, &shown));
+    let rise = rise(&work.evidence, &work.shown, &shown);
     let rises = judged(&after).rmse > judged(&before).rmse;
     let doubt = added
-        .filter(|_| rises || !model.beats(&work.model, &work.evidence, &work.base))
+        .filter(|_| rises || !chosen.beats(&work.model, &work.evidence, &work.base))
         .map(|effect| Doubt { effect, rises });
     let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
-    let next = NextModel { model, rung: after, rise, doubt };
+    let next = NextModel { chosen, shown, rung: after, rise, doubt };
     End::Done(message, Box::new(move |session| session.step_to(next)))
 }
 
@@ -151,9 +156,10 @@ pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
     }
     let work = Work::of(&session);
     let begin = Values { effects: had.effects.clone(), ..work.model.values() };
-    let model = searched(job, &work, &begin)?;
-    let (after, rise) = (rung(&work.evidence, &model), rise(&work.evidence, &work.model, &model));
-    session.step_to(NextModel { model, rung: after, rise, doubt: None });
+    let chosen = searched(job, &work, &begin)?;
+    let shown = chosen.simulating(&work.evidence);
+    let (after, rise) = (rung(&work.evidence, &shown), rise(&work.evidence, &work.shown, &shown));
+    session.step_to(NextModel { chosen, shown, rung: after, rise, doubt: None });
     Some(session)
 }
 
@@ -175,7 +181,9 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
             .map_or_else(|| tried(job, &work, &[kind]), |c| Some(vec![c]));
         let Some(known) = known else { return stopped() };
         let Some(known) = known.first() else {
-            return End::Failed(json!({ "why": format!("{kind} cannot be added to this model") }));
+            return End::Failed(
+                json!({ "why": format!("{kind} cannot join this model: an effect in it says the same, or stands between rotor and load already; remove that one first") }),
+            );
         };
         // The old parameters start where they are, so that one sees them move.
         let parameters = known.values().effects.pop().map(|e| e.1).unwrap_or_default();

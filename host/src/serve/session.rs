@@ -59,7 +59,9 @@ pub struct Session {
     pub evidence: Evidence,
     /// The model without effects.
     pub base: Fitted,
-    /// The model as it is.
+    /// The model as effects are chosen by.
+    pub chosen: Fitted,
+    /// The same as it is shown and saved: fitted for simulating.
     pub current: Fitted,
     /// How it came about.
     pub ladder: Vec<Rung>,
@@ -123,21 +125,22 @@ impl Session {
     /// Records that no fit can use.
     pub fn of(data: Data) -> Result<Self> {
         let (records, validation) = (data.with(Role::Fit), data.with(Role::Validation));
-        let (evidence, current) = prepare(&records, &validation, &data.motor)?;
+        let (evidence, base) = prepare(&records, &validation, &data.motor)?;
+        let current = base.simulating(&evidence);
         let floor = discover::noise_floor(&records, &validation, &evidence.whole);
         let tracks = Arc::new(Tracks::new(&evidence));
-        let base = current.values();
+        let values = current.values();
         // Records on which it learns nothing have no baseline.
         let usual = feedforward::search(&evidence.whole, &records).ok().map(|found| found.values);
         let mut passed: Vec<Passed> =
             usual.iter().map(|v| Passed { name: USUAL.into(), values: v.clone() }).collect();
-        passed.push(Passed { name: "base model".into(), values: base.clone() });
+        passed.push(Passed { name: "base model".into(), values: values.clone() });
         Ok(Self {
             faults: data_faults(records.iter().chain(&validation)),
             title: title(&records),
             ladder: vec![rung(&evidence, &current)],
             baseline: usual.map(|values| ladder::rung(&evidence, &values)),
-            view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), base)),
+            view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), values)),
             rises: vec![None],
             passed,
             diagnosis: None,
@@ -145,7 +148,8 @@ impl Session {
             puzzle: None,
             data,
             evidence,
-            base: current.clone(),
+            chosen: base.clone(),
+            base,
             current,
             floor,
         })
@@ -158,14 +162,14 @@ impl Session {
 
     /// Takes the model of `step` as the current one.
     pub fn step_to(&mut self, step: NextModel) {
-        let NextModel { model, rung, rise, doubt } = step;
-        let values = model.values();
+        let NextModel { chosen, shown, rung, rise, doubt } = step;
+        let values = shown.values();
         let name = prose(&values.kinds());
         let (tracks, against) = (Arc::clone(&self.view.tracks), self.view.against.clone());
         self.view = Arc::new(View::new(tracks, against, values.clone()));
         self.passed.retain(|p| p.name != name);
         self.passed.push(Passed { name, values });
-        (self.current, self.diagnosis, self.doubt) = (model, None, doubt);
+        (self.chosen, self.current, self.diagnosis, self.doubt) = (chosen, shown, None, doubt);
         self.ladder.push(rung);
         self.rises.push(rise);
     }
@@ -215,8 +219,10 @@ impl Session {
 /// What a step of the page leads to.
 #[derive(Debug)]
 pub struct NextModel {
-    /// The model.
-    pub model: Fitted,
+    /// The model as effects are chosen by.
+    pub chosen: Fitted,
+    /// The same, fitted for simulating.
+    pub shown: Fitted,
     /// Its errors.
     pub rung: Rung,
     /// Where it raised the error most.

@@ -15,7 +15,7 @@ pub struct Answer {
     schema: u32,
     /// The names, in the order of the simulation; empty where nothing is missing.
     pub effects: Vec<String>,
-    /// The same with their sizes, as they could be typed.
+    /// The same with their sizes to four digits, as they could be typed.
     pub sizes: Vec<String>,
     /// Steady output speed per volt of the motor without effects, rad/s per V.
     pub gain: f64,
@@ -35,12 +35,24 @@ impl Answer {
                 let library = scenario.effects.iter().map(|effect| effect.name());
                 library.chain(scenario.formulas.iter().map(Custom::name)).map(str::to_owned).collect()
             },
-            sizes: scenario.effect_texts(),
+            sizes: scenario.effect_texts().iter().map(|text| typed(text)).collect(),
             gain: motor.gain(),
             mechanical_time_constant_s: motor.mechanical_time_constant(),
             electrical_time_constant_s: motor.electrical_time_constant(),
         }
     }
+}
+
+/// An effect such as `coulomb=0.37021538,asymmetry=-0.4084` with as many digits as somebody would type.
+fn typed(text: &str) -> String {
+    let short = |word: &str| match (word.split_once('='), word.rsplit('=').next().map(str::parse::<f64>)) {
+        (Some((name, _)), Some(Ok(x))) => {
+            let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+            format!("{name}={rounded}")
+        }
+        _ => word.to_owned(),
+    };
+    text.split(',').map(short).collect::<Vec<_>>().join(",")
 }
 
 /// The verb `reveal`: opens the sealed answer.

@@ -33,7 +33,7 @@ function guessed({ names, kinds, canonical, proposal }) {
   const before = remembered(names);
   if (before) return { ...before, words: "As you mapped columns of these names before." };
   if (!proposal) return { kinds, words: "Say what each column is. Angles and speeds are of the output shaft." };
-  const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev, metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
+  const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev && ((state && state.counts_per_rev) || proposal.counts_per_rev), metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
   const assumed = Object.values(rig).some((value) => value) ? " Put your own figures in the place of those assumed below." : "";
   return { kinds, rig, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
 }

@@ -111,14 +111,31 @@ function showFitted() {
   $("slid-floor").textContent = "Noise level " + size(state.floor, state.unit);
 }
 
+// What had the keyboard's focus before the page was drawn anew, and gets it back: who works by keys would begin at the top again.
+let held = null;
+function holdFocus() {
+  const at = document.activeElement;
+  if (!held && at && at !== document.body) held = { at, label: at.getAttribute("aria-label") };
+}
+function giveFocusBack() {
+  if (held && (!document.activeElement || document.activeElement === document.body)) {
+    const alike = (e) => held.label && e.getAttribute("aria-label") === held.label;
+    const same = held.at.isConnected ? held.at : [...document.querySelectorAll(held.at.tagName)].find(alike);
+    (same && !same.disabled && same.getClientRects().length ? same : $("headline")).focus({ preventScroll: true });
+  }
+  held = null;
+}
 function busy(what) {
+  if (what) holdFocus();
   $("running").hidden = !what;
   $("doing").textContent = what || "";
   if (!what) $("progress").removeAttribute("value");
   for (const b of document.querySelectorAll("#next, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo")) b.disabled = Boolean(what);
   if (state && !state.data.can_undo) $("undo").disabled = true;
+  if (!what) giveFocusBack();
 }
 async function refresh() {
+  holdFocus();
   const record = showRecord(), known = ask("/api/state");
   state = await known;
   $("title").textContent = state.title;
@@ -173,7 +190,7 @@ const NEXT = {
   export: () => { location.href = "/export/model.json"; },
 };
 function showStanding({ verdict, badge, headline, next }) {
-  $("verdict").dataset.verdict = verdict || "open";
+  $("verdict").dataset.verdict = verdict || next.action;
   $("badge").textContent = badge;
   $("headline").textContent = headline;
   $("next").textContent = next.action === "export" ? "Save the model" : next.label;

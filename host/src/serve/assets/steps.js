@@ -13,16 +13,19 @@ function figureElement(f, level = "h3") {
 
 // Before any physics: what is wrong with the data.
 function showFaults(faults) {
-  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + f.fix + "." }));
+  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault.replace(/^[a-z_]+: /, (kind) => kind.replaceAll("_", " ")) + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + f.fix + "." }));
   $("data-faults").hidden = !faults.length;
   $("faults").replaceChildren(...faults.map(card));
 }
 
 // 2 Where it fails
-async function showFails() { 
-  const all = (await ask("/api/figures/fails")).figures.map((f) => figureElement(f));
-  all[0].classList.add("first");
-  all[0].querySelector("h3").append(" ", element("span", { className: "mark", textContent: "largest share" }));
+async function showFails() {
+  const figures = (await ask("/api/figures/fails")).figures, all = figures.map((f) => figureElement(f));
+  // A share of nothing to speak of is no largest one.
+  if (figures[0].share_percent >= 8) {
+    all[0].classList.add("first");
+    all[0].querySelector("h3").append(" ", element("span", { className: "mark", textContent: "largest share" }));
+  }
   $("fails-figures").replaceChildren(...all);
 }
 
@@ -68,9 +71,9 @@ async function showMissing() {
 function showStep(step) {
   history_.push(step);
   const rounds = history_.map((s) => s.round), x = { title: "Step of the search (1)", log: false };
-  $("convergence-reading").textContent = `Step ${step.round}: error ${short(step.error)} x the noise of one reading.`;
+  $("convergence-reading").textContent = `Step ${step.round}: weighted error ${short(step.error)}; the search makes it small, time scale by time scale.`;
   Plots.update($("convergence"), { id: "convergence", title: "Convergence", reading: "Error after each step.", x, columns: [rounds],
-    panels: [{ y: { title: "Error, multiples of the noise (1)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });
+    panels: [{ y: { title: "Weighted error (1)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });
   const old = step.parameters.filter((p) => p.before);
   Plots.update($("giving"), { id: "giving", title: "Parameters", reading: "Each parameter of the model before, in percent of its value then.", x, columns: [rounds],
     panels: [{ y: { title: "Of the value before (%)", log: false }, height: 200, curves: old.map((p, k) => ({ role: "p" + (k % 6), name: p.name, on: 0, draw: "dotted", y: history_.map((s) => 100 * s.parameters.find((q) => q.name === p.name).now / p.before) })) }] });

@@ -145,9 +145,9 @@ fn a_wrong_effect_is_not_praised_and_goes_with_one_click() {
         browser.number("state.ladder[1].validation.rmse"),
     );
     let (way, said) = if after > before {
-        ("rises", "With lost_counts the error rises, most on ")
+        ("rises", "With lost counts the error rises, most on ")
     } else {
-        ("falls", "Held-out data do not confirm lost_counts; ")
+        ("falls", "Held-out data do not confirm lost counts; ")
     };
     assert!(browser.text("#headline").starts_with(said), "{}", browser.text("#headline"));
     assert!(browser.text("#status").contains(way), "{}", browser.text("#status"));

@@ -38,7 +38,9 @@ fn plots_sliders_and_buttons_obey_the_keyboard() {
     browser.wait("document.querySelector('#candidates .add')");
     tab_to(&mut browser, "#candidates .add");
     browser.key("Enter", Some("\r"));
-    browser.wait("document.querySelectorAll('.chip').length == 1");
+    browser.wait(&format!("document.querySelectorAll('.chip').length == 1 && {FRESH}"));
+    // The button is gone with its effect; who works by keys goes on at the verdict, not at the top.
+    assert_eq!(browser.value("document.activeElement.id"), "headline");
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
