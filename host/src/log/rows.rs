@@ -305,6 +305,7 @@ pub(super) fn number(text: &str) -> Option<f64> {
             .or_else(|| twice_grouped(text))
             .or_else(|| hex(text))
             .or_else(|| one_of(text))
+            .or_else(|| typeset(text))
     })
 }
 
@@ -313,6 +314,12 @@ fn one_of(text: &str) -> Option<f64> {
     let inside = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
     let inside = inside.or_else(|| text.strip_prefix('(')?.strip_suffix(')'));
     inside?.trim().trim_end_matches(',').parse().ok()
+}
+
+/// A minus as books have it (`\u{2212}0.5`), and Fortran's exponent (`1.5D-03`).
+fn typeset(text: &str) -> Option<f64> {
+    let plain = text.replace('\u{2212}', "-").replace(['D', 'd'], "e");
+    (plain != text).then(|| plain.parse().ok()).flatten()
 }
 
 /// `1'234.5`, as Swiss spreadsheets and pocket calculators write it, and the same with a narrow blank.
@@ -363,6 +370,15 @@ fn hex(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_typeset_minus_and_fortrans_exponent_are_read() {
+        assert_eq!(
+            ["\u{2212}0.5", "1.5D-03", "-2.0d+01"].map(number),
+            [Some(-0.5), Some(0.0015), Some(-20.0)]
+        );
+        assert_eq!(["d", "D1", "dead"].map(number), [None; 3]);
+    }
 
     #[test]
     fn thousands_are_told_from_decimals_by_the_numbers_before() {

@@ -97,6 +97,8 @@ fn constant_supply(record: &Record) -> Option<Odd> {
 /// Share of the highest voltage below which a clip would be told, and how much better it must fit.
 const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
 const CLIP_BETTER: f64 = 0.6;
+/// A limit that the voltage passes for more than this share of the time leaves one level, which friction explains as well.
+const ALWAYS_CLIPPED: f64 = 0.8;
 
 /// The motor does not answer to more than a certain voltage.
 fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
@@ -106,10 +108,11 @@ fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
     let at = |share: f64| {
         Some((share * highest, weak.regress(0.0, |v| v.clamp(-share * highest, share * highest))?))
     };
-    let (limit, best) =
-        CLIP_SHARES.iter().filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
-    let above = record.voltage_v.iter().filter(|v| v.abs() > limit).count() as f64 / record.len() as f64;
-    (best.left < CLIP_BETTER * plain.left && plain.left > 0.05 && above > 0.03).then(|| {
+    let above =
+        |limit: f64| record.voltage_v.iter().filter(|v| v.abs() > limit).count() as f64 / record.len() as f64;
+    let tried = CLIP_SHARES.iter().filter(|share| above(**share * highest) < ALWAYS_CLIPPED);
+    let (limit, best) = tried.filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
+    (best.left < CLIP_BETTER * plain.left && plain.left > 0.05 && above(limit) > 0.03).then(|| {
         (
             "clipped_voltage",
             "voltage_v",

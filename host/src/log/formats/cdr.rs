@@ -82,7 +82,15 @@ impl Schema {
     fn message(&self, kind: &str, bytes: &mut Bytes<'_>, depth: usize) -> Result<Value, Fault> {
         let unknown =
             || Fault::new(format!("the layout of {kind} is not in the file"), "record it with its schemas");
-        let fields = self.types.get(kind).filter(|_| depth < DEEPEST).ok_or_else(unknown)?;
+        // A package's messages name each other without it: `MultiArrayLayout` in std_msgs/Float64MultiArray.
+        let without_package = || {
+            self.types
+                .iter()
+                .find(|(name, _)| name.rsplit('/').next() == Some(kind))
+                .map(|(_, fields)| fields)
+        };
+        let fields = self.types.get(kind).or_else(without_package);
+        let fields = fields.filter(|_| depth < DEEPEST).ok_or_else(unknown)?;
         let mut values = Map::new();
         for field in fields {
             let count = match field.count {
@@ -187,5 +195,8 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(schema.decode(&bytes[..end]).is_err());
         }
+        // Within a package it may be named without it.
+        let shorter = Schema::parse("my/msg/Outer", &text.replace("my/Inner inner", "Inner inner"));
+        assert_eq!(shorter.decode(&bytes).unwrap(), expected);
     }
 }

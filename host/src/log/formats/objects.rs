@@ -169,6 +169,13 @@ impl Document {
                 };
                 self.columns.push(Column { name, values });
             }
+            Value::Object(all) if !all.is_empty() && all.keys().all(|key| key.parse::<u64>().is_ok()) => {
+                // A column as pandas writes it: the number of each row, and its value.
+                let mut rows: Vec<(u64, &Value)> =
+                    all.iter().map(|(key, value)| (key.parse().unwrap_or_default(), value)).collect();
+                rows.sort_by_key(|(number, _)| *number);
+                self.put(name, &Value::Array(rows.into_iter().map(|(_, value)| value.clone()).collect()));
+            }
             Value::Object(all) => {
                 for (key, value) in all.iter().filter(|(_, value)| value.is_array()) {
                     self.put(format!("{name}.{key}"), value);
@@ -231,6 +238,16 @@ mod tests {
             "rate": 100, "t": column(&|row| number(&row["t"])), "motor": {"u": column(&|row| number(&row["motor"]["u"]))},
             "q[1]": column(&|row| number(&row["q"][1])),
         });
+        // As pandas writes a table: `{"t": {"0": 0.0, "1": 0.01, ...}, ...}`.
+        let numbered = |all: Vec<f64>| {
+            let of = |(k, x): (usize, f64)| (k.to_string(), x.into());
+            serde_json::Value::Object(all.into_iter().enumerate().map(of).collect())
+        };
+        let pandas = serde_json::json!({
+            "t": numbered(column(&|row| number(&row["t"]))),
+            "motor.u": numbered(column(&|row| number(&row["motor"]["u"]))),
+            "q[1]": numbered(column(&|row| number(&row["q"][1]))),
+        });
         let map = "time=t,voltage=motor.u,angle=q[1]";
         let options = ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
         for (what, text) in [
@@ -239,6 +256,7 @@ mod tests {
             ("array", serde_json::to_string_pretty(&rows).unwrap()),
             ("array in an object", serde_json::json!({"name": "run", "data": rows}).to_string()),
             ("columns", columns.to_string()),
+            ("columns by row", pandas.to_string()),
         ] {
             let (_directory, path) = file(text.as_bytes());
             let record = read(&path, &options).unwrap_or_else(|error| panic!("{what}: {error}")).remove(0);
