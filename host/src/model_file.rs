@@ -109,6 +109,9 @@ pub struct NamedValue {
     pub unit: String,
 }
 
+/// The [`Origin::method`] of a model whose effects were looked for.
+pub const DISCOVERED: &str = "discover";
+
 /// Where a model came from.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {

@@ -13,8 +13,9 @@ use crate::compare::{FailureMap, Slice, failure_map, write_trace};
 use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::feedforward;
-use crate::findings::{Action, Errors, Facts, NextStep, Standing};
+use crate::findings::Standing;
 use crate::log::Record;
+use crate::model_file::DISCOVERED;
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
@@ -48,11 +49,6 @@ struct OfRecord {
     measures: Measures,
 }
 
-/// The method that stands in a model that was diagnosed.
-const DISCOVERED: &str = "discover";
-/// Multiples of the noise up to which such a model is to be used.
-const ENOUGH: f64 = 10.0;
-
 /// Runs the model over every log, those of `--validate` too: nothing is fitted here.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
     let logs = args.input.load()?;
@@ -74,23 +70,13 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         records: runs.iter().map(of).collect(),
         failures: map.slices.clone(),
     };
-    let (noise, error) = (noise_floor(&all, &[], &problem), together.rmse);
-    let mut standing = Standing::of(&Facts {
-        errors: Errors { base: error, model: error, noise, missed: together.missed() },
-        effects: &model.values().kinds().iter().map(ToString::to_string).collect::<Vec<_>>(),
-        left: None,
-        suggested: None,
-        doubted: None,
-        experiment: false,
-        hidden: &[],
-        data_problems: false,
-    });
-    if model.origin.method == DISCOVERED {
-        // What it is missing has been looked for.
-        standing.badge = "Compared";
-        let enough = error <= ENOUGH * noise;
-        standing.next = NextStep::new(if enough { Action::Export } else { Action::Experiment }, None);
-    }
+    let noise = noise_floor(&all, &[], &problem);
+    let effects: Vec<String> = model.values().kinds().iter().map(ToString::to_string).collect();
+    let standing = if model.origin.method == DISCOVERED {
+        Standing::compared(&together, noise, &effects)
+    } else {
+        Standing::simulated(&together, noise, &effects)
+    };
     console.answer(&document, || {
         let usual = feedforward::errors(&problem, &all, None).map(|(usual, _)| usual);
         prose::headed(&standing, &story(&document, &map, usual.as_ref()))

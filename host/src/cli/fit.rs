@@ -11,7 +11,7 @@ use super::{Console, prose, watch};
 use crate::compare::measures::Measures;
 use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
-use crate::findings::{Errors, Facts, NextStep, Standing, named};
+use crate::findings::{NextStep, Standing, named};
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::report::{shown_by_fit, words};
@@ -130,18 +130,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 
 /// Whether the model is enough, and what to do next.
 fn standing(fit: &Fit) -> Standing {
-    let judged = fit.validation.unwrap_or(fit.train);
-    let error = judged.rmse;
-    Standing::of(&Facts {
-        errors: Errors { base: error, model: error, noise: fit.noise_level, missed: judged.missed() },
-        effects: &named(&fit.model.values().kinds(), &fit.parameters),
-        left: None,
-        suggested: None,
-        doubted: None,
-        experiment: false,
-        hidden: &[],
-        data_problems: false,
-    })
+    let effects = named(&fit.model.values().kinds(), &fit.parameters);
+    Standing::simulated(&fit.validation.unwrap_or(fit.train), fit.noise_level, &effects)
 }
 
 fn story(fit: &Fit, unit: &str) -> String {

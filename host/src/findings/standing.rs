@@ -5,7 +5,8 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::verdict::{Errors, Verdict, spoken};
+use super::verdict::{Errors, MANY, Verdict, spoken};
+use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::fit::uncertainty::Estimate;
 use crate::report::figure::in_words;
@@ -78,6 +79,29 @@ impl Standing {
             (None, None, None) => "Not diagnosed yet",
         };
         Self { verdict, badge, headline: headline + ".", next: NextStep::after(facts, verdict) }
+    }
+
+    /// Of a model with `effects` that was simulated and not diagnosed: its errors on the records that count, and their noise level.
+    pub fn simulated(errors: &Measures, noise: f64, effects: &[String]) -> Self {
+        let (error, missed) = (errors.rmse, errors.missed());
+        Self::of(&Facts {
+            errors: Errors { base: error, model: error, noise, missed },
+            effects,
+            left: None,
+            suggested: None,
+            doubted: None,
+            experiment: false,
+            hidden: &[],
+            data_problems: false,
+        })
+    }
+
+    /// The same where what the model is missing has been looked for before.
+    pub fn compared(errors: &Measures, noise: f64, effects: &[String]) -> Self {
+        let enough = errors.rmse <= MANY * noise;
+        let action = if enough { Action::Export } else { Action::Experiment };
+        let next = NextStep::new(action, None);
+        Self { badge: "Compared", next, ..Self::simulated(errors, noise, effects) }
     }
 
     /// Of data that must be mended first.

@@ -41,11 +41,11 @@ pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
         what: format!(
             "not_confirmed: they are met {:.1} times better by the model with {}, before the effects that came after it",
             last / least,
-            if best.effects.is_empty() { "no effects".to_owned() } else { names(&best.effects) }
+            names(&best.effects, " and ", "no effects")
         ),
         fix: format!(
             "use that model (fit --effects {}), or record more like the validation records to fit to: they choose nothing by themselves",
-            if best.effects.is_empty() { "none".to_owned() } else { names(&best.effects).replace(" and ", ",") }
+            names(&best.effects, ",", "none")
         ),
     })
 }
@@ -53,8 +53,12 @@ pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
 /// An error on validation records so many times that of a smaller model is told.
 const MUCH_WORSE: f64 = 1.25;
 
-fn names(effects: &[Kind]) -> String {
-    effects.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
+/// The names of `effects`, or what `nothing` is called.
+fn names(effects: &[Kind], between: &str, nothing: &str) -> String {
+    if effects.is_empty() {
+        return nothing.to_owned();
+    }
+    effects.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(between)
 }
 
 /// Effects that are faults of the measurement, and how to end them instead of modelling them.

@@ -13,7 +13,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{rank, rung};
 use crate::fit::layout::Values;
 use crate::log::Record;
-use crate::model_file::{Model, Origin};
+use crate::model_file::{DISCOVERED, Model, Origin};
 
 /// Rounds of weighing of the base model, and steps of each.
 const BASE: (usize, usize) = (3, 12);
@@ -67,7 +67,7 @@ pub fn discovery(
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
         records: records.iter().map(|r| r.name.clone()).collect(),
-        method: "discover".into(),
+        method: DISCOVERED.into(),
         seed: None,
     };
     let (base, model) = (&selected.steps[0], selected.model());
