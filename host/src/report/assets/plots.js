@@ -105,11 +105,14 @@ const Plots = (() => {
       // Lines and numbers at whole decades only, or at 1, 2, 5 where there are few: nine to each would be all that one sees.
       const round = (v, few) => (few ? [1, 2, 5, 10] : [1, 10]).some((m) => Math.abs(v / 10 ** Math.floor(Math.log10(v)) - m) < 1e-6);
       const filter = (u, splits) => splits.map((v) => (round(v, u.scales.y.max / u.scales.y.min < 300) ? v : null));
-      Object.assign(up, { filter, values: (u, splits) => splits.map(brief), grid: { ...rule, filter }, ticks: { ...rule, filter } });
+      // Our own: uPlot's never ends on an axis that begins a little below a decade (0.97 to 3).
+      const splits = (u, place, low, high) => { const at = []; for (let d = Math.floor(Math.log10(low)); 10 ** d <= high; d++) for (let m = 1; m < 10; m++) if (m * 10 ** d >= low && m * 10 ** d <= high) at.push(m * 10 ** d); return at; };
+      Object.assign(up, { splits, filter, values: (u, splits) => splits.map(brief), grid: { ...rule, filter }, ticks: { ...rule, filter } });
     }
     const ranged = (u, low, high) => {
       const given = now().y.range;
-      if (given) return now().y.log ? decades(given) : given;
+      if (panel.y.log) return decades(given || [low, high]);
+      if (given) return given;
       const wide = low === null || !Number.isFinite(low) ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true);
       // While a slider moves the axis gives way but does not jump.
       return entry.still ? [Math.min(wide[0], u.scales.y.min), Math.max(wide[1], u.scales.y.max)] : wide;
@@ -221,7 +224,7 @@ const Plots = (() => {
   // The same figure with other points: only the lines are drawn again.
   function update(root, figure) {
     const entry = known.get(root);
-    const shape = (f) => f.panels.map((panel) => panel.curves.map((curve) => curve.name)).join();
+    const shape = (f) => f.panels.map((panel) => [panel.y.log, ...panel.curves.map((curve) => curve.name)]).join();
     if (!entry || !entry.charts.length || shape(entry.figure) !== shape(figure)) { show(root, figure, entry && entry.zoomed); return draw(root); }
     if (!figure.x.range) entry.whole = extent(figure);
     entry.figure = figure;

@@ -115,7 +115,8 @@ function showFitted() {
 let held = null;
 function holdFocus() {
   const at = document.activeElement;
-  if (!held && at && at !== document.body) held = { at, label: at.getAttribute("aria-label") };
+  // Where the focus is now counts, also where a search began at another button: it may have moved on since.
+  if (at && at !== document.body) held = { at, label: at.getAttribute("aria-label") };
 }
 function giveFocusBack() {
   if (held && (!document.activeElement || document.activeElement === document.body)) {

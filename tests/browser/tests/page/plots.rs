@@ -147,7 +147,7 @@ fn an_error_without_end_or_none_at_all_is_drawn_as_far_as_lines_can_be_counted()
     let mut browser = opened(&server);
     for errors in ["[null, 0, 3]", "[3, 1e300]", "[null]", "[0, 0]"] {
         let drawn = format!(
-            "(() => {{ for (const range of [[0, 3], [3, 1e300], spanOf({errors})]) {{
+            "(() => {{ for (const range of [[0, 3], [3, 1e300], [0.97, 3], [9.9e-9, 2e-4], undefined, spanOf({errors})]) {{
                 const panel = {{ y: {{ title: 'Error (1)', log: true, range }}, height: 240, curves: [{{ role: 'model', name: 'error', on: 0, draw: 'dotted', y: {errors} }}] }};
                 const figure = {{ id: 'endless', title: 'Error', reading: '', x: {{ title: 'Step (1)', log: false }}, columns: [{errors}.map((_, k) => k)], panels: [panel] }};
                 const root = document.querySelector('#record-plot');
