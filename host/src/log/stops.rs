@@ -5,7 +5,7 @@ use super::motion::{peak, slope, span};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 
-/// The voltage must push so many times as hard as where the shaft moves freely: friction alone holds less ...
+/// The voltage must push so many times as hard as what moves the shaft or makes it leave: friction alone holds less ...
 const HARDER: f64 = 1.5;
 /// ... and by this share of the highest.
 const PUSHES: f64 = 0.3;
@@ -95,9 +95,11 @@ fn stays(
         let push = pushed.iter().fold(0.0_f64, |p, v| p.max(*v));
         let until = time[k.min(angle.len() - 1)];
         let least = pushed.iter().fold(f64::MAX, |p, v| p.min(*v));
+        // Friction holds against both directions alike, a stop against one: `-least` is what it took to leave.
+        let held = free.max(-least);
         // A weight balances one voltage; a stop stands whatever pushes.
         let stands = push > FULL * highest || push - least > PUSHES * highest;
-        if push > HARDER * free && push > PUSHES * highest && stands {
+        if push > HARDER * held && push > PUSHES * highest && stands {
             hardest = hardest.max(push);
             stay += until - time[begin];
             ranges.push((time[begin.saturating_sub(1)], until));
@@ -144,6 +146,22 @@ mod tests {
         assert_eq!(name, "hard_stop");
         assert!(why.contains("stands at 1.50 rad at up to 6.0 V"), "{why}");
         assert!(fix.contains("--skip \"a run:") || fix.contains("--skip a run:"), "{fix}");
+    }
+
+    #[test]
+    fn a_shaft_that_creeps_to_where_friction_holds_it_meets_no_stop() {
+        // Torque from elsewhere moves it at times under less voltage than its friction; it turns back once.
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 0.002).collect();
+        let volts: Vec<f64> = time.iter().map(|t| 2.0 * (0.8 * t).sin()).collect();
+        let mut x = 0.0;
+        let angles = time.iter().zip(&volts).map(|(t, v)| {
+            let pushed = v + 0.6 * (1.5 * t).sin();
+            x += 0.002 * (pushed - pushed.clamp(-0.9, 0.9));
+            (x / 0.00126_f64).round() * 0.00126
+        });
+        let angle_rad = Some(angles.collect());
+        let record = Record { time_s: time, voltage_v: volts, angle_rad, ..bounded(1.0, 0.0) };
+        assert_eq!(hard_stop(&record), None);
     }
 
     #[test]
