@@ -131,6 +131,8 @@ const SHIFT_UNCLEAR: f64 = 0.5;
 /// Share of the records that must agree on the shift, within so many steps.
 const AGREEING: f64 = 0.6;
 const TOGETHER_STEPS: f64 = 1.6;
+/// In a gap of the gears the motor leads by some milliseconds, s; a log that is slower than that is shifted by whole rows.
+const LEADS_S: f64 = 0.006;
 /// Fewer records than this must also be much better for it.
 const FEW: usize = 3;
 const SHIFT_BETTER: f64 = 0.6;
@@ -176,7 +178,7 @@ fn shifted(seen: &[Seen]) -> Option<Warning> {
     let shift = shifts[shifts.len() / 2];
     let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
     let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
-    let early = shift < -0.9 * interval.max(0.003);
+    let early = shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
     let late = shift > (2.0 * interval).max(0.012);
     let clear = agree.len() >= FEW || agree.iter().all(|ratio| *ratio < SHIFT_BETTER);
     if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(early || late) {
@@ -311,7 +313,13 @@ fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
     if agree + odd.len() < gains.len() || odd.len() * 2 >= agree {
         return Vec::new();
     }
+    // A pendulum or a latency changes what fast reversals say of the gain, which show little but acceleration.
+    let surely = |record: &Record| {
+        let all = |s: &Seen| s.weak.as_ref().is_some_and(|weak| weak.gains().iter().all(|g| off(*g) > APART));
+        seen.iter().any(|s| std::ptr::eq(s.record, record) && all(s))
+    };
     odd.into_iter()
+        .filter(|(record, _)| surely(record))
         .map(|(record, g)| Warning {
             place: place_of(record, "voltage_v"),
             what: format!(

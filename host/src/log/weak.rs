@@ -16,6 +16,10 @@ const WIDTH_SAMPLES: f64 = 20.0;
 /// Windows looked at.
 const MOST_WINDOWS: usize = 160;
 const FEWEST_WINDOWS: usize = 20;
+/// Latencies that are tried, s.
+const LATE_S: [f64; 9] = [0.0, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.07, 0.1];
+/// What leaves less than this multiple of the voltage that the best leaves explains it as well: the equation is rough.
+const HARDLY_MORE: f64 = 2.0;
 /// Below this share of the highest speed the direction of friction is unclear.
 const STILL: f64 = 0.03;
 
@@ -129,18 +133,28 @@ impl<'a> Weak<'a> {
     /// The output speed per volt, rad/s/V, that explains the voltage best beside friction, a constant load and a pendulum, of a latency
     /// up to a tenth of a second; none where that explains hardly anything. Negative where the motor turns against its voltage.
     pub fn gain_under_load(&self) -> Option<f64> {
-        const LATE_S: [f64; 5] = [0.0, 0.02, 0.04, 0.07, 0.1];
         const HARDLY: f64 = 0.7;
-        let fitted = LATE_S.into_iter().filter_map(|late_s| {
-            let rows = self.rows_of(late_s, |v| v);
-            let full = rows.iter().zip(&self.windows).map(|((row, v), window)| {
-                let gravity = window.gravity.map(|g| g / window.area);
-                ([row[0], row[1], row[2], row[3], gravity[0], gravity[1]], *v)
-            });
-            solved(&full.collect::<Vec<_>>())
-        });
+        let fitted = LATE_S.into_iter().filter_map(|late_s| self.under_load(late_s));
         let best = fitted.min_by(|a, b| a.left.total_cmp(&b.left))?;
         (best.left < HARDLY).then_some(best.gain)
+    }
+
+    /// [`Self::regress`] with the torque of a pendulum beside friction and load.
+    fn under_load(&self, late_s: f64) -> Option<Regression> {
+        let rows = self.rows_of(late_s, |v| v);
+        let full = rows.iter().zip(&self.windows).map(|((row, v), window)| {
+            let gravity = window.gravity.map(|g| g / window.area);
+            ([row[0], row[1], row[2], row[3], gravity[0], gravity[1]], *v)
+        });
+        solved(&full.collect::<Vec<_>>())
+    }
+
+    /// The gains, rad/s/V, that the record may have: with a pendulum or none, at each latency, of what leaves hardly more than the best.
+    pub fn gains(&self) -> Vec<f64> {
+        let all = LATE_S.into_iter().flat_map(|late| [self.regress(late, |v| v), self.under_load(late)]);
+        let all: Vec<Regression> = all.flatten().collect();
+        let best = all.iter().map(|x| x.left).fold(f64::MAX, f64::min);
+        all.iter().filter(|x| x.left < HARDLY_MORE * best).map(|x| x.gain).collect()
     }
 
     /// Regresses the voltage, `late_s` seconds later than logged and changed by `law`, on the motion.
