@@ -21,6 +21,7 @@ mod json;
 mod layout;
 pub mod mapping;
 mod metadata;
+mod mistaken;
 pub(crate) mod motion;
 mod preamble;
 pub mod quantum;

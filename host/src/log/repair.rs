@@ -109,8 +109,30 @@ fn leave_out_spikes(record: &mut Record) {
     }
 }
 
+/// Zeros in the midst of motion, which no inertia allows: nothing was read there.
+fn dropouts(speed: &[f64]) -> Vec<usize> {
+    let ordinary = speed.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
+    let step = ordinary.fold(0.0, |step: f64, p| step.max((p[1] - p[0]).abs()));
+    let mut found = Vec::new();
+    let mut k = 1;
+    while k + 1 < speed.len() {
+        let zeros = speed[k..].iter().take_while(|w| **w == 0.0).count();
+        let (before, after) = (speed[k - 1], speed.get(k + zeros).copied().unwrap_or(0.0));
+        let far = before * after > 0.0 && before.abs().min(after.abs()) > APART * step;
+        if zeros > 0 && zeros <= LONGEST_SPIKE && far {
+            found.extend(k..k + zeros);
+        }
+        k += zeros.max(1);
+    }
+    found
+}
+
 /// Spikes far beyond all other readings, or that no inertia allows: many times the largest step between any two others.
 fn speed_spikes(speed: &[f64]) -> Vec<usize> {
+    let dropped = dropouts(speed);
+    if !dropped.is_empty() {
+        return dropped;
+    }
     let found = spikes(speed);
     let rest: Vec<f64> =
         (0..speed.len()).filter(|k| found.binary_search(k).is_err()).map(|k| speed[k]).collect();
@@ -317,6 +339,22 @@ mod tests {
         }
         (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
         assert_eq!(repaired(record)[0].len(), 796);
+    }
+
+    #[test]
+    fn zeros_in_the_midst_of_motion_are_left_out_and_a_speed_that_passes_zero_is_not() {
+        let mut record = moving(swing);
+        let speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
+        (record.angle_rad, record.speed_rad_s) = (None, Some(speed.clone()));
+        assert_eq!(repaired(record.clone())[0].len(), 800);
+        let mut dropped = speed;
+        for k in [20, 77, 301, 302, 640] {
+            dropped[k] = 0.0;
+        }
+        record.speed_rad_s = Some(dropped);
+        let parts = repaired(record);
+        assert_eq!(parts[0].len(), 795);
+        assert!(parts[0].warnings[0].what.contains("sample 21"), "{:?}", parts[0].warnings);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::hold::hold;
+use super::mistaken::{angle_as_speed, frozen, turned_round};
 use super::motion::peak;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
@@ -43,6 +44,9 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         blind_near_zero,
         unsigned,
         unsigned_motion,
+        angle_as_speed,
+        turned_round,
+        frozen,
     ];
     let regressed = [clipped, wrong_gear];
     let seen: Vec<Seen> =

@@ -50,6 +50,8 @@ pub struct Regression {
     pub tau_s: f64,
     /// Share of the voltage's variation that is left, 0 ..= 1.
     pub left: f64,
+    /// Sum of the squares of what is left, V^2.
+    left_v2: f64,
 }
 
 impl<'a> Weak<'a> {
@@ -157,6 +159,26 @@ impl<'a> Weak<'a> {
         all.iter().filter(|x| x.left < HARDLY_MORE * best).map(|x| x.gain).collect()
     }
 
+    /// [`Self::regress`] at the latency, up to a tenth of a second, that leaves least.
+    pub fn under_any_latency(&self) -> Option<Regression> {
+        let all = LATE_S.into_iter().filter_map(|late_s| self.regress(late_s, |v| v));
+        all.min_by(|a, b| a.left.total_cmp(&b.left))
+    }
+
+    /// The time, s, at which the record falls into the two parts that explain their voltages best, each by itself, and what they are
+    /// explained by. Each part has [`FEWEST_WINDOWS`] or more.
+    pub fn best_parts(&self) -> Option<(f64, [Regression; 2])> {
+        let rows = self.rows_of(0.0, |v| v);
+        let last = rows.len().checked_sub(FEWEST_WINDOWS)?;
+        let parted = (FEWEST_WINDOWS..=last).filter_map(|k| {
+            let parts = [solved(&rows[..k])?, solved(&rows[k..])?];
+            let left = parts[0].left_v2 + parts[1].left_v2;
+            Some((left, self.windows[k].centre, parts))
+        });
+        let (_, at_s, parts) = parted.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((at_s, parts))
+    }
+
     /// Regresses the voltage, `late_s` seconds later than logged and changed by `law`, on the motion.
     pub fn regress(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Option<Regression> {
         solved(&self.rows_of(late_s, law))
@@ -185,6 +207,7 @@ fn solved<const N: usize>(rows: &[([f64; N], f64)]) -> Option<Regression> {
         gain: 1.0 / x[0],
         tau_s: x[1] / x[0],
         left: (left / variation).sqrt(),
+        left_v2: left,
     })
 }
 

@@ -163,9 +163,9 @@ fn limit(
     let typical = of.plain(of.typical.abs(), &problem.rig);
     // A motor that runs away in the simulation would have been seen, but has no signal to tell a limit from.
     let is_bounded = |signal: &Vec<Vec<f64>>| signal.iter().flatten().all(|s| s.is_finite());
-    // The smallest size from which on every larger one shows too.
-    let shows = |signal: &&Vec<Vec<f64>>| !is_bounded(signal) || trial.accepts(kind, signal, 1.0);
-    let last = signals.iter().take_while(shows).count().checked_sub(1).filter(|k| is_bounded(&signals[*k]));
+    // The smallest size that shows: larger ones do too.
+    let shows = |signal: &Vec<Vec<f64>>| !is_bounded(signal) || trial.accepts(kind, signal, 1.0);
+    let last = signals.partition_point(shows).checked_sub(1).filter(|k| is_bounded(&signals[*k]));
     let smallest = last.map(|k| {
         // Between two sizes an octave apart the signal is taken for proportional to the size.
         let (mut hidden, mut shows) = (0.5, 1.0);

@@ -1,0 +1,160 @@
+//! Motion that is read as what it is not: an angle as a speed, with its sign turned round from some row on, or by a sensor that hangs.
+//!
+//! For the first two the motor's own equation decides: the reading that explains the voltage is right ([`super::weak`]).
+
+use super::Record;
+use super::guess::quoted;
+use super::motion::{peak, span};
+use super::remap::remapped;
+use super::suspicion::Odd;
+use super::units::Quantity;
+use super::weak::Weak;
+
+/// A reading is right that leaves less than this share of the voltage's variation ...
+const EXPLAINS: f64 = 0.35;
+/// ... and of what the other one leaves.
+const BETTER: f64 = 0.4;
+/// Under either sign the motor turns about as far per volt: within this factor.
+const ALIKE: f64 = 2.0;
+
+/// A column that was taken for the speed and is the angle: with it as the angle the voltage is explained, as the speed it is not.
+pub(super) fn angle_as_speed(record: &Record) -> Option<Odd> {
+    let speed = record.speed_rad_s.as_ref().filter(|_| record.angle_rad.is_none())?;
+    let as_angle = Record { angle_rad: Some(speed.clone()), speed_rad_s: None, ..record.clone() };
+    let left = |record: &Record| {
+        let best = Weak::new(record)?.under_any_latency()?;
+        (best.gain > 0.0).then_some(best.left)
+    };
+    let (angle, speed) = (left(&as_angle)?, left(record).unwrap_or(1.0));
+    (angle < EXPLAINS && angle < BETTER * speed).then(|| {
+        (
+            "angle_as_speed",
+            "speed_rad_s",
+            format!(
+                "as an angle this column explains all but {:.0} % of the voltage, as a speed all but {:.0} %: it looks like an angle",
+                100.0 * angle,
+                100.0 * speed.min(1.0)
+            ),
+            format!("say {}, with the unit of the angle", remapped(record, &[(Quantity::Speed, Quantity::Angle, "rad")])),
+        )
+    })
+}
+
+/// The motor turns with its voltage up to some row and against it from there on.
+pub(super) fn turned_round(record: &Record) -> Option<Odd> {
+    let weak = Weak::new(record)?;
+    let whole = weak.regress(0.0, |v| v)?;
+    let (at_s, [first, second]) = weak.best_parts()?;
+    let explained = [first, second].iter().all(|part| part.left < EXPLAINS);
+    let factor = (first.gain / second.gain).abs();
+    let alike = factor.max(factor.recip()) < ALIKE;
+    let turned = first.gain * second.gain < 0.0 && explained && alike;
+    (turned && first.left.max(second.left) < BETTER * whole.left).then(|| {
+        let (with, against) = if first.gain > 0.0 { ("before", "after") } else { ("after", "before") };
+        let wrong = if first.gain > 0.0 {
+            (at_s, record.time_s.last().copied().unwrap_or(at_s))
+        } else {
+            (record.time_s.first().copied().unwrap_or(0.0), at_s)
+        };
+        (
+            "sign_flipped",
+            if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" },
+            format!(
+                "the motor turns with its voltage {with} about {at_s:.2} s and against it {against}: the sign of one of them was turned round on the way"
+            ),
+            format!(
+                "leave one part out: --skip {}, or give each part a file and a sign of its own",
+                quoted(&format!("{}:{:.2}..{:.2}", record.name, wrong.0, wrong.1))
+            ),
+        )
+    })
+}
+
+/// A speed that stands still by its digits for so long, s and samples, while the voltage goes through this share of its range.
+const FROZEN: (f64, usize, f64) = (0.1, 8, 0.3);
+
+/// A sensor that hangs: the shaft turns, the voltage changes, and the reading does not.
+pub(super) fn frozen(record: &Record) -> Option<Odd> {
+    let (time, volts, speed) = (&record.time_s, &record.voltage_v, record.speed_rad_s.as_ref()?);
+    let (least_s, fewest, share) = FROZEN;
+    let range = span(volts);
+    let mut begin = 0;
+    for end in 1..=speed.len() {
+        if end < speed.len() && speed[end] == speed[begin] {
+            continue;
+        }
+        let long = end - begin >= fewest && time[end - 1] - time[begin] > least_s;
+        // The motor had as long to answer to the change.
+        let answered = begin + time[begin..end].partition_point(|t| *t <= time[end - 1] - least_s);
+        if long && speed[begin].abs() > 0.1 * peak(speed) && span(&volts[begin..answered]) > share * range {
+            let (from, to) = (time[begin], time[end - 1]);
+            let skip = quoted(&format!("{}:{from:.3}..{to:.3}", record.name));
+            return Some((
+                "frozen_sensor",
+                "speed_rad_s",
+                format!(
+                    "the speed stands at {:.4} rad/s from {from:.3} s to {to:.3} s while the voltage changes: the sensor hung",
+                    speed[begin]
+                ),
+                format!("leave that time out with --skip {skip}, and check the sensor's cable"),
+            ));
+        }
+        begin = end;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::motion::speed;
+    use crate::log::timing::median_interval;
+    use crate::log::usable::tests::motor;
+
+    #[test]
+    fn an_angle_in_the_place_of_a_speed_is_told_and_a_speed_is_not() {
+        let clean = motor();
+        assert_eq!(angle_as_speed(&clean), None);
+        let right = Record { speed_rad_s: Some(speed(&clean)), angle_rad: None, ..clean.clone() };
+        assert_eq!(angle_as_speed(&right), None);
+        let wrong = Record { speed_rad_s: clean.angle_rad.clone(), angle_rad: None, ..clean };
+        assert_eq!(angle_as_speed(&wrong).unwrap().0, "angle_as_speed");
+    }
+
+    #[test]
+    fn a_sign_that_is_turned_round_on_the_way_is_told_with_its_time() {
+        let mut record = motor();
+        assert_eq!(turned_round(&record), None);
+        let half = record.len() / 3;
+        let angle = record.angle_rad.as_mut().unwrap();
+        let there = angle[half];
+        angle[half..].iter_mut().for_each(|x| *x = 2.0 * there - *x);
+        let (name, _, why, fix) = turned_round(&record).unwrap();
+        assert_eq!(name, "sign_flipped");
+        let told = why.split_once("about ").and_then(|(_, rest)| rest.split_once(" s ")).unwrap().0;
+        let told: f64 = told.parse().unwrap();
+        assert!((told - record.time_s[half]).abs() < 1.0, "{why} {fix}");
+        // Turned round all the way it is the sign of the whole.
+        record.voltage_v[..half].iter_mut().for_each(|v| *v = -*v);
+        assert_eq!(turned_round(&record), None);
+    }
+
+    #[test]
+    fn a_speed_that_hangs_while_the_voltage_changes_is_told_and_an_even_one_is_not() {
+        let clean = motor();
+        let mut record = Record { speed_rad_s: Some(speed(&clean)), angle_rad: None, ..clean };
+        assert_eq!(frozen(&record), None);
+        let interval = median_interval(&record.time_s);
+        let held = (1.0 / interval) as usize;
+        let w = record.speed_rad_s.as_mut().unwrap();
+        let begin = (0..w.len() - held).max_by(|a, b| w[*a].abs().total_cmp(&w[*b].abs())).unwrap();
+        let value = w[begin];
+        w[begin..begin + held].fill(value);
+        let (name, _, _, fix) = frozen(&record).unwrap();
+        assert!(name == "frozen_sensor" && fix.contains("--skip"), "{fix}");
+        // Under an even voltage an even speed is none.
+        let v = record.voltage_v[begin];
+        record.voltage_v[begin..begin + held].fill(v);
+        assert_eq!(frozen(&record), None);
+    }
+}
