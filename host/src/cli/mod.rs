@@ -177,9 +177,9 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The command that was `given`, with the options of `proposal` in the place of its own.
+/// The command that was `given`, with the mapping of `proposal` in the place of its own and what that assumes beside it.
 fn with_proposal(given: impl Iterator<Item = String>, proposal: &Proposal) -> String {
-    const REPLACED: [&str; 5] = ["--map", "--supply-volts", "--counts-per-rev", "--metres-per-rev", "--rate"];
+    const REPLACED: [&str; 1] = ["--map"];
     let mut words = vec!["motorlens".to_owned()];
     let mut given = given;
     while let Some(word) = given.next() {

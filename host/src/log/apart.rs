@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::clock::Clock;
 use super::table::{self, Read};
 use super::units::Quantity;
-use super::{ReadOptions, Record, Warning, guess, preamble, sample, text};
+use super::{Metadata, ReadOptions, Record, Warning, guess, preamble, sample, text};
 use crate::error::{BadInput, Error, Result};
 
 /// What belongs to the input of a motor.
@@ -56,6 +56,9 @@ fn proposing(error: Error, input: &Path, output: &Path, options: &ReadOptions) -
             if let (Ok(first), Ok(second)) = (sample(input), sample(output))
                 && let Some(proposal) = guess::propose_apart(&first, &second)
             {
+                let mut meta = Metadata::default();
+                let _ = options.complete(input, &mut meta);
+                let proposal = proposal.with_known(options.known(&meta));
                 fault.remedy = format!(
                     "say which column is what and in which unit; the files look like {}",
                     proposal.options()

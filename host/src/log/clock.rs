@@ -42,6 +42,9 @@ impl Clock {
             }
             return Some(value * unit_s);
         }
+        if let Some(seconds) = time_delta(text) {
+            return Some(seconds);
+        }
         let moment = moment(text)?;
         if let Some(day) = moment.day {
             let first = *self.day.get_or_insert(day);
@@ -58,6 +61,9 @@ impl Clock {
 /// Understands `12:34:56.789`, `34:56.789`, `1:02:03,5 PM`, `2024-05-01T12:34:56.789+02:00`, `01.05.2024 12:34:56`. Of a date
 /// with strokes and the year last, which may be of either order, the day is left open.
 pub(super) fn moment(text: &str) -> Option<Moment> {
+    if let Some(seconds) = time_delta(text) {
+        return Some(Moment { day: None, seconds });
+    }
     if !text.contains(':') || text.len() > 48 {
         return None;
     }
@@ -81,7 +87,15 @@ pub(super) fn moment(text: &str) -> Option<Moment> {
     Some(Moment { day, seconds: seconds.rem_euclid(DAY_S) })
 }
 
-/// Whether `text` has the shape of a date.
+/// Seconds of a difference of times as pandas writes it: `0 days 00:00:01.25`, `-1 days +23:59:59`.
+fn time_delta(text: &str) -> Option<f64> {
+    let (days, time) = text.trim().split_once(" day")?;
+    let days: f64 = days.trim().parse().ok()?;
+    let (seconds, _) = time_of_day(time.trim_start_matches('s').trim().trim_start_matches('+'))?;
+    Some(days * DAY_S + seconds)
+}
+
+/// Whether `text` has the shape of a date, or of a difference of times.
 pub(super) fn is_date(text: &str) -> bool {
     day_of(text).is_some()
 }
@@ -165,6 +179,15 @@ mod tests {
 
     fn at(day: Option<i64>, seconds: f64) -> Option<Moment> {
         Some(Moment { day, seconds })
+    }
+
+    #[test]
+    fn a_difference_of_times_as_pandas_writes_it_is_seconds() {
+        let mut clock = Clock::default();
+        assert_eq!(clock.read("0 days 00:00:00.004", 1.0, None), Some(0.004));
+        assert_eq!(clock.read("1 days 00:01:00", 1.0, None), Some(86_460.0));
+        assert_eq!(clock.read("-1 days +23:59:59.5", 1.0, None), Some(-0.5));
+        assert_eq!(clock.read("one day", 1.0, None), None);
     }
 
     #[test]

@@ -46,6 +46,9 @@ impl FromStr for EncoderShaft {
 #[serde(transparent)]
 pub struct Metadata(BTreeMap<String, String>);
 
+/// How a voltage is told that is a duty times one number.
+pub(super) const BEHIND_DUTY: &str = "it is the duty times ";
+
 impl Metadata {
     /// Stores a pair.
     ///
@@ -95,6 +98,11 @@ impl Metadata {
     /// Speed of the output shaft per volt without load by the name plate, rad/s per V.
     pub fn no_load_gain(&self) -> Option<f64> {
         self.typed("no_load_rad_s_per_v")
+    }
+
+    /// The supply's voltage by which a duty was multiplied, V, where the log had none: written as [`BEHIND_DUTY`] begins.
+    pub fn supply_behind_duty(&self) -> Option<f64> {
+        self.get("voltage")?.strip_prefix(BEHIND_DUTY)?.split(' ').next()?.parse().ok()
     }
 
     /// Where the encoder sits, if the log says.

@@ -7,6 +7,7 @@ use super::guess::quoted;
 use super::motion::{peak, span};
 use super::remap::remapped;
 use super::suspicion::Odd;
+use super::timing::median_interval;
 use super::units::Quantity;
 use super::weak::Weak;
 
@@ -17,27 +18,63 @@ const BETTER: f64 = 0.4;
 /// Under either sign the motor turns about as far per volt: within this factor.
 const ALIKE: f64 = 2.0;
 
+/// Share of the voltage's variation that the motor's equation leaves, where the motor turns with its voltage.
+fn left(record: &Record) -> Option<f64> {
+    let best = Weak::new(record)?.under_any_latency()?;
+    (best.gain > 0.0).then_some(best.left)
+}
+
+/// Whether `record`, read otherwise, is explained so that it must be `other`; in percent what is left of both.
+fn is_rather(record: &Record, other: &Record) -> Option<(f64, f64)> {
+    let (right, wrong) = (left(other)?, left(record).unwrap_or(1.0));
+    (right < EXPLAINS && right < BETTER * wrong).then_some((100.0 * right, 100.0 * wrong.min(1.0)))
+}
+
 /// A column that was taken for the speed and is the angle: with it as the angle the voltage is explained, as the speed it is not.
 pub(super) fn angle_as_speed(record: &Record) -> Option<Odd> {
     let speed = record.speed_rad_s.as_ref().filter(|_| record.angle_rad.is_none())?;
     let as_angle = Record { angle_rad: Some(speed.clone()), speed_rad_s: None, ..record.clone() };
-    let left = |record: &Record| {
-        let best = Weak::new(record)?.under_any_latency()?;
-        (best.gain > 0.0).then_some(best.left)
-    };
-    let (angle, speed) = (left(&as_angle)?, left(record).unwrap_or(1.0));
-    (angle < EXPLAINS && angle < BETTER * speed).then(|| {
-        (
-            "angle_as_speed",
-            "speed_rad_s",
-            format!(
-                "as an angle this column explains all but {:.0} % of the voltage, as a speed all but {:.0} %: it looks like an angle",
-                100.0 * angle,
-                100.0 * speed.min(1.0)
-            ),
-            format!("say {}, with the unit of the angle", remapped(record, &[(Quantity::Speed, Quantity::Angle, "rad")])),
+    let (angle, speed) = is_rather(record, &as_angle)?;
+    Some((
+        "angle_as_speed",
+        "speed_rad_s",
+        format!(
+            "as an angle this column explains all but {angle:.0} % of the voltage, as a speed all but {speed:.0} %: it looks like an angle"
+        ),
+        format!(
+            "say {}, with the unit of the angle",
+            remapped(record, &[(Quantity::Speed, Quantity::Angle, "rad")])
+        ),
+    ))
+}
+
+/// A column that was taken for the angle and is the speed, or what was counted since the row before.
+pub(super) fn speed_as_angle(record: &Record) -> Option<Odd> {
+    let angle =
+        record.angle_rad.as_ref().filter(|_| record.speed_rad_s.is_none() && record.servo.is_none())?;
+    let as_speed = Record { angle_rad: None, speed_rad_s: Some(angle.clone()), ..record.clone() };
+    let (speed, angle) = is_rather(record, &as_speed)?;
+    let rate = 1.0 / median_interval(&record.time_s);
+    let source = record.map.as_ref().and_then(|map| map.source(Quantity::Angle));
+    let fix = if source.is_some_and(|source| source.written.starts_with("counts")) {
+        let unit = format!("counts/s*{}", (1e3 * rate).round() / 1e3);
+        format!(
+            "say {}, if it counts since the row before",
+            remapped(record, &[(Quantity::Angle, Quantity::Speed, &unit)])
         )
-    })
+    } else {
+        let map = remapped(record, &[(Quantity::Angle, Quantity::Speed, "rad/s")]);
+        format!("say {map}, with the unit of the speed")
+    };
+    Some((
+        "speed_as_angle",
+        "angle_rad",
+        format!(
+            "as a speed this column explains all but {speed:.0} % of the voltage, as an angle all but {angle:.0} %: it looks like a speed, or like \
+             what was counted since the row before"
+        ),
+        fix,
+    ))
 }
 
 /// The motor turns with its voltage up to some row and against it from there on.
@@ -119,6 +156,9 @@ mod tests {
         assert_eq!(angle_as_speed(&right), None);
         let wrong = Record { speed_rad_s: clean.angle_rad.clone(), angle_rad: None, ..clean };
         assert_eq!(angle_as_speed(&wrong).unwrap().0, "angle_as_speed");
+        let counted = Record { angle_rad: right.speed_rad_s.clone(), speed_rad_s: None, ..right };
+        assert_eq!(speed_as_angle(&counted).unwrap().0, "speed_as_angle");
+        assert_eq!(speed_as_angle(&motor()), None);
     }
 
     #[test]

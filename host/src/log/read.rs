@@ -3,6 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use super::guess::Known;
 use super::mapping::Mapping;
 use super::text::cannot_read;
 use super::{Hold, Metadata, Record, apart, bam, formats, preamble, repair, servo, sysid, table, text};
@@ -43,6 +44,16 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// What need not be assumed of a table whose metadata are `meta`.
+    pub(super) fn known(&self, meta: &Metadata) -> Known {
+        Known {
+            supply_volts: self.supply_volts.is_some(),
+            counts_per_rev: meta.counts_per_rev().is_some(),
+            metres_per_rev: meta.metres_per_rev().is_some(),
+            rate: self.rate_hz.is_some(),
+        }
+    }
+
     /// Lets the motor file override what the log says of the motor.
     pub(super) fn complete(&self, path: &Path, meta: &mut Metadata) -> Result<()> {
         let plate = &self.motor.nameplate;

@@ -4,6 +4,7 @@ use super::Record;
 use super::motion::{low_pass, peak};
 use super::suspicion::Odd;
 use super::timing::median_interval;
+use super::units::Quantity;
 
 /// Angle and integrated speed may differ by this share.
 const DRIFT: f64 = 0.02;
@@ -129,6 +130,19 @@ pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
             "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
         ));
     }
+    let counted = record.map.as_ref().and_then(|map| map.source(Quantity::Angle));
+    let counted = counted.is_some_and(|source| source.written.starts_with("counts"));
+    if best.way > 1.0 && counted && (0.3..0.99).contains(&best.share.abs()) {
+        let counts = record.meta.counts_per_rev()? * (1.0 - best.share);
+        return Some((
+            "wrong_counts_per_rev",
+            "angle_rad",
+            format!("the angle goes {:.3} times as far as the speed beside it says", 1.0 - best.share),
+            format!(
+                "if the speed is that of the output shaft, the encoder makes {counts:.0} counts per turn of it: --counts-per-rev {counts:.0}"
+            ),
+        ));
+    }
     let ms = 1e3 * best.lag.seconds();
     let how = match best.lag {
         Lag::Late(_) => "late by",
@@ -221,6 +235,17 @@ mod tests {
             assert_eq!(name, "late_speed", "{why}");
         }
         assert_eq!(speed_beside_angle(&both(|_| ())), None);
+    }
+
+    #[test]
+    fn counts_per_turn_that_contradict_the_speed_are_told_with_the_right_ones() {
+        let mut record = both(|w| w.iter_mut().for_each(|w| *w /= 1.55));
+        record.map = Some("time=t:s,voltage=u:V,angle=enc:counts,speed=w:rpm".parse().unwrap());
+        record.meta.insert("counts_per_rev", "1320").unwrap();
+        let (name, _, _, fix) = speed_beside_angle(&record).unwrap();
+        assert!(name == "wrong_counts_per_rev" && fix.contains("--counts-per-rev 20"), "{fix}");
+        record.map = None;
+        assert!(speed_beside_angle(&record).is_none_or(|odd| odd.0 != "wrong_counts_per_rev"));
     }
 
     #[test]

@@ -82,7 +82,9 @@ fn spikes(values: &[f64]) -> Vec<usize> {
 }
 
 fn leave_out_spikes(record: &mut Record) {
-    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none()).map(spikes).unwrap_or_default();
+    let garbled =
+        |x: &[f64]| Some(dropouts(x)).filter(|dropped| !dropped.is_empty()).unwrap_or_else(|| spikes(x));
+    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none()).map(garbled).unwrap_or_default();
     let speed = record.speed_rad_s.as_deref().map(speed_spikes).unwrap_or_default();
     for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
         if samples.is_empty() {
@@ -110,15 +112,23 @@ fn leave_out_spikes(record: &mut Record) {
 }
 
 /// Zeros in the midst of motion, which no inertia allows: nothing was read there.
-fn dropouts(speed: &[f64]) -> Vec<usize> {
-    let ordinary = speed.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
+fn dropouts(values: &[f64]) -> Vec<usize> {
+    let ordinary = values.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
     let step = ordinary.fold(0.0, |step: f64, p| step.max((p[1] - p[0]).abs()));
+    let runs = |least: f64| zeros_between(values, least);
+    let certain = runs(APART * step);
+    // Where some are certain, the others among slower motion are the same.
+    if certain.len() > 1 { runs(0.0) } else { certain }
+}
+
+/// Short runs of zeros between readings of one sign, both further from zero than `least`.
+fn zeros_between(values: &[f64], least: f64) -> Vec<usize> {
     let mut found = Vec::new();
     let mut k = 1;
-    while k + 1 < speed.len() {
-        let zeros = speed[k..].iter().take_while(|w| **w == 0.0).count();
-        let (before, after) = (speed[k - 1], speed.get(k + zeros).copied().unwrap_or(0.0));
-        let far = before * after > 0.0 && before.abs().min(after.abs()) > APART * step;
+    while k + 1 < values.len() {
+        let zeros = values[k..].iter().take_while(|w| **w == 0.0).count();
+        let (before, after) = (values[k - 1], values.get(k + zeros).copied().unwrap_or(0.0));
+        let far = before * after > 0.0 && before.abs().min(after.abs()) > least;
         if zeros > 0 && zeros <= LONGEST_SPIKE && far {
             found.extend(k..k + zeros);
         }

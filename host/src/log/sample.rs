@@ -109,6 +109,16 @@ pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Res
         .map_or_else(|| Guess::Open(guess::effort_question(&sample)), Guess::Proposed))
 }
 
+impl Guess {
+    /// The same without assumptions about what is known.
+    pub fn with_known(self, known: guess::Known) -> Self {
+        match self {
+            Guess::Proposed(proposal) => Guess::Proposed(proposal.with_known(known)),
+            Guess::Open(_) => self,
+        }
+    }
+}
+
 /// What a guess came to.
 #[derive(Debug)]
 pub(super) enum Guess {

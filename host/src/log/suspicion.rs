@@ -4,7 +4,7 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::hold::hold;
-use super::mistaken::{angle_as_speed, frozen, turned_round};
+use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
 use super::motion::peak;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
@@ -13,7 +13,7 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
-use super::voltages::{duty, is_level, one_level, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, faults, together};
 
@@ -45,8 +45,10 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         unsigned,
         unsigned_motion,
         angle_as_speed,
+        speed_as_angle,
         turned_round,
         frozen,
+        antiphase,
     ];
     let regressed = [clipped, wrong_gear];
     let seen: Vec<Seen> =

@@ -7,6 +7,7 @@ use super::choice::{Choice, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
 use super::mapping::Mapping;
+use super::metadata::BEHIND_DUTY;
 use super::preamble;
 use super::rows::{Blanks, Rows, is_held};
 use super::sample::proposal;
@@ -70,7 +71,10 @@ pub(super) fn columns(
     let map = options.map.as_ref().map(|map| choice.with_units(map));
     let wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
         Ok(wanted) => wanted,
-        Err(missing) => return Err(choice.refusal(&missing, proposal(path, input, &head)?)),
+        Err(missing) => {
+            let guess = proposal(path, input, &head)?.with_known(options.known(&meta));
+            return Err(choice.refusal(&missing, guess));
+        }
     };
     let state = structure::state_column(&names)
         .filter(|k| wanted.values.iter().all(|column| column.index != *k))
@@ -206,7 +210,7 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
         record.voltage_v = match (&record.supply_v, options.supply_volts) {
             (Some(supply), _) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
             (None, Some(volts)) => {
-                let how = format!("it is the duty times {volts} V, whatever the supply did");
+                let how = format!("{BEHIND_DUTY}{volts} V, whatever the supply did");
                 record.meta.insert("voltage", &how).expect("this key takes any text");
                 duty.iter().map(|duty| duty * volts).collect()
             }

@@ -206,7 +206,14 @@ fn gain(record: &Record) -> Option<Fault> {
             format!(
                 "{gain:.0} rad/s per volt is more than any motor turns; the column looks like degrees or counts"
             ),
-            "give the unit, for example --map angle=angle_rad:deg, and check that the voltage is in volts and no duty",
+            format!(
+                "give the unit, for example {}, and check that the voltage is in volts and no duty",
+                if record.angle_rad.is_some() {
+                    remapped(record, &[(Angle, Angle, "deg")])
+                } else {
+                    remapped(record, &[(Speed, Speed, "deg/s")])
+                }
+            ),
         ));
     }
     let plate = record.meta.no_load_gain()?;

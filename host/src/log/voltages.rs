@@ -4,6 +4,7 @@ use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;
 use super::suspicion::{Odd, place_of};
 use super::units::Quantity;
+use super::weak::Weak;
 use super::{Record, Warning};
 
 /// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
@@ -112,6 +113,36 @@ pub(super) fn unsigned(record: &Record) -> Option<Odd> {
     })
 }
 
+/// The load that half of the full duty makes up for, of the supply's voltage, and how near it must come.
+const HALF: (f64, f64) = (0.5, 0.07);
+
+/// A bridge that is driven by locked antiphase stands still at half of the full duty, drives one way above and the other way below.
+pub(super) fn antiphase(record: &Record) -> Option<Odd> {
+    let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
+    let full = mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(100.0))?;
+    let supply_v = record.supply_v.as_ref().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
+    let supply_v = supply_v.or(record.meta.supply_behind_duty())?;
+    if record.voltage_v.iter().any(|v| *v < 0.0) {
+        return None;
+    }
+    let motion = speed(record);
+    let (forth, back) =
+        motion.iter().fold((0.0, 0.0), |(forth, back), w| (forth + w.max(0.0), back - w.min(0.0)));
+    let motor = Weak::new(record)?.under_any_latency()?;
+    let half = (motor.load_v / supply_v - HALF.0).abs() < HALF.1;
+    (forth.min(back) > BOTH_WAYS * (forth + back) && motor.gain > 0.0 && half).then(|| {
+        (
+            "locked_antiphase",
+            "voltage_v",
+            format!("the motor stands still at half of the full duty ({}) and turns the other way below: the bridge is driven by locked antiphase", 0.5 * full),
+            format!(
+                "say where no duty is: {}",
+                remapped(record, &[(Quantity::Duty, Quantity::Duty, &format!("{}..{full}", 0.5 * full))])
+            ),
+        )
+    })
+}
+
 /// A speed below this share of the fastest is none, whatever its sign.
 const NO_SPEED: f64 = 0.02;
 
@@ -154,6 +185,22 @@ mod tests {
         let mut hoist = motor();
         hoist.voltage_v.iter_mut().for_each(|v| *v += 7.0);
         assert_eq!(unsigned(&hoist), None);
+    }
+
+    #[test]
+    fn a_bridge_in_locked_antiphase_is_told_with_where_no_duty_is() {
+        let mut record = motor();
+        record.map = Some("time=t:s,duty=pwm:255,angle=x:rad".parse().unwrap());
+        record.meta.insert("voltage", "it is the duty times 20 V, whatever the supply did").unwrap();
+        assert_eq!(antiphase(&record), None);
+        let high = peak(&record.voltage_v);
+        assert!(high < 10.0, "{high}");
+        record.voltage_v.iter_mut().for_each(|v| *v += 10.0);
+        let (name, _, _, fix) = antiphase(&record).unwrap();
+        assert!(name == "locked_antiphase" && fix.contains("duty=pwm:127.5..255"), "{fix}");
+        // A load that a motor holds at a third of its supply is a load.
+        record.voltage_v.iter_mut().for_each(|v| *v -= 3.0);
+        assert_eq!(antiphase(&record), None);
     }
 
     #[test]

@@ -48,6 +48,8 @@ pub struct Regression {
     pub gain: f64,
     /// Time constant, s; what delays the answer is part of it.
     pub tau_s: f64,
+    /// Voltage of no motion, V: what a constant load takes.
+    pub load_v: f64,
     /// Share of the voltage's variation that is left, 0 ..= 1.
     pub left: f64,
     /// Sum of the squares of what is left, V^2.
@@ -206,6 +208,7 @@ fn solved<const N: usize>(rows: &[([f64; N], f64)]) -> Option<Regression> {
     (variation > 0.0 && x[0] != 0.0).then(|| Regression {
         gain: 1.0 / x[0],
         tau_s: x[1] / x[0],
+        load_v: x.get(3).copied().unwrap_or(0.0),
         left: (left / variation).sqrt(),
         left_v2: left,
     })

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::{registers, sides, words};
 use crate::log::direction;
 use crate::log::timing;
-use crate::log::units::Quantity;
+use crate::log::units::{Quantity, Unit};
 
 /// One column of the proposal.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         } else if quantity == Quantity::Voltage {
             if range.low > 0.0 && range.high - range.low < steady * range.high {
                 *guess = Some((Quantity::Supply, plain));
-            } else if range.whole && range.peak() > 60.0 && said[index].unit.is_none() {
+            } else if range.whole
+                && range.peak() > 60.0
+                && said[index].unit.is_none()
+                && said[index].scale.is_none()
+            {
                 *guess = Some((Quantity::Duty, plain));
             }
         } else if quantity == Quantity::Duty
@@ -108,7 +112,15 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let all: Vec<f64> = values(index).collect();
         let register = said[index].register.then(|| registers::unit(quantity, &all, &words_of_all)).flatten();
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
+        let unit = unit + said[index].scale.unwrap_or_default();
         parts.push(Part { quantity, index, rest: None, unit });
+    }
+    let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
+    if parts.iter().all(|part| ![Quantity::Angle, Quantity::Speed].contains(&part.quantity))
+        && let Some(index) = counted()
+        && let Some(rate) = rate_of(&parts, rows)
+    {
+        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit: format!("counts/s*{rate}") });
     }
     let unit_at = |quantity: Quantity, index: usize| {
         unit_of(quantity, said[index].unit, &values(index).collect::<Vec<_>>())
@@ -161,6 +173,14 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// Rows a second by the clock among `parts`.
+fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
+    let clock = parts.iter().find(|part| part.quantity == Quantity::Time)?;
+    let times: Vec<f64> = rows.iter().filter_map(|row| row.get(clock.index).copied()).collect();
+    let interval_s = timing::median_interval(&times) * Unit::parse(Quantity::Time, &clock.unit).ok()?.factor;
+    (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
 }
 
 /// moteus logs turns and turns a second, which nothing but the company of its own names says (github.com/mjbots/moteus, reference).

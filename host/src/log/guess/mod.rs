@@ -56,6 +56,25 @@ impl Proposal {
         text
     }
 
+    /// The same where the person told some of it: what is `known` needs no assumption, and a supply that was told none that is guessed.
+    #[must_use]
+    pub fn with_known(mut self, known: Known) -> Self {
+        let assumed = [
+            (known.supply_volts, &mut self.supply_volts),
+            (known.counts_per_rev, &mut self.counts_per_rev),
+            (known.metres_per_rev, &mut self.metres_per_rev),
+            (known.rate, &mut self.rate),
+        ];
+        for (_, assumption) in assumed.into_iter().filter(|(known, _)| *known) {
+            *assumption = None;
+        }
+        if known.supply_volts {
+            let parts: Vec<&str> = self.map.split(',').filter(|part| !part.starts_with("supply=")).collect();
+            self.map = parts.join(",");
+        }
+        self
+    }
+
     /// What a person has to put in the place of an assumption.
     pub fn assumptions(&self) -> String {
         let mut all = self.unknown_units.clone();
@@ -90,6 +109,19 @@ impl Proposal {
         }
         all.join("; ")
     }
+}
+
+/// What a person told beside the table, so that nothing is assumed in its place.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Known {
+    /// The supply's voltage.
+    pub supply_volts: bool,
+    /// The counts per turn of the output shaft.
+    pub counts_per_rev: bool,
+    /// The metres per turn of the output shaft.
+    pub metres_per_rev: bool,
+    /// The samples per second.
+    pub rate: bool,
 }
 
 /// The text as one word of a command line, in any usual shell.
@@ -196,13 +228,20 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
-        unknown_units: parts.iter().filter_map(|part| unknown_unit(&names[part.index], &part.unit)).collect(),
+        unknown_units: parts.iter().filter_map(|part| unknown_unit(&names[part.index], part)).collect(),
     }
 }
 
-/// What is asked where a name tells a unit, as in `speed (krpm)`, that is none of those known, so that `taken` stands in its place.
-fn unknown_unit(name: &str, taken: &str) -> Option<String> {
-    let unit = words::bracketed(name).1.filter(|unit| !unit.is_empty() && !words::is_unit(unit))?;
+/// What is asked where a name tells a unit, as in `speed (furlongs)` or `speed [%]`, that is none of those known of such a quantity, so
+/// that the one of `part` stands in its place.
+fn unknown_unit(name: &str, part: &Part) -> Option<String> {
+    let taken = &part.unit;
+    let of_another = |unit: &str| {
+        [Quantity::Angle, Quantity::Speed].contains(&part.quantity)
+            && words::unit_named(unit).is_some_and(|(of, _)| of != part.quantity)
+    };
+    let unknown = |unit: &String| !unit.is_empty() && (!words::is_unit(unit) || of_another(unit));
+    let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"
     ))
@@ -320,7 +359,28 @@ mod tests {
         let proposal = propose(&names("ms;in1;in2;ena;count"), &rows(row)).unwrap();
         assert_eq!(proposal.map, "time=ms:ms,duty=ena:255,direction=in1:sign,angle=count:counts");
         let rows = rows(|k| vec![10.0 * k, (100.0 * sign(k)).round(), (5.0 * sign(k)).round()]);
-        assert_eq!(propose(&names("t_ms;pwm;delta_count"), &rows), None);
+        // What was counted since the row before is a speed.
+        let proposal = propose(&names("t_ms;pwm;delta_count"), &rows).unwrap();
+        assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:100,speed=delta_count:counts/s*100");
+    }
+
+    #[test]
+    fn what_a_person_told_is_not_assumed_and_multiples_are_divided() {
+        let rows =
+            rows(|k| vec![4.0 * k, (200.0 * (0.1 * k).sin()).round(), 900.0 * (0.1 * k - 0.3).sin(), 80.0]);
+        let proposal = propose(&names("ms;pwm;speed_rpm_x10;battery"), &rows).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=speed_rpm_x10:rpm/10,supply=battery:V");
+        let told = Known { supply_volts: true, ..Known::default() };
+        assert_eq!(
+            proposal.with_known(told).options(),
+            "--map time=ms:ms,duty=pwm:255,speed=speed_rpm_x10:rpm/10"
+        );
+        let counted = propose(&names("ms;pwm;counts"), &rows).unwrap();
+        assert!(
+            counted.options().contains("--counts-per-rev") && counted.options().contains("--supply-volts")
+        );
+        let told = Known { supply_volts: true, counts_per_rev: true, ..Known::default() };
+        assert_eq!(counted.with_known(told).options(), "--map time=ms:ms,duty=pwm:255,angle=counts:counts");
     }
 
     #[test]

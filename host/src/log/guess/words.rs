@@ -17,6 +17,10 @@ pub struct Said {
     pub target: bool,
     /// It is a register of a servo.
     pub register: bool,
+    /// It is what was counted since the row before.
+    pub since_before: bool,
+    /// What a number is divided by to be of that unit, as `--map` writes it: `rpm_x10`.
+    pub scale: Option<&'static str>,
     /// It is an effort, which robots' messages have as a torque and drives as whatever they are commanded.
     pub effort: bool,
 }
@@ -183,7 +187,7 @@ const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 const RATES: [&str; 3] = ["dot", "rate", "derivative"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 104] = [
+const UNITS: [(&str, Quantity, &str); 137] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -256,6 +260,39 @@ const UNITS: [(&str, Quantity, &str); 104] = [
     ("turns/s", Speed, "rev/s"),
     ("rotations/s", Speed, "rev/s"),
     ("rotations per second", Speed, "rev/s"),
+    ("krpm", Speed, "rpm*1000"),
+    ("mrad/s", Speed, "rad/s*0.001"),
+    ("mrad_s", Speed, "rad/s*0.001"),
+    ("mrads", Speed, "rad/s*0.001"),
+    ("degps", Speed, "deg/s"),
+    ("degs", Speed, "deg/s"),
+    ("rev_s", Speed, "rev/s"),
+    ("revs_s", Speed, "rev/s"),
+    ("rev_per_s", Speed, "rev/s"),
+    ("rev_per_sec", Speed, "rev/s"),
+    ("cps", Speed, "counts/s"),
+    ("mm_s", Speed, "mm/s"),
+    ("cm_s", Speed, "cm/s"),
+    ("m_s", Speed, "m/s"),
+    ("mps", Speed, "m/s"),
+    ("km/h", Speed, "m/s/3.6"),
+    ("km_h", Speed, "m/s/3.6"),
+    ("kmh", Speed, "m/s/3.6"),
+    ("mph", Speed, "m/s*0.44704"),
+    ("ft/s", Speed, "m/s*0.3048"),
+    ("ft_s", Speed, "m/s*0.3048"),
+    ("in/s", Speed, "m/s*0.0254"),
+    ("in_s", Speed, "m/s*0.0254"),
+    ("mrad", Angle, "rad*0.001"),
+    ("urad", Angle, "rad*0.000001"),
+    ("mdeg", Angle, "deg*0.001"),
+    ("cdeg", Angle, "deg*0.01"),
+    ("ddeg", Angle, "deg*0.1"),
+    ("gon", Angle, "deg*0.9"),
+    ("arcmin", Angle, "deg/60"),
+    ("arcsec", Angle, "deg/3600"),
+    ("dv", Voltage, "V*0.1"),
+    ("minutes", Time, "s*60"),
     ("counts/s", Speed, "counts/s"),
     ("ticks/s", Speed, "counts/s"),
     ("counts_s", Speed, "counts/s"),
@@ -294,8 +331,23 @@ const UNITS: [(&str, Quantity, &str); 104] = [
 const LINEAR: [&str; 9] =
     ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
 
-/// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`.
+/// Endings of the names of whole numbers that are multiples of what they tell, and what takes that away.
+const SCALES: [(&str, &str); 6] = [
+    ("_x1000", "/1000"),
+    ("_x100", "/100"),
+    ("_x10", "/10"),
+    (" x1000", "/1000"),
+    (" x100", "/100"),
+    (" x10", "/10"),
+];
+
+/// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`, `speed_rpm_x10`.
 pub fn said(name: &str) -> Said {
+    let lower = name.to_lowercase();
+    if let Some((end, scale)) = SCALES.iter().find(|(end, _)| lower.ends_with(end)) {
+        let plain = said(&name[..name.len() - end.len()]);
+        return Said { scale: plain.quantity.map(|_| *scale), ..plain };
+    }
     let (bare, bracket) = bracketed(name);
     let lower = bare.to_lowercase();
     let words = of(&bare);
@@ -323,7 +375,11 @@ pub fn said(name: &str) -> Said {
     let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
     for (quantity, plain, implied, list) in WORDS {
         let here = words.iter().any(|word| list.contains(&word.as_str())) || list.contains(&lower.as_str());
-        if here && best.is_none_or(|(_, before, _)| plain > before) {
+        // A word that tells the unit too is plainer than another of the same quantity.
+        let plainer = |(of, before, told): (Quantity, u8, Option<&str>)| {
+            plain > before || plain == before && of == quantity && told.is_none() && implied.is_some()
+        };
+        if here && best.is_none_or(plainer) {
             best = Some((quantity, plain, implied));
         }
     }
@@ -344,8 +400,17 @@ pub fn said(name: &str) -> Said {
         best = Some((Speed, plain, implied.filter(|unit| *unit == "counts")));
     }
     // What an encoder counted since the row before is no angle.
-    if best.is_some_and(|(of, ..)| of == Angle) && any_of(&["delta", "diff", "increment", "increments"]) {
+    let since_before = any_of(&["delta", "diff", "increment", "increments"])
+        && unit.is_none()
+        && best.is_none_or(|(of, ..)| of == Angle);
+    if since_before {
         best = None;
+    }
+    // The motion of what is driven, as the sensor saw it.
+    if let Some((Angle | Speed, plain, _)) = &mut best {
+        *plain += u8::from(any_of(&["wheel", "joint", "gearbox", "load", "raw"]));
+        *plain = plain
+            .saturating_sub(u8::from(any_of(&["filtered", "filt", "smooth", "smoothed", "avg", "mean"])));
     }
     // The voltage and the current along the d axis of a field-oriented drive turn nothing.
     if best.is_some_and(|(of, ..)| matches!(of, Voltage | Current)) && any_of(&["d", "vd", "ud", "id"]) {
@@ -398,7 +463,17 @@ pub fn said(name: &str) -> Said {
     let quantity = quantity.map(|(of, plain)| if asked { (of, 1) } else { (of, plain) });
     let (wanted, target) = (wanted && !drives, target && !drives);
     let register = any_of(&REGISTERS);
-    Said { quantity, unit: unit.map(|(_, unit)| unit).or(implied), told, wanted, target, register, effort }
+    Said {
+        quantity,
+        unit: unit.map(|(_, unit)| unit).or(implied),
+        told,
+        wanted,
+        target,
+        register,
+        since_before,
+        scale: None,
+        effort,
+    }
 }
 
 /// The unit that a name says in so many words, and of what it is one.
@@ -409,7 +484,7 @@ pub fn told(name: &str) -> Option<(Quantity, &'static str)> {
         Interval => Time,
         of => of,
     };
-    said.unit.filter(|_| said.told).map(|unit| (of, unit))
+    said.unit.filter(|_| said.told && said.scale.is_none()).map(|unit| (of, unit))
 }
 
 /// The name without what stands in its brackets, and that.
@@ -497,6 +572,13 @@ mod tests {
             ("omega (rad/s)", Speed, Some("rad/s")),
             ("speed_rad_s", Speed, Some("rad/s")),
             ("leftSpeed", Speed, None),
+            ("speed_krpm", Speed, Some("rpm*1000")),
+            ("speed_Upm", Speed, Some("rpm")),
+            ("speed_rpm_out", Speed, Some("rpm")),
+            ("speed_rpm_x10", Speed, Some("rpm")),
+            ("vel_mm_s", Speed, Some("mm/s")),
+            ("speed_rev_s", Speed, Some("rev/s")),
+            ("pos_mrad", Angle, Some("rad*0.001")),
             ("motor speed [deg/s]", Speed, Some("deg/s")),
             ("ticks", Angle, Some("counts")),
             ("enc", Angle, Some("counts")),
