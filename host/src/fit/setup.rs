@@ -3,8 +3,10 @@
 use motorlens_shared::effects::Rig;
 
 use super::cost::Objective;
+use super::fixed::Fixed;
 use super::grid::{Grid, Quantity};
 use super::held::{date, held};
+use super::instants::read_otherwise;
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
@@ -18,9 +20,6 @@ const USUAL_TAU_E: (f64, f64) = (8e-4, 0.4);
 const NAMEPLATE_WIDTH: f64 = 0.4;
 /// Viscous share of the damping of small geared motors, and its spread.
 const USUAL_VISCOUS_SHARE: (f64, f64) = (0.08, 0.05);
-
-/// One reading of a speed is believed against what its column looks like where it leaves less than this share of the squared error.
-const DECIDES: f64 = 0.9;
 
 /// The known part of a rig: what a motor file and the logs say.
 pub fn rig(records: &[Record], motor: &MotorFile) -> Rig {
@@ -77,40 +76,14 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         rig.count_rad = g.quantum * g.interval_s;
     }
     let prior = prior(motor);
-    let (mut left, mut base) = first_base(&grids, &rig, &prior, Seen::Whole);
-    // Whether a speed is that of the instant or a mean since the last sample, the motion tells: half a sample shows where the speed
-    // changes, whatever friction takes of it in between.
-    if grids.iter().all(|g| g.quantity != Quantity::Angle) {
-        let other = |quantity| match quantity {
-            Quantity::Speed => Quantity::MeanSpeed,
-            _ => Quantity::Speed,
-        };
-        let others: Vec<Grid> =
-            grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
-        let (left_so, base_so) = first_base(&others, &rig, &prior, Seen::Whole);
-        let [as_it_looks, so] = [&grids, &others].map(|g| first_base(g, &rig, &prior, Seen::Changes).0);
-        let is_other = match so / as_it_looks {
-            ratio if ratio < DECIDES => true,
-            ratio if ratio > 1.0 / DECIDES => false,
-            _ => left_so < DECIDES * left,
-        };
-        if is_other {
-            (left, base, grids) = (left_so, base_so, others);
-        }
+    let (_, mut base) = first_base(&grids, &rig, &prior);
+    if let Some((others, base_so)) = read_otherwise(&grids, base, &rig, &prior) {
+        (grids, base) = (others, base_so);
     }
-    debug_assert!(left >= 0.0 || left.is_nan());
     rig.reference_speed = base.gain * rig.nominal_v;
     let fixed = motor.fixed.clone();
     let hold_s = held(&mut grids);
-    let mut problem = Problem {
-        grids,
-        rig,
-        prior,
-        fixed,
-        hold_s,
-        simulations: std::cell::Cell::new(0),
-        room: std::cell::RefCell::default(),
-    };
+    let mut problem = Problem { fixed, hold_s, ..Problem::new(grids, rig, prior) };
     let start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
     (problem, start)
@@ -124,6 +97,19 @@ impl Clone for Problem {
 }
 
 impl Problem {
+    /// Records of a rig of which nothing else is known.
+    pub(super) fn new(grids: Vec<Grid>, rig: Rig, prior: Prior) -> Self {
+        Self {
+            grids,
+            rig,
+            prior,
+            fixed: Fixed::default(),
+            hold_s: None,
+            simulations: std::cell::Cell::new(0),
+            room: std::cell::RefCell::default(),
+        }
+    }
+
     /// The same rig and noise, other records.
     #[must_use]
     pub fn on(&self, grids: Vec<Grid>) -> Self {
@@ -141,6 +127,11 @@ impl Problem {
     /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
     pub fn lay_out(&self, records: &[Record], motor: &MotorFile) -> Vec<Grid> {
         let (mut other, _) = problem(records, motor);
+        // All speeds of one motor are read alike.
+        let speed = self.grids.iter().map(|g| g.quantity).find(|quantity| *quantity != Quantity::Angle);
+        for grid in other.grids.iter_mut().filter(|g| g.quantity != Quantity::Angle) {
+            grid.quantity = speed.unwrap_or(grid.quantity);
+        }
         if let Some(time) = self.hold_s {
             date(&mut other.grids, time);
         }
@@ -157,18 +148,9 @@ impl Problem {
     }
 }
 
-/// What of a speed is to be met.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Seen {
-    /// The speed itself.
-    Whole,
-    /// Its changes from sample to sample.
-    Changes,
-}
-
 /// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass. The squared error that the
 /// best leaves comes first.
-fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior, seen: Seen) -> (f64, BaseValues) {
+pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, BaseValues) {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
     let share = prior.viscous_share.0;
@@ -188,11 +170,9 @@ fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior, seen: Seen) -> (f64, Bas
             let mut still = grid.clone();
             still.begin_at(0.0, 0.0);
             predict_block(&layout, &xs, &unit, &still, &mut series);
-            let is_speed = grid.quantity != Quantity::Angle;
-            let changes = is_speed && seen == Seen::Changes;
-            let span = if changes { 1 } else { ((0.05 / grid.interval_s).round() as usize).max(1) };
+            let speed = grid.quantity != Quantity::Angle;
+            let span = ((0.05 / grid.interval_s).round() as usize).max(1);
             for k in 0..series.len().saturating_sub(span) {
-                let speed = is_speed && !changes;
                 let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
                 let y = (y - before) / grid.sigma;
                 yy += y * y;

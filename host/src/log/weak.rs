@@ -137,8 +137,10 @@ impl<'a> Weak<'a> {
     /// The output speed per volt, rad/s/V, that explains the voltage best beside friction, a constant load and a pendulum, of a latency
     /// up to a tenth of a second; none where that explains hardly anything. Negative where the motor turns against its voltage.
     pub fn gain_under_load(&self) -> Option<f64> {
+        // A motor that turns against its voltage may seem to follow it at one latency of many.
+        const FEW_S: [f64; 5] = [0.0, 0.02, 0.04, 0.07, 0.1];
         const HARDLY: f64 = 0.7;
-        let fitted = LATE_S.into_iter().filter_map(|late_s| self.under_load(late_s));
+        let fitted = FEW_S.into_iter().filter_map(|late_s| self.under_load(late_s));
         let best = fitted.min_by(|a, b| a.left.total_cmp(&b.left))?;
         (best.left < HARDLY).then_some(best.gain)
     }
