@@ -100,7 +100,7 @@ impl Metadata {
         self.typed("no_load_rad_s_per_v")
     }
 
-    /// The supply's voltage by which a duty was multiplied, V, where the log had none: written as [`BEHIND_DUTY`] begins.
+    /// The supply's voltage by which a duty was multiplied, V, where the log had none: as the metadata tell it.
     pub fn supply_behind_duty(&self) -> Option<f64> {
         self.get("voltage")?.strip_prefix(BEHIND_DUTY)?.split(' ').next()?.parse().ok()
     }

@@ -48,32 +48,22 @@ pub(super) fn angle_as_speed(record: &Record) -> Option<Odd> {
     ))
 }
 
-/// A column that was taken for the angle and is the speed, or what was counted since the row before.
+/// Counts that were taken for those of the angle and are those since the row before. Of an angle in other units a stiff spring makes the
+/// same.
 pub(super) fn speed_as_angle(record: &Record) -> Option<Odd> {
-    let angle =
-        record.angle_rad.as_ref().filter(|_| record.speed_rad_s.is_none() && record.servo.is_none())?;
-    let as_speed = Record { angle_rad: None, speed_rad_s: Some(angle.clone()), ..record.clone() };
+    let counted = record.map.as_ref()?.source(Quantity::Angle)?.written.starts_with("counts");
+    let counts = record.angle_rad.as_ref().filter(|_| counted && record.speed_rad_s.is_none())?;
+    let as_speed = Record { angle_rad: None, speed_rad_s: Some(counts.clone()), ..record.clone() };
     let (speed, angle) = is_rather(record, &as_speed)?;
-    let rate = 1.0 / median_interval(&record.time_s);
-    let source = record.map.as_ref().and_then(|map| map.source(Quantity::Angle));
-    let fix = if source.is_some_and(|source| source.written.starts_with("counts")) {
-        let unit = format!("counts/s*{}", (1e3 * rate).round() / 1e3);
-        format!(
-            "say {}, if it counts since the row before",
-            remapped(record, &[(Quantity::Angle, Quantity::Speed, &unit)])
-        )
-    } else {
-        let map = remapped(record, &[(Quantity::Angle, Quantity::Speed, "rad/s")]);
-        format!("say {map}, with the unit of the speed")
-    };
+    let unit = format!("counts/s*{}", (1e3 / median_interval(&record.time_s)).round() / 1e3);
     Some((
         "speed_as_angle",
         "angle_rad",
         format!(
-            "as a speed this column explains all but {speed:.0} % of the voltage, as an angle all but {angle:.0} %: it looks like a speed, or like \
-             what was counted since the row before"
+            "as a speed this column explains all but {speed:.0} % of the voltage, as an angle all but {angle:.0} %: it looks like what was \
+             counted since the row before"
         ),
-        fix,
+        format!("say {}", remapped(record, &[(Quantity::Angle, Quantity::Speed, &unit)])),
     ))
 }
 
@@ -144,6 +134,7 @@ pub(super) fn frozen(record: &Record) -> Option<Odd> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::mapping::Mapping;
     use crate::log::motion::speed;
     use crate::log::timing::median_interval;
     use crate::log::usable::tests::motor;
@@ -156,9 +147,12 @@ mod tests {
         assert_eq!(angle_as_speed(&right), None);
         let wrong = Record { speed_rad_s: clean.angle_rad.clone(), angle_rad: None, ..clean };
         assert_eq!(angle_as_speed(&wrong).unwrap().0, "angle_as_speed");
-        let counted = Record { angle_rad: right.speed_rad_s.clone(), speed_rad_s: None, ..right };
-        assert_eq!(speed_as_angle(&counted).unwrap().0, "speed_as_angle");
-        assert_eq!(speed_as_angle(&motor()), None);
+        let map: Option<Mapping> = "time=t:s,voltage=u:V,angle=ticks:counts".parse().ok();
+        let counted =
+            Record { angle_rad: right.speed_rad_s.clone(), speed_rad_s: None, map: map.clone(), ..right };
+        let (name, _, _, fix) = speed_as_angle(&counted).unwrap();
+        assert!(name == "speed_as_angle" && fix.contains("speed=ticks:counts/s*"), "{fix}");
+        assert_eq!(speed_as_angle(&Record { map, ..motor() }), None);
     }
 
     #[test]
