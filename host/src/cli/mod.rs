@@ -179,14 +179,12 @@ pub fn main() -> ExitCode {
 
 /// The command that was `given`, with the mapping of `proposal` in the place of its own and what that assumes beside it.
 fn with_proposal(given: impl Iterator<Item = String>, proposal: &Proposal) -> String {
-    const REPLACED: [&str; 1] = ["--map"];
     let mut words = vec!["motorlens".to_owned()];
     let mut given = given;
     while let Some(word) = given.next() {
-        if REPLACED.contains(&word.as_str()) {
+        if word == "--map" {
             let _value = given.next();
-        } else if !REPLACED.iter().any(|option| word.strip_prefix(option).is_some_and(|v| v.starts_with('=')))
-        {
+        } else if !word.starts_with("--map=") {
             words.push(guess::quoted(&word));
         }
     }

@@ -11,7 +11,6 @@ use super::grid::{Grid, Quantity};
 use super::layout::{BaseValues, Prior, Values};
 use super::search::Problem;
 use super::setup::first_base;
-use super::simulate::LANES;
 use super::sketch::Sketch;
 
 /// A reading is believed against what its column looks like where its likelihood is higher by so many natural logarithms.
@@ -38,7 +37,7 @@ pub(super) fn read_otherwise(
         _ => Quantity::Speed,
     };
     let others: Vec<Grid> = grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
-    let (_, base_so) = first_base(&others, rig, prior);
+    let base_so = first_base(&others, rig, prior);
     let gained = misfit(grids, base, rig, prior) - misfit(&others, base_so, rig, prior);
     (gained > DECIDES).then_some((others, base_so))
 }
@@ -46,14 +45,18 @@ pub(super) fn read_otherwise(
 /// Laws on which others build that belong to the usual motor.
 const BUILT_ON: usize = 2;
 
+/// How many laws of the library build on `kind`: on the usual ones most.
+pub fn built_on(kind: Kind) -> usize {
+    Kind::ALL
+        .iter()
+        .filter(|other| other.spec().contains.iter().any(|(part, _)| *part == kind.name()))
+        .count()
+}
+
 /// The laws on which most others build: what a motor is rarely without.
 fn usual() -> Vec<Kind> {
-    let built_on = |kind: &Kind| {
-        let name = kind.name();
-        Kind::ALL.iter().filter(|other| other.spec().contains.iter().any(|(part, _)| *part == name)).count()
-    };
     let mut laws = Kind::ALL.to_vec();
-    laws.sort_by_key(|kind| std::cmp::Reverse(built_on(kind)));
+    laws.sort_by_key(|kind| std::cmp::Reverse(built_on(*kind)));
     laws.truncate(BUILT_ON);
     laws
 }
@@ -67,13 +70,14 @@ fn misfit(grids: &[Grid], base: BaseValues, rig: &Rig, prior: &Prior) -> f64 {
     // A reading that is held tells nothing new.
     let renewed = |g: &Grid| 1 + g.measured.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let count = problem.grids.iter().map(renewed).sum::<usize>() as f64;
+    let usual = usual();
     let late: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.spec().is_late()).collect();
     let sets = (0..1_usize << late.len()).map(|set| {
         let chosen = late.iter().enumerate().filter(|(k, _)| set >> k & 1 == 1).map(|(_, kind)| *kind);
         chosen.collect::<Vec<Kind>>()
     });
     let of = |set: Vec<Kind>| {
-        let kinds: Vec<Kind> = usual().into_iter().chain(set.iter().copied()).collect();
+        let kinds: Vec<Kind> = usual.iter().chain(&set).copied().collect();
         0.5 * count * left(&problem, &plain, &kinds).ln() + LATE * set.len() as f64
     };
     sets.map(of).fold(f64::MAX, f64::min)
@@ -96,10 +100,7 @@ fn left(problem: &Problem, plain: &Values, kinds: &[Kind]) -> f64 {
         .flat_map(|own| (0..sizes[own].len()).map(move |size| (own, size)))
         .map(|(own, size)| layout.pack(&with(own, size)))
         .collect();
-    let costs: Vec<f64> =
-        xs.chunks(LANES).flat_map(|chunk| problem.costs(&layout, Objective::Position, chunk)).collect();
-    let mut starts: Vec<(f64, Vec<f64>)> = costs.into_iter().zip(xs).collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let starts = problem.costed(&layout, Objective::Position, xs);
     let searched = starts.iter().take(SEARCHED.0);
     let best = searched.map(|(_, x)| problem.race(&layout, Objective::Position, x, SEARCHED.1, 1e-5).0);
     best.fold(f64::MAX, f64::min)

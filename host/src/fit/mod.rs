@@ -9,7 +9,7 @@ pub mod fixed;
 pub mod grid;
 mod guide;
 mod held;
-mod instants;
+pub mod instants;
 pub mod layout;
 pub mod passes;
 pub mod reading;

@@ -63,6 +63,15 @@ impl Problem {
         sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
     }
 
+    /// Any number of candidates with their [`Self::costs`], cheapest first.
+    pub fn costed(&self, layout: &Layout, objective: Objective, xs: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
+        let costs: Vec<f64> =
+            xs.chunks(LANES).flat_map(|chunk| self.costs(layout, objective, chunk)).collect();
+        let mut costed: Vec<(f64, Vec<f64>)> = costs.into_iter().zip(xs).collect();
+        costed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        costed
+    }
+
     /// `x` and its neighbours along `axes`, with the inverse of each one's distance.
     fn around(layout: &Layout, x: &[f64], axes: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let mut points = vec![x.to_vec()];

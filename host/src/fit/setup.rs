@@ -67,6 +67,11 @@ pub fn quantum(record: &Record, rig: &Rig, counts_known: bool) -> f64 {
 ///
 /// The rig's reference speed is set from the data, so that bounds and sizes fit this motor.
 pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
+    problem_of(records, motor, None)
+}
+
+/// [`problem`]; of records whose speeds are known to be `read` so, that is not asked again.
+fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Quantity>) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
@@ -76,8 +81,13 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
         rig.count_rad = g.quantum * g.interval_s;
     }
     let prior = prior(motor);
-    let (_, mut base) = first_base(&grids, &rig, &prior);
-    if let Some((others, base_so)) = read_otherwise(&grids, base, &rig, &prior) {
+    if let Some(read) = read {
+        grids.iter_mut().filter(|g| g.quantity != Quantity::Angle).for_each(|g| g.quantity = read);
+    }
+    let mut base = first_base(&grids, &rig, &prior);
+    if read.is_none()
+        && let Some((others, base_so)) = read_otherwise(&grids, base, &rig, &prior)
+    {
         (grids, base) = (others, base_so);
     }
     rig.reference_speed = base.gain * rig.nominal_v;
@@ -126,12 +136,9 @@ impl Problem {
 
     /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
     pub fn lay_out(&self, records: &[Record], motor: &MotorFile) -> Vec<Grid> {
-        let (mut other, _) = problem(records, motor);
         // All speeds of one motor are read alike.
-        let speed = self.grids.iter().map(|g| g.quantity).find(|quantity| *quantity != Quantity::Angle);
-        for grid in other.grids.iter_mut().filter(|g| g.quantity != Quantity::Angle) {
-            grid.quantity = speed.unwrap_or(grid.quantity);
-        }
+        let read = self.grids.iter().map(|g| g.quantity).find(|quantity| *quantity != Quantity::Angle);
+        let (mut other, _) = problem_of(records, motor, read);
         if let Some(time) = self.hold_s {
             date(&mut other.grids, time);
         }
@@ -148,9 +155,8 @@ impl Problem {
     }
 }
 
-/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass. The squared error that the
-/// best leaves comes first.
-pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, BaseValues) {
+/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.
+pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
     let share = prior.viscous_share.0;
@@ -192,5 +198,5 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> (f64, Base
             }
         }
     }
-    best
+    best.1
 }

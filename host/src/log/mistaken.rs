@@ -6,7 +6,7 @@ use super::Record;
 use super::guess::quoted;
 use super::motion::{peak, span};
 use super::remap::remapped;
-use super::suspicion::Odd;
+use super::suspicion::{Odd, Seen};
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::weak::Weak;
@@ -19,22 +19,23 @@ const BETTER: f64 = 0.4;
 const ALIKE: f64 = 2.0;
 
 /// Share of the voltage's variation that the motor's equation leaves, where the motor turns with its voltage.
-fn left(record: &Record) -> Option<f64> {
-    let best = Weak::new(record)?.under_any_latency()?;
+fn left(weak: Option<&Weak>) -> Option<f64> {
+    let best = weak?.under_any_latency()?;
     (best.gain > 0.0).then_some(best.left)
 }
 
-/// Whether `record`, read otherwise, is explained so that it must be `other`; in percent what is left of both.
-fn is_rather(record: &Record, other: &Record) -> Option<(f64, f64)> {
-    let (right, wrong) = (left(other)?, left(record).unwrap_or(1.0));
+/// Whether a record that is `seen` so must be `other`, since that explains it; in percent what is left of both.
+fn is_rather(seen: &Seen, other: &Record) -> Option<(f64, f64)> {
+    let (right, wrong) = (left(Weak::new(other).as_ref())?, left(seen.weak.as_ref()).unwrap_or(1.0));
     (right < EXPLAINS && right < BETTER * wrong).then_some((100.0 * right, 100.0 * wrong.min(1.0)))
 }
 
 /// A column that was taken for the speed and is the angle: with it as the angle the voltage is explained, as the speed it is not.
-pub(super) fn angle_as_speed(record: &Record) -> Option<Odd> {
+pub(super) fn angle_as_speed(seen: &Seen) -> Option<Odd> {
+    let record = seen.record;
     let speed = record.speed_rad_s.as_ref().filter(|_| record.angle_rad.is_none())?;
     let as_angle = Record { angle_rad: Some(speed.clone()), speed_rad_s: None, ..record.clone() };
-    let (angle, speed) = is_rather(record, &as_angle)?;
+    let (angle, speed) = is_rather(seen, &as_angle)?;
     Some((
         "angle_as_speed",
         "speed_rad_s",
@@ -50,11 +51,12 @@ pub(super) fn angle_as_speed(record: &Record) -> Option<Odd> {
 
 /// Counts that were taken for those of the angle and are those since the row before. Of an angle in other units a stiff spring makes the
 /// same.
-pub(super) fn speed_as_angle(record: &Record) -> Option<Odd> {
+pub(super) fn speed_as_angle(seen: &Seen) -> Option<Odd> {
+    let record = seen.record;
     let counted = record.map.as_ref()?.source(Quantity::Angle)?.written.starts_with("counts");
     let counts = record.angle_rad.as_ref().filter(|_| counted && record.speed_rad_s.is_none())?;
     let as_speed = Record { angle_rad: None, speed_rad_s: Some(counts.clone()), ..record.clone() };
-    let (speed, angle) = is_rather(record, &as_speed)?;
+    let (speed, angle) = is_rather(seen, &as_speed)?;
     let unit = format!("counts/s*{}", (1e3 / median_interval(&record.time_s)).round() / 1e3);
     Some((
         "speed_as_angle",
@@ -68,8 +70,8 @@ pub(super) fn speed_as_angle(record: &Record) -> Option<Odd> {
 }
 
 /// The motor turns with its voltage up to some row and against it from there on.
-pub(super) fn turned_round(record: &Record) -> Option<Odd> {
-    let weak = Weak::new(record)?;
+pub(super) fn turned_round(Seen { record, weak }: &Seen) -> Option<Odd> {
+    let weak = weak.as_ref()?;
     let whole = weak.regress(0.0, |v| v)?;
     let (at_s, [first, second]) = weak.best_parts()?;
     let explained = [first, second].iter().all(|part| part.left < EXPLAINS);
@@ -142,35 +144,35 @@ mod tests {
     #[test]
     fn an_angle_in_the_place_of_a_speed_is_told_and_a_speed_is_not() {
         let clean = motor();
-        assert_eq!(angle_as_speed(&clean), None);
+        assert_eq!(angle_as_speed(&Seen::of(&clean)), None);
         let right = Record { speed_rad_s: Some(speed(&clean)), angle_rad: None, ..clean.clone() };
-        assert_eq!(angle_as_speed(&right), None);
+        assert_eq!(angle_as_speed(&Seen::of(&right)), None);
         let wrong = Record { speed_rad_s: clean.angle_rad.clone(), angle_rad: None, ..clean };
-        assert_eq!(angle_as_speed(&wrong).unwrap().0, "angle_as_speed");
+        assert_eq!(angle_as_speed(&Seen::of(&wrong)).unwrap().0, "angle_as_speed");
         let map: Option<Mapping> = "time=t:s,voltage=u:V,angle=ticks:counts".parse().ok();
         let counted =
             Record { angle_rad: right.speed_rad_s.clone(), speed_rad_s: None, map: map.clone(), ..right };
-        let (name, _, _, fix) = speed_as_angle(&counted).unwrap();
+        let (name, _, _, fix) = speed_as_angle(&Seen::of(&counted)).unwrap();
         assert!(name == "speed_as_angle" && fix.contains("speed=ticks:counts/s*"), "{fix}");
-        assert_eq!(speed_as_angle(&Record { map, ..motor() }), None);
+        assert_eq!(speed_as_angle(&Seen::of(&Record { map, ..motor() })), None);
     }
 
     #[test]
     fn a_sign_that_is_turned_round_on_the_way_is_told_with_its_time() {
         let mut record = motor();
-        assert_eq!(turned_round(&record), None);
+        assert_eq!(turned_round(&Seen::of(&record)), None);
         let half = record.len() / 3;
         let angle = record.angle_rad.as_mut().unwrap();
         let there = angle[half];
         angle[half..].iter_mut().for_each(|x| *x = 2.0 * there - *x);
-        let (name, _, why, fix) = turned_round(&record).unwrap();
+        let (name, _, why, fix) = turned_round(&Seen::of(&record)).unwrap();
         assert_eq!(name, "sign_flipped");
         let told = why.split_once("about ").and_then(|(_, rest)| rest.split_once(" s ")).unwrap().0;
         let told: f64 = told.parse().unwrap();
         assert!((told - record.time_s[half]).abs() < 1.0, "{why} {fix}");
         // Turned round all the way it is the sign of the whole.
         record.voltage_v[..half].iter_mut().for_each(|v| *v = -*v);
-        assert_eq!(turned_round(&record), None);
+        assert_eq!(turned_round(&Seen::of(&record)), None);
     }
 
     #[test]

@@ -82,10 +82,13 @@ fn spikes(values: &[f64]) -> Vec<usize> {
 }
 
 fn leave_out_spikes(record: &mut Record) {
-    let garbled =
-        |x: &[f64]| Some(dropouts(x)).filter(|dropped| !dropped.is_empty()).unwrap_or_else(|| spikes(x));
-    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none()).map(garbled).unwrap_or_default();
-    let speed = record.speed_rad_s.as_deref().map(speed_spikes).unwrap_or_default();
+    // Where nothing was read at times, the rest is in order.
+    let garbled = |x: &[f64], spikes: fn(&[f64]) -> Vec<usize>| {
+        Some(dropouts(x)).filter(|dropped| !dropped.is_empty()).unwrap_or_else(|| spikes(x))
+    };
+    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none());
+    let angle = angle.map(|x| garbled(x, spikes)).unwrap_or_default();
+    let speed = record.speed_rad_s.as_deref().map(|w| garbled(w, speed_spikes)).unwrap_or_default();
     for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
         if samples.is_empty() {
             continue;
@@ -139,10 +142,6 @@ fn zeros_between(values: &[f64], least: f64) -> Vec<usize> {
 
 /// Spikes far beyond all other readings, or that no inertia allows: many times the largest step between any two others.
 fn speed_spikes(speed: &[f64]) -> Vec<usize> {
-    let dropped = dropouts(speed);
-    if !dropped.is_empty() {
-        return dropped;
-    }
     let found = spikes(speed);
     let rest: Vec<f64> =
         (0..speed.len()).filter(|k| found.binary_search(k).is_err()).map(|k| speed[k]).collect();

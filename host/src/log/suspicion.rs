@@ -21,9 +21,15 @@ use super::{Record, Warning, faults, together};
 pub(super) type Odd = (&'static str, &'static str, String, String);
 
 /// A record and its regression, where it moves enough for one.
-struct Seen<'a> {
-    record: &'a Record,
-    weak: Option<Weak<'a>>,
+pub(super) struct Seen<'a> {
+    pub record: &'a Record,
+    pub weak: Option<Weak<'a>>,
+}
+
+impl<'a> Seen<'a> {
+    pub fn of(record: &'a Record) -> Self {
+        Self { record, weak: Weak::new(record) }
+    }
 }
 
 /// What reader and judge found odd, and everything odd about the content: all that is told before any physics.
@@ -44,15 +50,10 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         blind_near_zero,
         unsigned,
         unsigned_motion,
-        angle_as_speed,
-        speed_as_angle,
-        turned_round,
         frozen,
-        antiphase,
     ];
-    let regressed = [clipped, wrong_gear];
-    let seen: Vec<Seen> =
-        records.into_iter().map(|record| Seen { record, weak: Weak::new(record) }).collect();
+    let regressed = [clipped, wrong_gear, angle_as_speed, speed_as_angle, turned_round, antiphase];
+    let seen: Vec<Seen> = records.into_iter().map(Seen::of).collect();
     let mut found = Vec::new();
     for one in &seen {
         let odd = alone.iter().filter_map(|check| check(one.record));
@@ -306,7 +307,7 @@ const UNCLEAR: f64 = 0.3;
 fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
     let regressed = |s: &Seen| s.weak.as_ref()?.regress(0.0, |v| v);
     let gain = |s: &Seen| regressed(s).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
-    let gains: Vec<(&Record, f64)> = seen.iter().filter_map(|s| Some((s.record, gain(s)?.gain))).collect();
+    let gains: Vec<(&Seen, f64)> = seen.iter().filter_map(|s| Some((s, gain(s)?.gain))).collect();
     if gains.len() < 3 {
         return Vec::new();
     }
@@ -314,19 +315,16 @@ fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     let off = |g: f64| (g / median).max(median / g);
-    let odd: Vec<&(&Record, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
+    let odd: Vec<&(&Seen, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
     let agree = gains.iter().filter(|g| off(g.1) < TOGETHER).count();
     if agree + odd.len() < gains.len() || odd.len() * 2 >= agree {
         return Vec::new();
     }
     // A pendulum or a latency changes what fast reversals say of the gain, which show little but acceleration.
-    let surely = |record: &Record| {
-        let all = |s: &Seen| s.weak.as_ref().is_some_and(|weak| weak.gains().iter().all(|g| off(*g) > APART));
-        seen.iter().any(|s| std::ptr::eq(s.record, record) && all(s))
-    };
+    let surely = |s: &Seen| s.weak.as_ref().is_some_and(|weak| weak.gains().iter().all(|g| off(*g) > APART));
     odd.into_iter()
-        .filter(|(record, _)| surely(record))
-        .map(|(record, g)| Warning {
+        .filter(|(one, _)| surely(one))
+        .map(|(Seen { record, .. }, g)| Warning {
             place: place_of(record, "voltage_v"),
             what: format!(
                 "records_disagree: {} turns {:.3} rad/s per volt, the other records {median:.3}",

@@ -2,9 +2,8 @@
 
 use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;
-use super::suspicion::{Odd, place_of};
+use super::suspicion::{Odd, Seen, place_of};
 use super::units::Quantity;
-use super::weak::Weak;
 use super::{Record, Warning};
 
 /// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
@@ -81,11 +80,18 @@ pub(super) fn one_level(records: &[&Record]) -> Option<Warning> {
 
 /// Time constant by which a voltage is smoothed before the motion is compared with it, s.
 const SMOOTHING_S: f64 = 0.1;
-/// Share of its way that the motor makes in its less frequent direction, at least.
+/// Share of what goes either way that goes in the less frequent direction, at least.
 const BOTH_WAYS: f64 = 0.1;
 /// Correlation of the voltage with the magnitude of the speed, at least, and how much more that is than with the speed.
 const FOLLOWS: f64 = 0.5;
 const MORE: f64 = 0.3;
+
+/// Whether `values` are of either sign for more than a small share of all they sum up to.
+fn goes_both_ways(values: &[f64]) -> bool {
+    let (forth, back) =
+        values.iter().fold((0.0, 0.0), |(forth, back), x| (forth + x.max(0.0), back - x.min(0.0)));
+    forth.min(back) > BOTH_WAYS * (forth + back)
+}
 
 /// A voltage that is never negative drives a motor one way: where it runs both ways as fast as the voltage asks, the sign stands
 /// elsewhere.
@@ -95,13 +101,11 @@ pub(super) fn unsigned(record: &Record) -> Option<Odd> {
         return None;
     }
     let motion = speed(record);
-    let (forth, back) =
-        motion.iter().fold((0.0, 0.0), |(forth, back), w| (forth + w.max(0.0), back - w.min(0.0)));
     let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
     let magnitude: Vec<f64> = motion.iter().map(|w| w.abs()).collect();
     let with_magnitude = correlation(&smooth, &magnitude);
     let follows = with_magnitude > FOLLOWS && with_magnitude > correlation(&smooth, &motion).abs() + MORE;
-    (forth.min(back) > BOTH_WAYS * (forth + back) && follows).then(|| {
+    (goes_both_ways(&motion) && follows).then(|| {
         (
             "unsigned_voltage",
             "voltage_v",
@@ -117,7 +121,7 @@ pub(super) fn unsigned(record: &Record) -> Option<Odd> {
 const HALF: (f64, f64) = (0.5, 0.07);
 
 /// A bridge that is driven by locked antiphase stands still at half of the full duty, drives one way above and the other way below.
-pub(super) fn antiphase(record: &Record) -> Option<Odd> {
+pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
     let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
     let full = mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(100.0))?;
     let supply_v = record.supply_v.as_ref().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
@@ -126,11 +130,9 @@ pub(super) fn antiphase(record: &Record) -> Option<Odd> {
         return None;
     }
     let motion = speed(record);
-    let (forth, back) =
-        motion.iter().fold((0.0, 0.0), |(forth, back), w| (forth + w.max(0.0), back - w.min(0.0)));
-    let motor = Weak::new(record)?.under_any_latency()?;
+    let motor = weak.as_ref()?.under_any_latency()?;
     let half = (motor.load_v / supply_v - HALF.0).abs() < HALF.1;
-    (forth.min(back) > BOTH_WAYS * (forth + back) && motor.gain > 0.0 && half).then(|| {
+    (goes_both_ways(&motion) && motor.gain > 0.0 && half).then(|| {
         (
             "locked_antiphase",
             "voltage_v",
@@ -151,9 +153,7 @@ const NO_SPEED: f64 = 0.02;
 pub(super) fn unsigned_motion(record: &Record) -> Option<Odd> {
     let (volts, motion) = (&record.voltage_v, speed(record));
     let lowest = motion.iter().fold(0.0, |low: f64, w| low.min(*w));
-    let (forth, back) =
-        volts.iter().fold((0.0, 0.0), |(forth, back), v| (forth + v.max(0.0), back - v.min(0.0)));
-    if lowest < -NO_SPEED * peak(&motion) || forth.min(back) <= BOTH_WAYS * (forth + back) {
+    if lowest < -NO_SPEED * peak(&motion) || !goes_both_ways(volts) {
         return None;
     }
     let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
@@ -192,15 +192,15 @@ mod tests {
         let mut record = motor();
         record.map = Some("time=t:s,duty=pwm:255,angle=x:rad".parse().unwrap());
         record.meta.insert("voltage", "it is the duty times 20 V, whatever the supply did").unwrap();
-        assert_eq!(antiphase(&record), None);
+        assert_eq!(antiphase(&Seen::of(&record)), None);
         let high = peak(&record.voltage_v);
         assert!(high < 10.0, "{high}");
         record.voltage_v.iter_mut().for_each(|v| *v += 10.0);
-        let (name, _, _, fix) = antiphase(&record).unwrap();
+        let (name, _, _, fix) = antiphase(&Seen::of(&record)).unwrap();
         assert!(name == "locked_antiphase" && fix.contains("duty=pwm:127.5..255"), "{fix}");
         // A load that a motor holds at a third of its supply is a load.
         record.voltage_v.iter_mut().for_each(|v| *v -= 3.0);
-        assert_eq!(antiphase(&record), None);
+        assert_eq!(antiphase(&Seen::of(&record)), None);
     }
 
     #[test]

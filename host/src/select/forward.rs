@@ -8,6 +8,7 @@ use crate::diagnose::contained::{extended, may_join};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
 use crate::fit::cost::Objective;
+use crate::fit::instants::built_on;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::scales::CHOOSING;
 use crate::fit::search::Problem;
@@ -180,10 +181,7 @@ pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
 /// on which most others of the library build: it is the usual one.
 pub fn simplest(data: &Evidence, fitted: &[Fitted], base: &Fitted) -> Option<usize> {
     let best = fitted.first()?;
-    let built_on = |model: &Fitted| {
-        let name = model.kinds().last().map_or("", |kind| kind.name());
-        Kind::ALL.iter().filter(|kind| kind.spec().contains.iter().any(|(part, _)| *part == name)).count()
-    };
+    let built_on = |model: &Fitted| model.kinds().last().map_or(0, |kind| built_on(*kind));
     let mut order: Vec<usize> = (0..fitted.len()).collect();
     order.sort_by_key(|k| (fitted[*k].size(), std::cmp::Reverse(built_on(&fitted[*k])), *k));
     // Simplest first: those that come after the one that is taken need not be cross-validated.

@@ -64,20 +64,11 @@ fn laid_out(problem: &Problem, values: &Values, kind: Kind, sizes: Vec<Vec<f64>>
     (layout, xs)
 }
 
-/// `xs` with what they leave, cheapest first.
-fn costed(problem: &Problem, layout: &Layout, xs: Vec<Vec<f64>>) -> Vec<Start> {
-    let costs: Vec<f64> =
-        xs.chunks(LANES).flat_map(|chunk| problem.costs(layout, Objective::Scales, chunk)).collect();
-    let mut starts: Vec<Start> = costs.into_iter().zip(xs).collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    starts
-}
-
 /// Starts for `values` with `kind` added at the sizes of its row, as they are, cheapest first.
 pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start> {
     let sizes = kind.spec().probes_on(&problem.rig).map(Iterator::collect).collect();
     let (layout, xs) = laid_out(problem, values, kind, sizes);
-    costed(problem, &layout, xs)
+    problem.costed(&layout, Objective::Scales, xs)
 }
 
 /// Starts for `values` with `kind` added, cheapest first. The model's own parameters give way to first order (`tangent`); what was
@@ -85,7 +76,7 @@ pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start
 pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
     let (layout, xs) = laid_out(problem, values, kind, sizes(problem, values, tangent, kind));
     if replaces(&values.kinds(), kind) {
-        let starts = costed(problem, &layout, xs);
+        let starts = problem.costed(&layout, Objective::Scales, xs);
         return (layout, starts);
     }
     let foreseen: Vec<(&Vec<f64>, [Projected; 2])> = xs
@@ -98,6 +89,6 @@ pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind)
         best.sort_by(|a, b| a.1.left.total_cmp(&b.1.left));
         moved.extend(best.into_iter().take(LANES / 2).map(|(x, p)| tangent.moved(&layout, x, p)));
     }
-    let starts = costed(problem, &layout, moved);
+    let starts = problem.costed(&layout, Objective::Scales, moved);
     (layout, starts)
 }

@@ -332,21 +332,15 @@ const LINEAR: [&str; 9] =
     ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
 
 /// Endings of the names of whole numbers that are multiples of what they tell, and what takes that away.
-const SCALES: [(&str, &str); 6] = [
-    ("_x1000", "/1000"),
-    ("_x100", "/100"),
-    ("_x10", "/10"),
-    (" x1000", "/1000"),
-    (" x100", "/100"),
-    (" x10", "/10"),
-];
+const SCALES: [(&str, &str); 3] = [("x1000", "/1000"), ("x100", "/100"), ("x10", "/10")];
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`, `speed_rpm_x10`.
 pub fn said(name: &str) -> Said {
     let lower = name.to_lowercase();
-    if let Some((end, scale)) = SCALES.iter().find(|(end, _)| lower.ends_with(end)) {
-        let plain = said(&name[..name.len() - end.len()]);
-        return Said { scale: plain.quantity.map(|_| *scale), ..plain };
+    let scaled = |(end, scale)| Some((lower.strip_suffix(end)?.strip_suffix(['_', ' '])?.len(), scale));
+    if let Some((bare, scale)) = SCALES.into_iter().find_map(scaled) {
+        let plain = said(&name[..bare]);
+        return Said { scale: plain.quantity.map(|_| scale), ..plain };
     }
     let (bare, bracket) = bracketed(name);
     let lower = bare.to_lowercase();
