@@ -108,17 +108,17 @@ fn the_motor_file_wins_over_the_log_and_gives_counts_their_meaning() {
 fn a_few_bad_rows_are_left_out_with_a_warning_that_names_them() {
     let text = canonical(200, |row| match row {
         30 => Some("d".into()),
-        31 => Some("0.310,NaN,1".into()),
+        31 => Some("0.310,NaN,0.5978".into()),
         60 => Some("0.590,1,1".into()),
         _ => None,
     });
     let record = read_text(text.as_bytes(), &ReadOptions::default()).unwrap();
-    assert_eq!(record.len(), 197);
+    assert_eq!(record.len(), 198);
     let all: Vec<String> = record.warnings.iter().map(|w| format!("{}: {}", w.place, w.what)).collect();
     assert_eq!(all.len(), 3, "{all:?}");
     assert!(all[0].contains("line 32, column time_s") && all[0].contains("\"d\""), "{all:?}");
-    assert!(all[1].contains("line 33, column voltage_v") && all[1].contains("\"NaN\""), "{all:?}");
-    assert!(all[2].contains("line 62, column time_s") && all[2].contains("repeat"), "{all:?}");
+    assert!(all[1].contains("line 62, column time_s") && all[1].contains("repeat"), "{all:?}");
+    assert!(all[2].contains("column voltage_v") && all[2].contains("first in line 33"), "{all:?}");
 }
 
 #[test]
@@ -183,7 +183,7 @@ pub(super) fn assert_bad(error: &Error, place: &str, cause: &str, remedy: &str) 
 
 #[test]
 fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
-    let nan = canonical(40, |row| (row == 15).then(|| "0.150,NaN,1".into()));
+    let word = canonical(40, |row| (row == 15).then(|| "0.150,ERR,1".into()));
     let infinite = canonical(40, |row| (row == 15).then(|| "0.150,inf,1".into()));
     let empty_field = canonical(40, |row| (row == 15).then(|| ",1,1".into()));
     let backwards = canonical(40, |row| (row == 15).then(|| "0.020,1,1".into()));
@@ -200,8 +200,8 @@ fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
         (b"time_s,voltage_v,angle_rad\n", "line 1", "no sample below", "record"),
         (b"# gear_ratio: 3\n", "line 1", "no header", "time_s"),
         (one_row.as_bytes(), "line 2", "1 samples are too few", "at least 20"),
-        (nan.as_bytes(), "line 17, column voltage_v", "\"NaN\" is not a number a fit can use", "remove"),
-        (infinite.as_bytes(), "line 17, column voltage_v", "\"inf\"", "remove"),
+        (word.as_bytes(), "line 17, column voltage_v", "\"ERR\" is not a number", "remove"),
+        (infinite.as_bytes(), "line 17, column voltage_v", "\"inf\" is not a number a fit can use", "remove"),
         (empty_field.as_bytes(), "line 17, column time_s", "field is empty", "remove"),
         (backwards.as_bytes(), "line 17, column time_s", "backwards, from 0.14 s to 0.02 s", "sort"),
         (frozen.as_bytes(), "line 17, column time_s", "repeat the time", "more digits"),

@@ -9,6 +9,7 @@ use super::fields::Splitter;
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::structure::Structure;
+use super::ticks::Ticks;
 use super::units::Quantity;
 use crate::error::Result;
 
@@ -26,23 +27,37 @@ pub(super) struct Rows<'a> {
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
-    /// Whether a column says so often that it has no value that this is no fault: it is logged less often.
-    often_nothing: Vec<bool>,
     /// Of the time and of each column, whether its whole numbers have points or commas between their thousands.
     whole: Vec<Whole>,
+    /// Fields in brackets that are read as negative numbers.
+    pub bracketed: Blanks,
+    /// The count of a clock in whole ticks.
+    pub ticks: Ticks,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
     interval_s: f64,
 }
 
-/// The blanks of a column.
+/// The blanks of a column, or other fields that are to be told.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Blanks {
     /// How many.
     pub count: usize,
     /// The line of the first.
     pub first: Option<u64>,
+}
+
+impl Blanks {
+    fn saw(&mut self, line: u64) {
+        self.count += 1;
+        self.first.get_or_insert(line);
+    }
+}
+
+/// Whether a field is blank, or says that nothing was read; a dash is a direction.
+fn is_blank(text: &str, of: Quantity) -> bool {
+    text.is_empty() || of != Quantity::Direction && means_nothing(text)
 }
 
 /// Whether a field is blank, or says that it has no value.
@@ -53,20 +68,6 @@ fn means_nothing(text: &str) -> bool {
         [b'0'..=b'9' | b'.', ..] | [b'-' | b'+', b'0'..=b'9', ..] => false,
         _ => WORDS.iter().any(|word| word.eq_ignore_ascii_case(text)),
     }
-}
-
-/// For each column, whether most of the first rows say that it has no value.
-fn often_nothing(wanted: &Columns, head: &Preamble) -> Vec<bool> {
-    let mut counts = vec![0; wanted.values.len()];
-    let mut splitter = head.splitter();
-    for (_, line) in &head.rows {
-        if splitter.split(line) {
-            for (count, column) in counts.iter_mut().zip(&wanted.values) {
-                *count += usize::from(splitter.get(column.index).is_some_and(means_nothing));
-            }
-        }
-    }
-    counts.iter().map(|count| 2 * count > head.rows.len()).collect()
 }
 
 /// Why a row is no sample: a column, and what is wrong there.
@@ -91,8 +92,9 @@ impl<'a> Rows<'a> {
             numbers: vec![0.0; count + 1],
             last: vec![None; count],
             held: vec![Blanks::default(); count],
-            often_nothing: often_nothing(wanted, head),
             whole: vec![Whole::default(); count + 1],
+            bracketed: Blanks::default(),
+            ticks: Ticks::default(),
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -145,11 +147,9 @@ impl<'a> Rows<'a> {
             // A line that is shorter than a row has no blanks but ends too early.
             let text = match self.splitter.get(column.index) {
                 Some(text)
-                    if (text.is_empty() || self.often_nothing[k] && means_nothing(text))
-                        && is_blank_permitted(&self.splitter, self.width) =>
+                    if is_blank(text, column.quantity) && is_blank_permitted(&self.splitter, self.width) =>
                 {
-                    self.held[k].count += 1;
-                    self.held[k].first.get_or_insert(number);
+                    self.held[k].saw(number);
                     match self.last[k].filter(|_| is_held(column.quantity)) {
                         Some(value) => self.numbers[k + 1] = value,
                         None => blank = true,
@@ -158,6 +158,9 @@ impl<'a> Rows<'a> {
                 }
                 text => text.unwrap_or_default(),
             };
+            if in_brackets(text).is_some() {
+                self.bracketed.saw(number);
+            }
             let value = match column.quantity {
                 Quantity::Direction => direction(text),
                 _ => field(text, self.whole[k + 1].read(text)).map(|value| column.unit.to_si(value)),
@@ -208,6 +211,7 @@ impl<'a> Rows<'a> {
     fn moment(&mut self, column: &'a Wanted, unit_s: f64) -> Result<f64, (&'a str, String)> {
         let text = self.splitter.get(column.index).unwrap_or_default();
         let number = self.whole[0].read(text);
+        let number = number.map(|count| self.ticks.read(count));
         if number.is_some_and(|value| value.is_finite())
             && let Some(time) = self.clock.read(text, unit_s, number)
         {
@@ -229,8 +233,8 @@ fn is_blank_permitted(splitter: &Splitter, width: Option<usize>) -> bool {
 }
 
 /// Whole numbers of one column, row by row: `990`, then `1.000` or `1,000`, where another row's would be a decimal sign.
-#[derive(Clone, Copy)]
-struct Whole {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whole {
     /// All so far were plain whole numbers.
     only: bool,
     last: Option<f64>,
@@ -245,7 +249,7 @@ impl Default for Whole {
 
 impl Whole {
     /// The number in `text`. Thousands are told from decimals by what came before: the numbers go on, or they jump to a thousandth.
-    fn read(&mut self, text: &str) -> Option<f64> {
+    pub fn read(&mut self, text: &str) -> Option<f64> {
         if !self.only && self.between.is_none() {
             return number(text);
         }
@@ -305,6 +309,7 @@ pub(super) fn number(text: &str) -> Option<f64> {
             .or_else(|| twice_grouped(text))
             .or_else(|| hex(text))
             .or_else(|| one_of(text))
+            .or_else(|| in_brackets(text))
             .or_else(|| typeset(text))
     })
 }
@@ -312,8 +317,14 @@ pub(super) fn number(text: &str) -> Option<f64> {
 /// The only number of an array, `[0.5]` or `(0.5,)`, as messages of ROS with one joint are exported.
 fn one_of(text: &str) -> Option<f64> {
     let inside = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
-    let inside = inside.or_else(|| text.strip_prefix('(')?.strip_suffix(')'));
+    let inside = inside.or_else(|| text.strip_prefix('(')?.strip_suffix(",)"));
     inside?.trim().trim_end_matches(',').parse().ok()
+}
+
+/// `(3.25)`, as accountants and their spreadsheets write -3.25.
+fn in_brackets(text: &str) -> Option<f64> {
+    let inside = text.strip_prefix('(')?.strip_suffix(')')?.trim();
+    (inside.starts_with(|c: char| c.is_ascii_digit() || c == '.')).then(|| number(inside))?.map(|size| -size)
 }
 
 /// A minus as books have it (`\u{2212}0.5`), and Fortran's exponent (`1.5D-03`).
@@ -378,6 +389,13 @@ mod tests {
             [Some(-0.5), Some(0.0015), Some(-20.0)]
         );
         assert_eq!(["d", "D1", "dead"].map(number), [None; 3]);
+    }
+
+    #[test]
+    fn brackets_are_a_minus_and_an_array_of_one_is_its_number() {
+        assert_eq!(["(3.25)", "(1,234.5)", "( 2 )"].map(number), [Some(-3.25), Some(-1234.5), Some(-2.0)]);
+        assert_eq!(["[0.5]", "(0.5,)", "[-1]"].map(number), [Some(0.5), Some(0.5), Some(-1.0)]);
+        assert_eq!(["(-3)", "(V)", "((3))", "()"].map(number), [None; 4]);
     }
 
     #[test]

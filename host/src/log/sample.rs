@@ -7,8 +7,9 @@ use super::clock::Clock;
 use super::direction;
 use super::guess;
 use super::preamble::Preamble;
-use super::rows::number;
+use super::rows::Whole;
 use super::text::cannot_read;
+use super::unsigned;
 use crate::error::Result;
 
 /// Rows in succession from which a mapping is guessed.
@@ -46,6 +47,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     };
     let mut clocks: Vec<Clock> = Vec::new();
     let mut clocked: Vec<bool> = Vec::new();
+    let mut whole: Vec<Whole> = Vec::new();
     let mut take = |line: &str, sample: &mut Sample| {
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') || !splitter.split(text) {
@@ -53,8 +55,10 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         }
         clocks.resize(clocks.len().max(splitter.len()), Clock::default());
         clocked.resize(clocked.len().max(splitter.len()), false);
+        whole.resize(whole.len().max(splitter.len()), Whole::default());
         let value = |(k, text): (usize, &str)| {
-            number(text)
+            whole[k]
+                .read(text)
                 .or_else(|| clocks[k].read(text, 1.0, None).inspect(|_| clocked[k] = true))
                 .or_else(|| direction::named(text))
                 .unwrap_or(f64::NAN)
@@ -88,6 +92,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         }
         line.clear();
     }
+    give_signs(&mut sample.rows);
     for (k, name) in sample.with_units.iter_mut().enumerate() {
         let unit = head.units.get(k).map(String::as_str).filter(|unit| !unit.is_empty());
         // A clock time tells its unit itself.
@@ -97,6 +102,19 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         }
     }
     Ok(sample)
+}
+
+/// Gives columns of whole numbers the signs that their type took away.
+fn give_signs(rows: &mut [Vec<f64>]) {
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    for column in 0..width {
+        let values = rows.iter().filter_map(|row| row.get(column)).copied().filter(|value| value.is_finite());
+        if let Some(width) = unsigned::width_of(values) {
+            for value in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
+                *value = unsigned::signed(*value, width);
+            }
+        }
+    }
 }
 
 /// What the beginning of a table proposes, or the question that it leaves open.

@@ -2,8 +2,8 @@
 //!
 //! A row with an unreadable field is left out with a warning if at most 2 % of the rows are such; a row that repeats
 //! the time before it likewise up to 10 %. Lines after the last sample that are no rows at all (a logger's closing
-//! words) are left out with a warning. Time that runs backwards is an error, because which half is right is not for a
-//! program to guess.
+//! words) are left out with a warning. A row that came one row late is put where its time belongs. Time that runs backwards
+//! otherwise is an error, because which half is right is not for a program to guess.
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,11 @@ use crate::error::{BadInput, Result};
 pub const FEWEST_SAMPLES: usize = 20;
 const BAD_SHARE: f64 = 0.02;
 const REPEAT_SHARE: f64 = 0.10;
+/// Rows that come one row late in a log, or this share of them, may be put in order.
+const FEW_LATE: usize = 2;
+const LATE_SHARE: f64 = 0.002;
+/// A row that comes late leaves a gap no longer than this many intervals behind.
+const LATE_GAP: f64 = 3.0;
 /// Bad rows that are reported one by one; the rest is summed up.
 const LISTED: usize = 3;
 /// A clock that goes back to within this share of the way from its beginning starts anew.
@@ -77,6 +82,15 @@ pub struct Samples {
     repeats: usize,
     first_repeat: Option<Place>,
     restarts: Vec<usize>,
+    late: Vec<Late>,
+}
+
+/// A row that came after one of a later time, `before`, s.
+#[derive(Debug)]
+struct Late {
+    place: Place,
+    before: f64,
+    time: f64,
 }
 
 /// The last place seen, and that of the longest pause so far.
@@ -101,6 +115,7 @@ impl Samples {
             repeats: 0,
             first_repeat: None,
             restarts: Vec::new(),
+            late: Vec::new(),
         }
     }
 
@@ -114,18 +129,16 @@ impl Samples {
         self.places.last = Some(place);
         if let Some(&before) = self.columns[0].last() {
             let step = row[0] - before;
+            if step < 0.0 && self.is_late(row[0]) {
+                let at = self.len() - 1;
+                self.late.push(Late { place, before, time: row[0] });
+                self.columns.iter_mut().zip(row).for_each(|(column, &value)| column.insert(at, value));
+                return Ok(());
+            }
             if step < 0.0 && self.starts_anew(row[0], before) {
                 self.restarts.push(self.len());
             } else if step < 0.0 {
-                let fault = BadInput::new(
-                    &self.path,
-                    format!("time goes backwards, from {before} s to {} s", row[0]),
-                    self.or_intervals(
-                        row[0],
-                        "sort the rows by time, or cut the file where the clock was reset and give both parts",
-                    ),
-                );
-                return Err(place.mark(fault).in_column(&self.headers[0]).into());
+                return Err(self.backwards(&Late { place, before, time: row[0] }).into());
             }
             if step == 0.0 {
                 self.repeats += 1;
@@ -140,6 +153,30 @@ impl Samples {
             column.push(value);
         }
         Ok(())
+    }
+
+    /// The fault of a time that goes back.
+    fn backwards(&self, late: &Late) -> BadInput {
+        let fault = BadInput::new(
+            &self.path,
+            format!("time goes backwards, from {} s to {} s", late.before, late.time),
+            self.or_intervals(
+                late.time,
+                "sort the rows by time, or cut the file where the clock was reset and give both parts",
+            ),
+        );
+        late.place.mark(fault).in_column(&self.headers[0])
+    }
+
+    /// Whether `time` belongs between the last two rows, as that of a row which its logger wrote one row late.
+    fn is_late(&self, time: f64) -> bool {
+        let begin = self.restarts.last().copied().unwrap_or(0);
+        let times = &self.columns[0][begin..];
+        let Some((last, before)) = times.split_last() else { return false };
+        let Some(&second) = before.last() else { return false };
+        // A single time from the future is no row that others come late after.
+        let usual = (second - before[0]) / (before.len() - 1).max(1) as f64;
+        time > second && (before.len() < 3 || last - second <= LATE_GAP * usual)
     }
 
     /// What to do about a clock that does not rise, whose next time is `next`: times that stay about the same are perhaps none.
@@ -232,6 +269,10 @@ impl Samples {
             return Err(first.place.mark(fault).in_column(&first.column).into());
         }
         let kept = self.columns[0].len();
+        let most_late = FEW_LATE.max((LATE_SHARE * self.rows as f64) as usize);
+        if let Some(first) = self.late.first().filter(|_| self.late.len() > most_late) {
+            return Err(self.backwards(first).into());
+        }
         if let Some(first) = self.first_repeat
             && self.repeats as f64 > REPEAT_SHARE * self.rows as f64
         {
@@ -289,6 +330,19 @@ impl Samples {
                 place: format!("{file}, {}, column {}", first.in_words(), self.headers[0]),
                 what: format!("{} rows repeat the time before them and were left out", self.repeats),
                 fix: "log the time with more digits, or log each sample once".into(),
+            });
+        }
+        if let Some(first) = self.late.first() {
+            let all: Vec<String> = self.late.iter().take(LISTED).map(|late| late.place.in_words()).collect();
+            let more = if self.late.len() > LISTED { " and later" } else { "" };
+            warnings.push(Warning {
+                place: format!("{file}, {}, column {}", first.place.in_words(), self.headers[0]),
+                what: format!(
+                    "{} rows are earlier than the row before them and were put in order by their time: {}{more}",
+                    self.late.len(),
+                    all.join(", ")
+                ),
+                fix: "nothing, if the logger wrote them late; otherwise leave them out".into(),
             });
         }
         let median = super::timing::median_interval(&self.columns[0]);

@@ -16,6 +16,7 @@ use super::servo::Servo;
 use super::structure::{self, Structure};
 use super::text::cannot_read;
 use super::units::Quantity;
+use super::unsigned;
 use super::{Metadata, ReadOptions, Record, Warning};
 use crate::error::{BadInput, Result};
 
@@ -89,7 +90,7 @@ pub(super) fn columns(
         rows.take(number, &line, state)?;
         line.clear();
     }
-    let Rows { samples, mut structure, held, .. } = rows;
+    let Rows { samples, mut structure, held, bracketed, ticks, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
     let blank = wanted.values.iter().zip(&held).find(|(_, blanks)| blanks.count > 0);
     if samples.len() == 0
@@ -127,6 +128,23 @@ pub(super) fn columns(
         };
         say(format!("{file}, column {}", column.header), what, fix);
     }
+    if let Some(first) = bracketed.first {
+        say(
+            format!("{file}, line {first}"),
+            format!(
+                "{} numbers in brackets were read as negative ones, as spreadsheets write them",
+                bracketed.count
+            ),
+            "nothing, if they are; otherwise take the brackets away",
+        );
+    }
+    if let Some((width, times)) = ticks.wrapped() {
+        say(
+            format!("{file}, column {}", wanted.time.header()),
+            format!("the clock begins anew at {width}, {times} times, and its times go on there"),
+            "log the time in 32 bits or more (uint32_t), if a pause may be longer than that",
+        );
+    }
     if matches!(wanted.time, TimeSource::Stamps) {
         say(
             file.to_string(),
@@ -146,11 +164,41 @@ pub(super) fn columns(
     let mut values: Vec<(Quantity, Vec<f64>)> =
         wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
     for (column, (quantity, values)) in wanted.values.iter().zip(&mut values) {
+        if let Some(width) = give_signs(column, values) {
+            warnings.push(Warning {
+                place: format!("{file}, column {}", column.header),
+                what: format!(
+                    "unsigned_numbers: there are numbers near 0 and near {width} and none between, as negative ones are printed without \
+                     their sign; {} was read as -1",
+                    width - 1.0
+                ),
+                fix: "print the number as one with a sign (int16_t, int32_t, %d)".into(),
+            });
+        }
         if *quantity == Quantity::Direction {
             *values = signs(path, column, values)?;
         }
     }
     Ok(Read { time_s, values, meta, map, structure, warnings })
+}
+
+/// Gives a column of whole numbers the signs that its type took away, and tells the width of the type; an angle wraps there, which is
+/// undone anyway.
+fn give_signs(column: &Wanted, values: &mut [f64]) -> Option<f64> {
+    if [Quantity::Angle, Quantity::Direction].contains(&column.quantity) {
+        return None;
+    }
+    let unit = column.unit;
+    let written = |value: f64| (value / unit.factor + unit.zero).round();
+    let all = || values.iter().map(|value| value / unit.factor + unit.zero);
+    if all().any(|value| (value - value.round()).abs() > 1e-6 * value.abs().max(1.0)) {
+        return None;
+    }
+    let width = unsigned::width_of(values.iter().map(|value| written(*value)))?;
+    for value in values {
+        *value = unit.to_si(unsigned::signed(written(*value), width));
+    }
+    Some(width)
 }
 
 /// The signs of a column of directions, all of them turned round where the mapping says `*-1`.

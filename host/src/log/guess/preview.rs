@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::columns::{Part, Range};
 use super::per_turn_of;
+use crate::log::ticks::Ticks;
 use crate::log::timing;
 use crate::log::units::{PerTurn, Quantity, Unit};
 
@@ -21,6 +22,9 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
         let sum = |row: &Vec<f64>| Some(row.get(part.index)? / unit + row.get(rest)?);
         values = rows.iter().filter_map(sum).filter(|v| v.is_finite()).collect();
         let _ = write!(name, " + {}", names.get(rest).map(String::as_str).unwrap_or_default());
+    }
+    if part.quantity == Quantity::Time {
+        values = Ticks::all(values.into_iter());
     }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
