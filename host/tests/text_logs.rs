@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use motorlens::error::{BadInput, Error};
 use motorlens::log::{ReadOptions, Record, read};
 
+#[path = "text_logs/heads.rs"]
+mod heads;
 #[path = "text_logs/numbers.rs"]
 mod numbers;
 #[path = "text_logs/tools.rs"]

@@ -29,6 +29,8 @@ pub enum Separator {
 pub struct Splitter {
     separator: Separator,
     stamped: bool,
+    /// What stands before the fields of a line; may be empty.
+    tag: String,
     /// What stands behind the numbers of a column, by column; may be empty.
     units: Vec<String>,
     /// Columns of hexadecimal numbers without a mark, which they get.
@@ -44,6 +46,7 @@ impl Splitter {
         Splitter {
             separator,
             stamped,
+            tag: String::new(),
             units: Vec::new(),
             hex: Vec::new(),
             text: String::new(),
@@ -55,6 +58,11 @@ impl Splitter {
     /// Leaves out the unit that stands behind the numbers of a column.
     pub fn without_units(self, units: Vec<String>) -> Self {
         Splitter { units, ..self }
+    }
+
+    /// Leaves out what stands before the fields of a line.
+    pub fn without_tag(self, tag: String) -> Self {
+        Splitter { tag, ..self }
     }
 
     /// Reads these columns as hexadecimal numbers.
@@ -88,12 +96,17 @@ impl Splitter {
     fn split_as_it_is(&mut self, line: &str) -> bool {
         self.fields.clear();
         self.stamp = None;
-        let mut line = line.trim();
+        let mut line = trimmed(line);
         if self.stamped
             && let Some((stamp, rest)) = stamped(line)
         {
             self.stamp = Some(stamp.to_owned());
             line = rest;
+        }
+        if !self.tag.is_empty()
+            && let Some(rest) = line.strip_prefix(self.tag.as_str())
+        {
+            line = rest.trim_start();
         }
         line = unwrapped(line);
         self.text.clear();
@@ -233,6 +246,11 @@ impl Hexadecimal {
     }
 }
 
+/// A line without its end and the blanks around it; a tab before it ends a field that is blank.
+pub fn trimmed(line: &str) -> &str {
+    line.trim_matches(|c: char| c.is_whitespace() && c != '\t')
+}
+
 /// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
 fn unwrapped(line: &str) -> &str {
     let wrapped = [('[', ']'), ('(', ')'), ('|', '|')];
@@ -248,10 +266,10 @@ fn unwrapped(line: &str) -> &str {
 }
 
 /// The stamp before a line, and the line: that of a serial monitor, `12:34:56.789 -> 1,2,3`, with a single `>`, or `[12:34:56.789] 1,2`;
-/// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started.
+/// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started; that of ROS, `[INFO] [1700000000.25] [motor]: 1,2`, in s.
 pub fn stamped(line: &str) -> Option<(&str, &str)> {
     let is_stamp = |stamp: &str| clock::moment(stamp).is_some();
-    if let Some(found) = logged(line) {
+    if let Some(found) = logged(line).or_else(|| logged_by_ros(line)) {
         return Some(found);
     }
     if let Some((stamp, rest)) = line.strip_prefix('[').and_then(|inside| inside.split_once(']')) {
@@ -276,6 +294,17 @@ fn logged(line: &str) -> Option<(&str, &str)> {
     is_stamp.then_some((stamp, said.trim()))
 }
 
+/// A line of ROS's console: level, stamp and perhaps the node, each in brackets, and what was said.
+fn logged_by_ros(line: &str) -> Option<(&str, &str)> {
+    let (level, rest) = line.strip_prefix('[')?.split_once(']')?;
+    let (stamp, rest) = rest.trim_start().strip_prefix('[')?.split_once(']')?;
+    let is_level = !level.is_empty() && level.bytes().all(|b| b.is_ascii_alphabetic() || b == b' ');
+    let is_stamp = stamp.contains('.') && stamp.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let rest = rest.trim_start();
+    let said = rest.strip_prefix('[').and_then(|node| node.split_once(']')).map_or(rest, |(_, said)| said);
+    (is_level && is_stamp).then(|| (stamp, said.trim_start_matches(':').trim()))
+}
+
 /// Words between blanks; a word in quotes may hold some, and a date and the time behind it are one.
 fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
     let mut rest = 0;
@@ -294,7 +323,8 @@ fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
     }
 }
 
-/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`; empty where it is no such line.
+/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`; empty where it is no such line. What stands in brackets before
+/// them, and a name whose value would be another name, as in `[7] motor: t:12 pwm:80`, is none of them.
 pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     const BETWEEN: [char; 5] = [',', ';', '|', '\t', ' '];
     let mut pairs = Vec::new();
@@ -302,7 +332,16 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     while let Some(colon) = line[rest..].find([':', '=']).map(|at| rest + at) {
         // What was behind the value before, as its unit, ends at the last hard separator.
         let hard = line[rest..colon].rfind([',', ';', '|', '\t']).map_or(rest, |at| rest + at + 1);
-        let name = line[hard..colon].trim_matches(BETWEEN);
+        let mut name = line[hard..colon].trim_matches(BETWEEN);
+        while let Some((_, behind)) =
+            name.strip_prefix('[').filter(|_| pairs.is_empty()).and_then(|name| name.split_once(']'))
+        {
+            name = behind.trim_matches(BETWEEN);
+        }
+        if pairs.is_empty() && is_name_first(&line[colon + 1..]) && (name.is_empty() || is_word(name)) {
+            rest = colon + 1;
+            continue;
+        }
         if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
             return Vec::new();
         }
@@ -316,6 +355,16 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
         rest = end;
     }
     pairs
+}
+
+/// Whether a text begins with a name and the sign between it and its value.
+fn is_name_first(text: &str) -> bool {
+    text.trim_start().find([':', '=']).is_some_and(|at| is_word(&text.trim_start()[..at]))
+}
+
+fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && text.chars().all(|c| c.is_alphanumeric() || ['_', '.', '/', '-'].contains(&c))
 }
 
 /// Where the unit ends that stands a blank behind the number at `end` of `line`, as in `Speed: 15.2 RPM`; none where there is none, or
@@ -370,6 +419,9 @@ mod tests {
             ("t:12\tpwm:80\tmotor enc:-3", "12"),
             ("t: 12 s pwm: 80 motor enc: -3", "12 s"),
             ("t: 12 pwm: 80 motor enc: -3 m: 7", "12"),
+            ("echo: t:12 pwm:80 motor enc:-3", "12"),
+            ("[7] t: 12 pwm: 80 motor enc: -3", "12"),
+            ("[INFO] [drive] left.motor: t=12 pwm=80, motor enc=-3", "12"),
         ] {
             assert_eq!(split(line, names()), [time, "80", "-3"], "{line}");
         }
@@ -403,6 +455,7 @@ mod tests {
             ("[12:34:56.789] 1,2", "12:34:56.789"),
             ("I (1234) motor: 1,2", "1234"),
             ("\u{1b}[0;32mI (1234) motor: 1,2\u{1b}[0m", "1234"),
+            ("[INFO] [1700000000.25] [motor]: 1,2", "1700000000.25"),
         ] {
             assert!(splitter.split(line));
             assert_eq!(

@@ -11,6 +11,9 @@ use super::rows::number;
 const MOST_CHATTER: usize = 60;
 /// What stands between LabVIEW's remarks and its table.
 const LABVIEW_END: &str = "***End_of_Header***";
+/// Lines below a header that tell it from other words above numbers, and the share of them that are rows.
+const GO_ON: usize = 12;
+const NEARLY_ALL: f64 = 0.9;
 /// A layout of single lines is one where this share of the lines has it.
 const MOST: f64 = 0.6;
 
@@ -21,6 +24,8 @@ pub(super) struct Layout {
     pub separator: Separator,
     /// A serial monitor put a time and an arrow before the lines.
     pub stamped: bool,
+    /// A word and a colon before the fields of every line: `DATA: 1,2,3`; empty where there is none.
+    pub tag: String,
     /// The line (of those looked at) that holds the names of the columns.
     pub header: Option<usize>,
     /// The names; empty where there is no header.
@@ -40,13 +45,30 @@ impl Layout {
             .iter()
             .map(|line| if is_stamped { stamped(line).map_or(*line, |(_, rest)| rest) } else { line })
             .collect();
-        let layout = named_values(&bare).or_else(|| below_a_header(&bare)).unwrap_or_else(|| plain(&bare));
-        Layout { stamped: is_stamped, ..layout }
+        let mut tag = String::new();
+        let layout = named_values(&bare).unwrap_or_else(|| {
+            tag = tag_of(&bare).unwrap_or_default();
+            let untagged: Vec<&str> = bare
+                .iter()
+                .map(|line| line.strip_prefix(tag.as_str()).map_or(*line, str::trim_start))
+                .collect();
+            let lines = if tag.is_empty() { &bare } else { &untagged };
+            scope(lines).or_else(|| below_a_header(lines)).unwrap_or_else(|| plain(lines))
+        });
+        Layout { stamped: is_stamped, tag, ..layout }
     }
 }
 
 fn new(separator: Separator) -> Layout {
-    Layout { separator, stamped: false, header: None, names: Vec::new(), units: Vec::new(), rows: 0 }
+    Layout {
+        separator,
+        stamped: false,
+        tag: String::new(),
+        header: None,
+        names: Vec::new(),
+        units: Vec::new(),
+        rows: 0,
+    }
 }
 
 /// `t:12 pwm:80 enc:100`: at least two names with numbers in most lines.
@@ -70,17 +92,77 @@ fn named_values(lines: &[&str]) -> Option<Layout> {
     Some(Layout { names: names.clone(), rows, ..new(Separator::Names(names.clone())) })
 }
 
-/// The first line whose next two are rows of as many numbers.
+/// The word and the colon that stand before two numbers or more in most lines.
+fn tag_of(lines: &[&str]) -> Option<String> {
+    let last = lines.last()?;
+    let tag = &last[..=last.find(':')?];
+    let is_word = tag.len() > 1 && tag.trim_end_matches(':').chars().all(|c| c.is_alphabetic() || c == '_');
+    let separators =
+        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks];
+    let has_numbers = |line: &&str| {
+        line.strip_prefix(tag).is_some_and(|rest| {
+            separators.iter().any(|separator| {
+                let values = fields(rest.trim_start(), separator);
+                values.len() >= 2 && values.iter().all(|value| is_number(value))
+            })
+        })
+    };
+    let tagged = lines.iter().filter(|line| has_numbers(line)).count();
+    (is_word && tagged >= 2 && tagged as f64 >= MOST * lines.len() as f64).then(|| tag.to_owned())
+}
+
+/// The first line whose next two are rows of as many numbers, and rather one that many more rows follow: what an oscilloscope tells of
+/// its channels looks like a few.
 fn below_a_header(lines: &[&str]) -> Option<Layout> {
     // What LabVIEW says first has rows of its own.
     let first = lines.iter().rposition(|line| line.starts_with(LABVIEW_END)).map_or(0, |k| k + 1);
     let last = lines.len().saturating_sub(2).min(first + MOST_CHATTER);
-    let found = (first..last).find_map(|k| header_at(lines, k))?;
-    // A candidate below rows of as many numbers is a bad row of the table above; one such line may be half of a row.
+    let of_share = |least: f64| {
+        (first..last).find_map(|k| header_at(lines, k).filter(|found| rows_below(lines, found) >= least))
+    };
+    let found = of_share(NEARLY_ALL).or_else(|| of_share(MOST))?;
+    // A candidate below rows of as many numbers is a bad row of the table above; one such line may be half of a row. Remarks with numbers
+    // begin with a word of their own.
     let k = found.header?;
-    let alike =
-        lines[first..k].iter().filter(|line| row(line, &found.separator) == Some(found.names.len())).count();
+    let begin = |line: &str| fields(line, &found.separator).into_iter().next().unwrap_or_default();
+    let is_remark = |line: &str| {
+        let word = begin(line);
+        !is_number(&word) && lines.iter().filter(|other| begin(other) == word).count() == 1
+    };
+    let alike = |line: &&&str| row(line, &found.separator) == Some(found.names.len()) && !is_remark(line);
+    let alike = lines[first..k].iter().filter(alike).count();
     (alike <= 1 && (alike == 0 || k == first + 1)).then_some(found)
+}
+
+/// Share of the next lines below a header that are rows.
+fn rows_below(lines: &[&str], found: &Layout) -> f64 {
+    let next = &lines[found.rows..(found.rows + GO_ON).min(lines.len())];
+    next.iter().filter(|line| row(line, &found.separator).is_some()).count() as f64 / next.len() as f64
+}
+
+/// TwinCAT's scope: a line of `Name` and a signal in turns, remarks of the same shape, and below them a time and a value in turns.
+fn scope(lines: &[&str]) -> Option<Layout> {
+    let separators = [Separator::Byte(b'\t'), Separator::Byte(b';'), Separator::Byte(b',')];
+    separators.into_iter().find_map(|separator| {
+        let of = |key: &str| {
+            let mut all = lines.iter().take(MOST_CHATTER).map(|line| fields(line, &separator)).enumerate();
+            all.find(|(_, fields)| {
+                fields.len() >= 4
+                    && fields.len() % 2 == 0
+                    && fields.iter().step_by(2).all(|field| field == key)
+            })
+        };
+        let (header, mut names) = of("Name")?;
+        let is_row = |line: &&str| {
+            let values = fields(line, &separator);
+            values.len() == names.len() && values.iter().all(|value| is_number(value))
+        };
+        let rows = header + lines[header..].iter().position(|line| is_row(&line))?;
+        let mut units = of("Unit").map(|(_, units)| units).unwrap_or_default();
+        units.iter_mut().step_by(2).for_each(String::clear);
+        names.iter_mut().step_by(2).for_each(|name| *name = "Time".into());
+        Some(Layout { header: Some(header), names, units, rows, ..new(separator) })
+    })
 }
 
 fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
@@ -128,7 +210,9 @@ fn row(line: &str, separator: &Separator) -> Option<usize> {
     if *separator == Separator::DecimalCommas && !values.iter().all(decimal) {
         return None;
     }
-    (numbers > 0 && 2 * numbers >= values.len()).then_some(values.len())
+    // A word and its number are a remark on the log.
+    let is_remark = values.len() == 2 && numbers == 1 && values.iter().all(|value| !value.is_empty());
+    (numbers > 0 && 2 * numbers >= values.len() && !is_remark).then_some(values.len())
 }
 
 /// The `width` names in a header, which may separate them otherwise than the rows do.
@@ -198,7 +282,7 @@ fn plain(lines: &[&str]) -> Layout {
     let first = lines.first().copied().unwrap_or_default();
     let all = |separator: &Separator| {
         let of = |line: &str| {
-            let values = fields(line, separator);
+            let values = ending_in_one(fields(line, separator));
             (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
         };
         let width = of(first);
@@ -214,7 +298,9 @@ fn plain(lines: &[&str]) -> Layout {
     }
     let separator = Separator::Byte(delimiter_of(first));
     let names = fields(first, &separator);
-    if names.iter().all(|name| is_number(name)) {
+    // A word that stands before the numbers of every row is no name.
+    let is_row = || lines.get(1).is_some_and(|second| row(second, &separator) == Some(names.len()));
+    if names.iter().all(|name| is_number(name)) || row(first, &separator).is_some() && is_row() {
         return new(separator);
     }
     Layout { header: Some(0), names, rows: 1, ..new(separator) }
@@ -223,7 +309,7 @@ fn plain(lines: &[&str]) -> Layout {
 /// Numbers without a header below what a board says as it starts: from the line at which three rows of nothing else begin.
 fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
     let width = |line: &str, separator: &Separator| {
-        let values = fields(line, separator);
+        let values = ending_in_one(fields(line, separator));
         (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
     };
     let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
@@ -241,6 +327,14 @@ fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
             })
             .map(|separator| (separator, k))
     })
+}
+
+/// Fields without the blank one behind a separator at the end of the line.
+fn ending_in_one(mut fields: Vec<String>) -> Vec<String> {
+    if fields.last().is_some_and(String::is_empty) {
+        fields.pop();
+    }
+    fields
 }
 
 fn fields(line: &str, separator: &Separator) -> Vec<String> {
@@ -326,6 +420,21 @@ mod tests {
             (found.names, found.header, found.rows),
             (vec!["t".into(), "pwm".into(), "enc".into()], None, 1)
         );
+    }
+
+    #[test]
+    fn a_word_before_every_row_and_what_an_oscilloscope_says_first_are_no_columns() {
+        let found = layout("DATA: t,u\nDATA: 1,2\nDATA: 3,4\nDATA: 5,6");
+        assert_eq!((found.tag.as_str(), found.header, found.names.len()), ("DATA:", Some(0), 2));
+        assert_eq!(layout("DATA,1,2\nDATA,3,4\nDATA,5,6").header, None);
+        let remarks = "Model,MSO54\nVersion,1.20\nUnits,s\nScale,0.4\nInterval,0.01\nUnits,V,V\nOffset,0,0\nGain,1,1\nLabel,,\n";
+        let found = layout(&format!("{remarks}TIME,CH1,CH2\n{}", "1,2,3\n".repeat(20)));
+        assert_eq!(found.names, ["TIME", "CH1", "CH2"]);
+        let found = layout("Name\tu\tName\tw\nType\tR\tType\tR\nUnit\tV\tUnit\trad\n0\t1\t0\t2\n1\t1\t1\t2");
+        assert_eq!(found.names, ["Time", "u", "Time", "w"]);
+        assert_eq!((found.units, found.rows), (["", "V", "", "rad"].map(String::from).to_vec(), 3));
+        let found = layout("X,u,w,Comment\n\t1\t2\t\n\t3\t4\t\n\t3\t4\t".replace(',', "\t").as_str());
+        assert_eq!((found.names.len(), found.separator), (4, Separator::Byte(b'\t')));
     }
 
     #[test]

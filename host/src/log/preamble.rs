@@ -3,8 +3,9 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::fields::{Hexadecimal, Separator, Splitter};
+use super::fields::{Hexadecimal, Separator, Splitter, trimmed};
 use super::layout::Layout;
+use super::rows::number;
 use super::text::cannot_read;
 use super::{Metadata, beside};
 use crate::error::{BadInput, Result};
@@ -35,10 +36,14 @@ pub struct Preamble {
     pub separator: Separator,
     /// A serial monitor put a time and an arrow before the lines.
     pub stamped: bool,
+    /// What stands before the fields of every line.
+    tag: String,
     /// Line of the header, or of the first row where there is none.
     pub line: u64,
     /// Lines of text left out before the header.
     pub skipped: usize,
+    /// Rows per second, as they tell.
+    pub rate: Option<f64>,
     /// The lines after the header that were read to tell the layout, with their numbers.
     pub rows: Vec<(u64, String)>,
     /// Number of lines read.
@@ -49,6 +54,7 @@ impl Preamble {
     /// A splitter for the rows.
     pub fn splitter(&self) -> Splitter {
         Splitter::of(self.separator.clone(), self.stamped)
+            .without_tag(self.tag.clone())
             .without_units(self.beside.clone())
             .with_hex(self.hex.clone())
     }
@@ -70,10 +76,14 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         }
         number += 1;
         let text = line.trim();
-        if let Some(comment) = text.strip_prefix('#') {
+        if let Some(comment) = remark_in(text).or_else(|| remark_of_semicolon(text).filter(|_| told == 0)) {
             if told == 0 {
-                remember(path, &mut meta, comment, number)?;
-                remark = Some((number, comment.trim().to_owned()));
+                if text.starts_with('#') {
+                    remember(path, &mut meta, comment, number)?;
+                }
+                if !is_nothing(comment) {
+                    remark = Some((number, comment.trim().to_owned()));
+                }
             }
         } else if !is_nothing(text) {
             (told, bytes) = (told + 1, bytes + line.len());
@@ -89,7 +99,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         .at_line(number.max(1))
         .into());
     }
-    let texts: Vec<&str> = lines.iter().map(|(_, line)| line.trim()).collect();
+    let texts: Vec<&str> = lines.iter().map(|(_, line)| trimmed(line)).collect();
     let mut layout = Layout::of(&texts);
     let mut line = lines[layout.header.unwrap_or(layout.rows.min(lines.len() - 1))].0;
     if layout.header.is_none() && layout.names.is_empty() {
@@ -119,8 +129,9 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     check(path, &layout, &texts, line)?;
     let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
     let skipped = if line < lines[0].0 { 0 } else { skipped };
+    let rate = texts[..skipped.min(texts.len())].iter().find_map(|text| rate_in(text));
     let rows = lines.split_off(layout.rows.min(lines.len()));
-    let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped);
+    let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped).without_tag(layout.tag.clone());
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
     for (_, row) in &rows {
         splitter.split(row);
@@ -141,11 +152,36 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         hex,
         separator: layout.separator,
         stamped: layout.stamped,
+        tag: layout.tag,
         line,
         skipped,
+        rate,
         rows,
         read: number,
     })
+}
+
+/// Rows per second, where a line before the header tells the time between them: LabVIEW's `Delta_X`, an oscilloscope's interval.
+fn rate_in(text: &str) -> Option<f64> {
+    const INTERVALS: [(&str, f64); 4] =
+        [("delta_x", 1.0), ("sample interval", 1.0), ("sampling interval", 1.0), ("sampletime[ms]", 1e-3)];
+    let between = ['\t', ',', ';'].into_iter().find(|between| text.contains(*between))?;
+    let (key, rest) = text.split_once(between)?;
+    let key = key.trim().to_lowercase();
+    let (_, unit_s) = INTERVALS.into_iter().find(|(known, _)| *known == key)?;
+    let interval_s = unit_s * number(rest.split(between).next()?.trim())?;
+    (interval_s > 0.0 && interval_s.is_finite()).then(|| (1e6 / interval_s).round() / 1e6)
+}
+
+/// What a line says that is a remark: behind `#`, MATLAB's `%` or `//`.
+pub fn remark_in(text: &str) -> Option<&str> {
+    ["#", "%", "//"].into_iter().find_map(|mark| text.strip_prefix(mark))
+}
+
+/// What a line says that is a remark behind a semicolon, which may also stand before the fields of a row.
+fn remark_of_semicolon(text: &str) -> Option<&str> {
+    let remark = text.strip_prefix("; ")?;
+    (!remark.contains(';') && remark.contains(char::is_alphabetic)).then_some(remark)
 }
 
 /// Blank lines, rows of nothing but separators, and a spreadsheet's remark on its own separator.
@@ -250,6 +286,11 @@ mod tests {
             ("\"sep=;\"\nt;u\n1;2\n3;4\n", 2),
             ("sep=\t\nt\tu\n1\t2\n3\t4\n", 2),
             ("# t u\n1e0 2e0\n3e0 4e0\n", 1),
+            (
+                "\u{feff}# by hand\n// motor: M1, 20:1\n; of May\n%\n% t,u\n1,2\n3,4\n"
+                    .trim_start_matches('\u{feff}'),
+                5,
+            ),
         ] {
             let preamble = preamble(text).unwrap();
             assert_eq!(preamble.headers.unwrap(), ["t", "u"], "{text}");

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
-use super::fields::Splitter;
+use super::fields::{Splitter, trimmed};
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::structure::Structure;
@@ -104,8 +104,8 @@ impl<'a> Rows<'a> {
     /// Takes a line.
     pub fn take(&mut self, number: u64, line: &str, state: Option<usize>) -> Result<()> {
         let place = Place::Line(number);
-        let text = line.trim();
-        if text.starts_with('#') || preamble::is_nothing(text) {
+        let text = trimmed(line);
+        if preamble::remark_in(text.trim_start()).is_some() || preamble::is_nothing(text) {
             return Ok(());
         }
         let header = self.wanted.time.header();
@@ -178,8 +178,9 @@ impl<'a> Rows<'a> {
             TimeSource::Rate(rate) => Ok((self.count.saturating_sub(1)) as f64 / rate),
             TimeSource::Stamps => {
                 let stamp = self.splitter.stamp().unwrap_or_default();
-                // A board counts milliseconds, a serial monitor reads a clock.
-                self.clock.read(stamp, 1e-3, stamp.parse().ok()).ok_or_else(|| {
+                // A board counts milliseconds, ROS seconds with their fraction, a serial monitor reads a clock.
+                let unit_s = if stamp.contains('.') { 1.0 } else { 1e-3 };
+                self.clock.read(stamp, unit_s, stamp.parse().ok()).ok_or_else(|| {
                     (self.wanted.time.header(), "no stamp tells when this line was received".into())
                 })
             }

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::clock::Clock;
 use super::direction;
+use super::fields::trimmed;
 use super::guess;
-use super::preamble::Preamble;
+use super::preamble::{Preamble, remark_in};
 use super::rows::Whole;
 use super::text::cannot_read;
 use super::unsigned;
@@ -29,6 +30,8 @@ pub(super) struct Sample {
     /// The fields as they stand there.
     pub texts: Vec<Vec<String>>,
     pub stamped: bool,
+    /// Rows per second, as the lines before the header tell.
+    pub rate: Option<f64>,
 }
 
 /// Reads on behind the head of a table; of the texts only the first `shown` rows are kept.
@@ -44,13 +47,14 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         rows: Vec::new(),
         texts: Vec::new(),
         stamped: head.stamped,
+        rate: head.rate,
     };
     let mut clocks: Vec<Clock> = Vec::new();
     let mut clocked: Vec<bool> = Vec::new();
     let mut whole: Vec<Whole> = Vec::new();
     let mut take = |line: &str, sample: &mut Sample| {
-        let text = line.trim();
-        if text.is_empty() || text.starts_with('#') || !splitter.split(text) {
+        let text = trimmed(line);
+        if text.is_empty() || remark_in(text.trim_start()).is_some() || !splitter.split(text) {
             return;
         }
         clocks.resize(clocks.len().max(splitter.len()), Clock::default());

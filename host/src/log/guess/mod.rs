@@ -132,8 +132,33 @@ pub fn quoted(text: &str) -> String {
 
 /// Guesses from the beginning of a table.
 pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
-    proposal(&sample.names, &parts(&sample.with_units, &sample.rows), &sample.rows, sample.stamped)
+    let parts = parts(&sample.with_units, &sample.rows);
+    let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?;
+    if let (Some(rate), Some(told)) = (&mut proposal.rate, sample.rate) {
+        *rate = told.to_string();
+    }
+    proposal.unknown_units.extend(other_clock(sample, &parts));
+    Some(proposal)
 }
+
+/// What is asked where another column has the clock's name and other times: each signal has its own.
+fn other_clock(sample: &Sample, parts: &[Part]) -> Option<String> {
+    let clock = parts.iter().find(|part| part.quantity == Quantity::Time)?.index;
+    let name = sample.names.get(clock)?;
+    let times = |k: usize| sample.rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
+    let interval = super::timing::median_interval(&times(clock).collect::<Vec<_>>());
+    let furthest = |k: &usize| times(clock).zip(times(*k)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let other = (0..sample.names.len())
+        .find(|k| *k != clock && sample.names[*k] == *name && furthest(k) > SAME_TIME * interval)?;
+    Some(format!(
+        "column {other} is called \"{name}\" too and tells other times, up to {:.0} % of an interval apart: where each signal has its own, \
+         export them with one column of times",
+        100.0 * furthest(&other) / interval
+    ))
+}
+
+/// Times of one row that are further apart than this share of an interval are two.
+const SAME_TIME: f64 = 0.01;
 
 /// Guesses from the names and the first rows of a table; fields that are no numbers are NaN. None where too little is recognised:
 /// what drives the motor and what it does must both be.
@@ -257,8 +282,11 @@ pub(super) fn example(names: &[String]) -> String {
         format!("{quantity}={}:{unit}", column(names, index))
     };
     let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
-    let parts: Vec<String> =
-        kinds.into_iter().zip(0..names.len()).map(|(kind, index)| part(kind, index)).collect();
+    // The clock first, where one is called so; a column without a name is none.
+    let is_clock = |k: &usize| words::said(&names[*k]).quantity.is_some_and(|(of, _)| of == Quantity::Time);
+    let mut columns: Vec<usize> = (0..names.len()).filter(|k| !names[*k].is_empty()).collect();
+    columns.sort_by_key(|k| !is_clock(k));
+    let parts: Vec<String> = kinds.into_iter().zip(columns).map(|(kind, index)| part(kind, index)).collect();
     quoted(&parts.join(","))
 }
 
