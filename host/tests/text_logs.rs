@@ -8,6 +8,8 @@ use motorlens::log::{ReadOptions, Record, read};
 
 #[path = "text_logs/heads.rs"]
 mod heads;
+#[path = "text_logs/names.rs"]
+mod names;
 #[path = "text_logs/numbers.rs"]
 mod numbers;
 #[path = "text_logs/tools.rs"]

@@ -15,6 +15,8 @@ pub(super) struct Wanted {
     pub quantity: Quantity,
     pub index: usize,
     pub header: String,
+    /// The column that is taken off, of a difference of two.
+    pub less: Option<usize>,
     /// Its factor is that to SI: what it has to be divided by is in it.
     pub unit: Unit,
 }
@@ -32,15 +34,18 @@ pub(super) enum TimeSource {
     Stamps,
     /// Nothing: rows of this rate, Hz.
     Rate(f64),
+    /// The number of the row in a column, which rises by so much a row, at this rate, Hz.
+    Numbered(Wanted, f64, f64),
 }
 
 impl TimeSource {
     /// What a message calls it.
     pub fn header(&self) -> &str {
         match self {
-            TimeSource::Column(column) | TimeSource::Columns(column, _) | TimeSource::Intervals(column) => {
-                &column.header
-            }
+            TimeSource::Column(column)
+            | TimeSource::Columns(column, _)
+            | TimeSource::Intervals(column)
+            | TimeSource::Numbered(column, ..) => &column.header,
             TimeSource::Stamps => "stamp before ->",
             TimeSource::Rate(_) => "row (--rate)",
         }
@@ -136,14 +141,16 @@ impl Choice<'_> {
     fn source<'m>(&self, map: Option<&'m Mapping>, quantity: Quantity) -> Option<&'m Source> {
         let source = map.and_then(|map| map.source(quantity))?;
         let first = source.column.split('+').next().unwrap_or_default().trim();
-        let here = self.index_of(&source.column).or_else(|| self.index_of(first)).is_some();
+        let here = self.index_of(&source.column).or_else(|| self.index_of(first)).is_some()
+            || self.difference(source).is_some();
         (here || !self.partial).then_some(source)
     }
 
     /// The mapping with the units that the header, or the row below it, says of columns whose unit the mapping leaves open.
     pub fn with_units(&self, map: &Mapping) -> Mapping {
         map.with_units(|source| {
-            let index = self.index_of(&source.column)?;
+            let first = || self.difference(source).and_then(|(one, _)| self.index_of(one));
+            let index = self.index_of(&source.column).or_else(first)?;
             let below = self.units.get(index).and_then(|unit| words::unit_named(unit));
             let name = || words::told(self.names.get(index)?);
             let (of, unit) = below.or_else(name)?;
@@ -157,7 +164,24 @@ impl Choice<'_> {
         })
     }
 
+    /// `duty=in1-in2` names two columns, where there is none of that whole name.
+    fn difference<'s>(&self, source: &'s Source) -> Option<(&'s str, &'s str)> {
+        if ![Quantity::Duty, Quantity::Voltage].contains(&source.quantity)
+            || self.index_of(&source.column).is_some()
+        {
+            return None;
+        }
+        let splits = source.column.match_indices('-').map(|(at, _)| source.column.split_at(at));
+        let mut pairs = splits.map(|(one, other)| (one.trim(), other[1..].trim()));
+        pairs.find(|(one, other)| self.index_of(one).is_some() && self.index_of(other).is_some())
+    }
+
     fn mapped(&self, source: &Source) -> Result<Wanted> {
+        if let Some((one, other)) = self.difference(source) {
+            let less = self.named(source.quantity, other, source.unit)?.index;
+            let one = self.named(source.quantity, one, source.unit)?;
+            return Ok(Wanted { less: Some(less), header: source.column.clone(), ..one });
+        }
         self.named(source.quantity, &source.column, source.unit)
     }
 
@@ -187,7 +211,7 @@ impl Choice<'_> {
             );
             return Err(BadInput::new(self.path, why, remedy).at_line(self.line).in_column(header).into());
         }
-        Ok(Some(Wanted { quantity, index, header: header.to_owned(), unit: Unit::SI }))
+        Ok(Some(Wanted { quantity, index, less: None, header: header.to_owned(), unit: Unit::SI }))
     }
 
     fn only_one(&self, name: &str) -> Result<()> {
@@ -222,7 +246,7 @@ impl Choice<'_> {
             unit.factor /=
                 self.one_turn(per_turn, quantity, column).map_err(|fault| fault.in_column(&header))?;
         }
-        Ok(Wanted { quantity, index, header, unit })
+        Ok(Wanted { quantity, index, less: None, header, unit })
     }
 
     /// What one turn of the output shaft is of a number that is none of turns.

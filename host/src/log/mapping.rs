@@ -1,7 +1,8 @@
 //! `--map time=t:ms,voltage=u,speed=y:deg/s`: which column of a foreign file is what, and in which unit.
 //!
 //! Grammar: `QUANTITY=COLUMN[:UNIT]`, joined by commas. QUANTITY is time, interval (the time since the row before), voltage, duty,
-//! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns. COLUMN is a header or a
+//! target (of a position servo), angle, speed, current or supply. `time=SECONDS+REST:ns` adds up two columns, `duty=IN1-IN2:255` takes one
+//! side of a bridge from the other. COLUMN is a header or a
 //! 0-based number. UNIT is a unit of the quantity (if left out, that which the header says, or SI), then any number of
 //! `*factor` or `/divisor`; for duty it is the number that means full duty, or those of none and full (`1500..2000`). Where duty is
 //! given instead of voltage, the voltage is duty times the supply column, or times `--supply-volts`.
@@ -21,6 +22,15 @@ pub struct Source {
     pub unit: Unit,
     /// The unit as it was written; empty where none was.
     pub written: String,
+}
+
+impl Source {
+    /// The names that it may mean: its column, or two columns with a plus or a minus between them.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        let pairs = self.column.match_indices(['+', '-']).map(|(at, _)| self.column.split_at(at));
+        let halves = pairs.flat_map(|(one, other)| [one.trim(), other[1..].trim()]);
+        std::iter::once(self.column.as_str()).chain(halves)
+    }
 }
 
 /// The meaning of the columns of a file.
@@ -43,10 +53,9 @@ impl Mapping {
     /// Whether every column is given by number, so that the file may lack a header.
     pub fn is_by_number(&self) -> bool {
         !self.sources.is_empty()
-            && self
-                .sources
-                .iter()
-                .all(|source| source.column.split('+').all(|column| column.trim().parse::<usize>().is_ok()))
+            && self.sources.iter().all(|source| {
+                source.column.split(['+', '-']).all(|column| column.trim().parse::<usize>().is_ok())
+            })
     }
 }
 

@@ -23,6 +23,7 @@ pub mod mapping;
 mod metadata;
 mod mistaken;
 pub(crate) mod motion;
+mod numbered;
 mod preamble;
 pub mod quantum;
 mod read;

@@ -138,7 +138,7 @@ impl Json {
         let known = [
             (tests.into_iter().any(has), Json::Sysid),
             (has("\"entries\"") && has("\"kp\""), Json::Bam),
-            (has("\"schema\""), Json::Own),
+            (has("\"schema\"") && !has("\"pandas_version\""), Json::Own),
         ];
         let kind = known.into_iter().find_map(|(is, kind)| is.then_some(kind));
         let mut inside = start.trim_ascii_start();

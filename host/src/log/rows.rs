@@ -31,8 +31,10 @@ pub(super) struct Rows<'a> {
     whole: Vec<Whole>,
     /// Fields in brackets that are read as negative numbers.
     pub bracketed: Blanks,
-    /// The count of a clock in whole ticks.
+    /// The count of a clock in whole ticks, or the number of a row.
     pub ticks: Ticks,
+    /// The first and the last number of a row, where they are numbered.
+    pub numbered: Option<(f64, f64)>,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
@@ -94,7 +96,11 @@ impl<'a> Rows<'a> {
             held: vec![Blanks::default(); count],
             whole: vec![Whole::default(); count + 1],
             bracketed: Blanks::default(),
-            ticks: Ticks::default(),
+            ticks: match wanted.time {
+                TimeSource::Numbered(..) => Ticks::of_rows(),
+                _ => Ticks::default(),
+            },
+            numbered: None,
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -144,10 +150,12 @@ impl<'a> Rows<'a> {
         self.numbers[0] = self.time().map_err(|(column, why)| Unread::Bad(column, why))?;
         let mut blank = false;
         for (k, column) in wanted.values.iter().enumerate() {
+            let less = column.less.map(|index| self.splitter.get(index).unwrap_or_default());
             // A line that is shorter than a row has no blanks but ends too early.
             let text = match self.splitter.get(column.index) {
                 Some(text)
-                    if is_blank(text, column.quantity) && is_blank_permitted(&self.splitter, self.width) =>
+                    if (is_blank(text, column.quantity) || less.is_some_and(means_nothing))
+                        && is_blank_permitted(&self.splitter, self.width) =>
                 {
                     self.held[k].saw(number);
                     match self.last[k].filter(|_| is_held(column.quantity)) {
@@ -165,7 +173,9 @@ impl<'a> Rows<'a> {
                 Quantity::Direction => direction(text),
                 _ => field(text, self.whole[k + 1].read(text)).map(|value| column.unit.to_si(value)),
             };
-            let value = value.map_err(|why| Unread::Bad(column.header.as_str(), why))?;
+            let value = value
+                .and_then(|value| less.map_or(Ok(value), |text| Ok(value - in_si(text, column)?)))
+                .map_err(|why| Unread::Bad(column.header.as_str(), why))?;
             self.last[k] = Some(value);
             self.numbers[k + 1] = value;
         }
@@ -176,6 +186,14 @@ impl<'a> Rows<'a> {
     fn time(&mut self) -> Result<f64, (&'a str, String)> {
         match &self.wanted.time {
             TimeSource::Rate(rate) => Ok((self.count.saturating_sub(1)) as f64 / rate),
+            TimeSource::Numbered(column, per_row, rate) => {
+                let text = self.splitter.get(column.index).unwrap_or_default();
+                let number = field(text, number(text)).map_err(|why| (column.header.as_str(), why))?;
+                let number = self.ticks.read(number);
+                let (first, _) = *self.numbered.get_or_insert((number, number));
+                self.numbered = Some((first, number));
+                Ok((number - first) / per_row / rate)
+            }
             TimeSource::Stamps => {
                 let stamp = self.splitter.stamp().unwrap_or_default();
                 // A board counts milliseconds, ROS seconds with their fraction, a serial monitor reads a clock.
@@ -290,6 +308,11 @@ fn field(text: &str, number: Option<f64>) -> Result<f64, String> {
             Err(format!("\"{shown}\" is not a number"))
         }
     }
+}
+
+/// The number in a field in SI, by the unit of `column`.
+fn in_si(text: &str, column: &Wanted) -> Result<f64, String> {
+    field(text, number(text)).map(|value| column.unit.to_si(value))
 }
 
 /// What a field of a column of directions says, or why it says nothing.

@@ -8,6 +8,7 @@ use super::clock::Clock;
 use super::direction;
 use super::mapping::Mapping;
 use super::metadata::BEHIND_DUTY;
+use super::numbered;
 use super::preamble;
 use super::rows::{Blanks, Rows, is_held};
 use super::sample::proposal;
@@ -70,13 +71,18 @@ pub(super) fn columns(
         partial,
     };
     let map = options.map.as_ref().map(|map| choice.with_units(map));
-    let wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
+    let mut wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
         Ok(wanted) => wanted,
         Err(missing) => {
             let guess = proposal(path, input, &head)?.with_known(options.known(&meta));
             return Err(choice.refusal(&missing, guess));
         }
     };
+    if let TimeSource::Rate(rate) = wanted.time
+        && let Some((column, per_row)) = numbered::column(&names, &head, &wanted)
+    {
+        wanted.time = TimeSource::Numbered(column, per_row, rate);
+    }
     let state = structure::state_column(&names)
         .filter(|k| wanted.values.iter().all(|column| column.index != *k))
         .filter(|k| !matches!(&wanted.time, TimeSource::Column(time) if time.index == *k));
@@ -90,8 +96,9 @@ pub(super) fn columns(
         rows.take(number, &line, state)?;
         line.clear();
     }
-    let Rows { samples, mut structure, held, bracketed, ticks, .. } = rows;
+    let Rows { samples, mut structure, held, bracketed, ticks, numbered, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
+    let samples_read = samples.len();
     let blank = wanted.values.iter().zip(&held).find(|(_, blanks)| blanks.count > 0);
     if samples.len() == 0
         && let Some((column, _)) = blank
@@ -138,7 +145,18 @@ pub(super) fn columns(
             "nothing, if they are; otherwise take the brackets away",
         );
     }
-    if let Some((width, times)) = ticks.wrapped() {
+    if let (TimeSource::Numbered(column, per_row, _), Some((first, last))) = (&wanted.time, numbered) {
+        let missing = (last - first) / per_row + 1.0 - samples_read as f64;
+        if missing >= 1.0 {
+            say(
+                format!("{file}, column {}", column.header),
+                format!(
+                    "the rows are numbered here, and {missing:.0} numbers are missing: their time passes"
+                ),
+                "nothing, if they were lost; otherwise remove this column",
+            );
+        }
+    } else if let Some((width, times)) = ticks.wrapped() {
         say(
             format!("{file}, column {}", wanted.time.header()),
             format!("the clock begins anew at {width}, {times} times, and its times go on there"),

@@ -4,6 +4,8 @@
 
 /// The counts at which clocks of 16 and of 32 bits begin anew.
 const WIDTHS: [f64; 2] = [65_536.0, 4_294_967_296.0];
+/// The numbers at which those of rows do.
+const WIDTHS_OF_ROWS: [f64; 3] = [256.0, 65_536.0, 4_294_967_296.0];
 /// The interval across the end of the count is that of the rows before within this factor.
 const ALIKE: f64 = 2.0;
 
@@ -14,11 +16,18 @@ pub(super) struct Ticks {
     interval: Option<f64>,
     width: Option<f64>,
     added: f64,
+    /// The counts are numbers of rows, some of which may be missing.
+    of_rows: bool,
     /// How often the count began anew.
     pub times: usize,
 }
 
 impl Ticks {
+    /// The numbers of rows.
+    pub fn of_rows() -> Self {
+        Ticks { of_rows: true, ..Ticks::default() }
+    }
+
     /// The count that a clock of many bits would have.
     pub fn read(&mut self, count: f64) -> f64 {
         if let Some(last) = self.last
@@ -42,9 +51,12 @@ impl Ticks {
             let step = count + width - last;
             let is_whole = last.fract() == 0.0 && count.fract() == 0.0;
             let is_within = count >= 0.0 && last < *width && last > 0.5 * width;
-            is_whole && is_within && step <= ALIKE * interval && interval <= ALIKE * step
+            let is_due = step <= ALIKE * interval && interval <= ALIKE * step;
+            // Of a width that is known rows may be missing there.
+            is_whole && is_within && (is_due || self.of_rows && self.width.is_some() && step < 0.5 * width)
         };
-        WIDTHS.into_iter().filter(|width| self.width.is_none_or(|known| known == *width)).find(is)
+        let widths: &[f64] = if self.of_rows { &WIDTHS_OF_ROWS } else { &WIDTHS };
+        widths.iter().copied().filter(|width| self.width.is_none_or(|known| known == *width)).find(is)
     }
 
     /// All of `counts` as [`Ticks::read`] has them.

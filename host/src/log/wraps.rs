@@ -26,6 +26,11 @@ pub(super) fn wrapped(angle: &[f64]) -> Option<Wrapped> {
     apart().or_else(|| within_a_turn(angle))
 }
 
+/// The number at which an angle wraps, if it does.
+pub(super) fn turn_of(angle: &[f64]) -> Option<f64> {
+    (angle.len() > 1).then(|| wrapped(angle)).flatten().map(|wrapped| wrapped.turn)
+}
+
 /// A motion of up to half a turn between two samples hides its wraps among its steps. Where the readings fill a usual turn from its begin
 /// to its end and never leave it, steps of more than half of it are wraps if the motion is much smoother without them.
 fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {

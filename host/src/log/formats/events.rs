@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Fault;
 use super::table::{Column, Table, Values};
 use crate::log::guess::{self, words};
-use crate::log::mapping::Mapping;
+use crate::log::mapping::{Mapping, Source};
 use crate::log::robot_loop::{clock, held_at, turn_s};
 use crate::log::samples::Place;
 use crate::log::structure;
@@ -107,10 +107,10 @@ impl Events {
     pub fn table(&self, map: Option<&Mapping>) -> Result<Table, Fault> {
         let mut hint = String::new();
         let sources = || Quantity::ALL.iter().filter_map(|quantity| map?.source(*quantity));
-        let by_number =
-            sources().any(|source| source.column.split('+').any(|column| self.is_number(column.trim())));
+        let by_number = sources()
+            .any(|source| source.column.split(['+', '-']).all(|column| self.is_number(column.trim())));
         let chosen: Vec<&str> = if map.is_some() && !by_number {
-            let named: BTreeSet<&str> = sources().map(|source| source.column.as_str()).collect();
+            let named: BTreeSet<&str> = sources().flat_map(Source::columns).collect();
             self.series.keys().map(String::as_str).filter(|name| named.contains(name)).collect()
         } else {
             let mut groups = self.groups();

@@ -44,6 +44,19 @@ impl Rows {
         }
     }
 
+    /// Takes the array of one row, whose values have these names; whatever is no array is none.
+    fn take_array(&mut self, names: &[String], value: &Value) {
+        let Some(all) = value.as_array().filter(|_| !self.too_large) else { return };
+        for (k, value) in all.iter().enumerate() {
+            match names.get(k) {
+                Some(name) => self.put(name, value),
+                None => self.put(&format!("column{k}"), value),
+            }
+        }
+        self.rows += 1;
+        self.too_large |= self.rows.saturating_mul(self.columns.len()) > MOST_NUMBERS;
+    }
+
     fn put(&mut self, name: &str, value: &Value) {
         let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
         match value {
@@ -118,6 +131,9 @@ impl Rows {
 struct Document {
     rows: Rows,
     columns: Vec<Column>,
+    /// Names, and rows without names, as pandas writes them apart: `{"columns": [...], "data": [[...], ...]}`.
+    names: Vec<String>,
+    arrays: Vec<Value>,
 }
 
 impl<'de> DeserializeSeed<'de> for &mut Document {
@@ -136,8 +152,12 @@ impl<'de> Visitor<'de> for &mut Document {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<(), A::Error> {
-        while let Some(value) = all.next_element()? {
-            self.rows.take(&value);
+        while let Some(value) = all.next_element::<Value>()? {
+            if value.is_array() {
+                self.rows.take_array(&[], &value);
+            } else {
+                self.rows.take(&value);
+            }
         }
         Ok(())
     }
@@ -154,6 +174,14 @@ impl Document {
     /// Takes an entry of the outermost object: a column, or the rows themselves.
     fn put(&mut self, name: String, value: &Value) {
         match value {
+            // What pandas tells of the columns of the rows beside.
+            Value::Object(all) if name == "schema" && all.contains_key("fields") => {}
+            Value::Array(all) if name == "columns" && all.iter().all(Value::is_string) => {
+                self.names = all.iter().filter_map(Value::as_str).map(str::to_owned).collect();
+            }
+            Value::Array(all) if name == "data" && !all.is_empty() && all.iter().all(Value::is_array) => {
+                self.arrays.clone_from(all);
+            }
             Value::Array(all) if all.iter().any(Value::is_object) => {
                 all.iter().for_each(|row| self.rows.take(row));
             }
@@ -213,8 +241,9 @@ pub fn read(bytes: &[u8]) -> Result<Table, Fault> {
             "check that the file was copied in full and is complete",
         )
     })?;
-    let mut columns = document.columns;
-    columns.extend(document.rows.columns()?);
+    let Document { mut rows, mut columns, names, arrays } = document;
+    arrays.iter().for_each(|row| rows.take_array(&names, row));
+    columns.extend(rows.columns()?);
     Table::of(columns, Vec::new()).map_err(|_| Fault::new("this is JSON, not a table", CSV))
 }
 
@@ -248,6 +277,15 @@ mod tests {
             "motor.u": numbered(column(&|row| number(&row["motor"]["u"]))),
             "q[1]": numbered(column(&|row| number(&row["q"][1]))),
         });
+        let flat = |row: &serde_json::Value| serde_json::json!([row["t"], row["motor"]["u"], row["q"][1]]);
+        let split = serde_json::json!({
+            "columns": ["t", "motor.u", "q[1]"], "index": (0..200).collect::<Vec<_>>(),
+            "data": rows.iter().map(flat).collect::<Vec<_>>(),
+        });
+        let fields =
+            serde_json::json!([{"name": "index", "type": "integer"}, {"name": "t", "type": "number"}]);
+        let table =
+            serde_json::json!({"schema": {"fields": fields, "pandas_version": "1.4.0"}, "data": rows});
         let map = "time=t,voltage=motor.u,angle=q[1]";
         let options = ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
         for (what, text) in [
@@ -257,6 +295,8 @@ mod tests {
             ("array in an object", serde_json::json!({"name": "run", "data": rows}).to_string()),
             ("columns", columns.to_string()),
             ("columns by row", pandas.to_string()),
+            ("columns and rows apart", split.to_string()),
+            ("rows with what they are", table.to_string()),
         ] {
             let (_directory, path) = file(text.as_bytes());
             let record = read(&path, &options).unwrap_or_else(|error| panic!("{what}: {error}")).remove(0);

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::{registers, sides, words};
+use super::{bridge, registers, sides, words};
 use crate::log::direction;
 use crate::log::timing;
 use crate::log::units::{Quantity, Unit};
+use crate::log::wraps;
 
 /// One column of the proposal.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,10 +15,13 @@ pub struct Part {
     pub quantity: Quantity,
     /// Its place, from 0.
     pub index: usize,
-    /// Of a time in two columns, the place of the one that adds the fraction of a second, whose unit `unit` is.
+    /// Of a time in two columns, the place of the one that adds the fraction of a second, whose unit `unit` is; of the two sides of a
+    /// bridge, that of the one to be taken off.
     pub rest: Option<usize>,
     /// Its unit as `--map` writes it.
     pub unit: String,
+    /// Neither a name nor the values tell the unit.
+    pub guessed: bool,
 }
 
 /// The column for each quantity, in the order of [`Quantity::ALL`].
@@ -113,14 +117,17 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let register = said[index].register.then(|| registers::unit(quantity, &all, &words_of_all)).flatten();
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         let unit = unit + said[index].scale.unwrap_or_default();
-        parts.push(Part { quantity, index, rest: None, unit });
+        let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
+        let guessed = !told && [Quantity::Angle, Quantity::Speed].contains(&quantity);
+        parts.push(Part { quantity, index, rest: None, unit, guessed });
     }
     let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
     if parts.iter().all(|part| ![Quantity::Angle, Quantity::Speed].contains(&part.quantity))
         && let Some(index) = counted()
         && let Some(rate) = rate_of(&parts, rows)
     {
-        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit: format!("counts/s*{rate}") });
+        let unit = format!("counts/s*{rate}");
+        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit, guessed: false });
     }
     let unit_at = |quantity: Quantity, index: usize| {
         unit_of(quantity, said[index].unit, &values(index).collect::<Vec<_>>())
@@ -140,9 +147,10 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     }
     add_fractions(&mut parts, names, rows);
     agree(&mut parts, &said, rows);
+    bridge::join(&mut parts, names, rows);
     // A direction is one only beside a drive that has no sign of its own.
     let drive = parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
-    let unsigned = drive.is_some_and(|part| Range::of(values(part.index)).low >= 0.0);
+    let unsigned = drive.is_some_and(|part| part.rest.is_none() && Range::of(values(part.index)).low >= 0.0);
     parts.retain(|part| {
         let is_one = || direction::signs(&values(part.index).collect::<Vec<_>>()).is_ok();
         part.quantity != Quantity::Direction || unsigned && is_one()
@@ -248,6 +256,7 @@ fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) {
     if let Some((_, of_angle, of_speed)) = RATIOS.iter().find(near) {
         parts[angle].unit = (*of_angle).to_owned();
         parts[speed].unit = (*of_speed).to_owned();
+        (parts[angle].guessed, parts[speed].guessed) = (false, false);
     }
 }
 
@@ -255,6 +264,9 @@ fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) {
 /// 57.3 are 5 % apart.
 const ONE_MOTION: f64 = 0.95;
 const NEAR: f64 = 0.02;
+/// Rows from which a wrap is told, and the counts of the coarsest encoder that tells its angle.
+const NEIGHBOURS: usize = 2000;
+const FEWEST_COUNTS: f64 = 64.0;
 /// Whole numbers that span more than two turns in degrees are counts.
 const MOST_DEGREES: f64 = 720.0;
 /// Numbers between which a servo is sent that span more than this are no radians.
@@ -265,18 +277,40 @@ const FEWEST_TICKS: usize = 20;
 const COUNTERS: [&str; 12] =
     ["index", "idx", "frame", "sample", "row", "id", "n", "nr", "no", "number", "count", "seq"];
 
+/// What may rise all the time and tells none either.
+const NO_CLOCKS: [&str; 14] = [
+    "hz",
+    "khz",
+    "freq",
+    "frequency",
+    "frequenz",
+    "temp",
+    "temperature",
+    "temperatur",
+    "energy",
+    "energie",
+    "charge",
+    "wh",
+    "ah",
+    "mah",
+];
+
 /// Whether the column at `index` may be a clock though its name does not say so: it always rises, and not by one a row.
 fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     let value = |row: &Vec<f64>| row.get(index).copied().unwrap_or(f64::NAN);
     let steps = || rows.windows(2).map(|pair| value(&pair[1]) - value(&pair[0]));
     let counts = words::of(name).iter().any(|word| COUNTERS.contains(&word.as_str()));
     let rises = rows.len() >= FEWEST_TICKS && steps().all(|step| step > 0.0);
-    rises && !counts && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
+    let is_other = words::of(name).iter().any(|word| NO_CLOCKS.contains(&word.as_str()));
+    rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
 /// The unit of a column whose name may say one.
 fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
     let range = Range::of(values.iter().copied());
+    if let (Quantity::Angle, None, Some(unit)) = (quantity, said, unit_of_wrap(values)) {
+        return unit.to_owned();
+    }
     let unit = match (quantity, said) {
         (Quantity::Duty, _) => return full_duty(&range, said),
         (_, Some(unit)) => unit,
@@ -296,6 +330,17 @@ fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> St
         (Quantity::Current, None) => "A",
     };
     unit.to_owned()
+}
+
+/// The unit of an angle that wraps at a turn of it.
+fn unit_of_wrap(values: &[f64]) -> Option<&'static str> {
+    // Later rows are no neighbours.
+    let turn = wraps::turn_of(&values[..values.len().min(NEIGHBOURS)])?;
+    let is = |turn_of: f64| (turn / turn_of - 1.0).abs() < NEAR;
+    let is_whole = values.iter().all(|value| value.fract() == 0.0);
+    let is_count = || is_whole && turn >= FEWEST_COUNTS && is(turn.log2().round().exp2());
+    let units = [(is(360.0), "deg"), (is(TAU), "rad"), (is(1.0), "rev"), (is_count(), "counts")];
+    units.into_iter().find_map(|(is, unit)| is.then_some(unit))
 }
 
 fn full_duty(range: &Range, said: Option<&'static str>) -> String {

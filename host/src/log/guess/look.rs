@@ -83,6 +83,10 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
         }
     } else {
         for part in parts(&sample.with_units, &sample.rows) {
+            // The dialogue takes one column for a quantity; neither side of a bridge is it.
+            if part.rest.is_some() && part.quantity != Quantity::Time {
+                continue;
+            }
             let whole = if part.rest.is_some() { Quantity::Time.si() } else { &part.unit };
             kinds[part.index] = format!("{}:{whole}", part.quantity);
             if let Some(rest) = part.rest {

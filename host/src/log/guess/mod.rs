@@ -3,6 +3,7 @@
 //! Names tell most ([`words`]); the values decide where they leave something open: whole numbers up to 255 are a duty, a
 //! time in steps of 10 counts milliseconds, a voltage that never moves beside a duty is the supply.
 
+mod bridge;
 mod columns;
 mod look;
 mod preview;
@@ -242,7 +243,8 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     let map: Vec<String> = parts
         .iter()
         .map(|part| {
-            let rest = part.rest.map(|rest| format!("+{}", column(names, rest))).unwrap_or_default();
+            let sign = if part.quantity == Quantity::Time { '+' } else { '-' };
+            let rest = part.rest.map(|rest| format!("{sign}{}", column(names, rest))).unwrap_or_default();
             format!("{}={}{rest}:{}", part.quantity, column(names, part.index), part.unit)
         })
         .collect();
@@ -253,7 +255,12 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
-        unknown_units: parts.iter().filter_map(|part| unknown_unit(&names[part.index], part)).collect(),
+        unknown_units: parts
+            .iter()
+            .filter_map(|part| unknown_unit(&names[part.index], part))
+            .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
+            .chain(bridge::question(parts, names, rows))
+            .collect(),
     }
 }
 
@@ -270,6 +277,19 @@ fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"
     ))
+}
+
+/// What is said of a unit that nothing tells.
+fn guessed_unit(name: &str, part: &Part) -> Option<String> {
+    let taken = &part.unit;
+    let others = match (part.quantity, taken.as_str()) {
+        (Quantity::Angle, "rad") => "deg, rev or counts",
+        (Quantity::Angle, "deg") => "rad, rev or counts",
+        (Quantity::Angle, _) => "rad, deg or rev",
+        _ => "rpm, deg/s, rev/s or counts/s",
+    };
+    let asked = part.guessed && unknown_unit(name, part).is_none();
+    asked.then(|| format!("nothing tells the unit of \"{name}\": {taken} is a guess; put {others} in its place where it is that"))
 }
 
 fn per_turn_of(part: &Part) -> Option<PerTurn> {
@@ -293,7 +313,10 @@ pub(super) fn example(names: &[String]) -> String {
 /// A column as a mapping names it: by its name where a shell and the mapping leave that alone, else by its number.
 fn column(names: &[String], index: usize) -> String {
     let name = names.get(index).map(String::as_str).unwrap_or_default();
+    let is_difference =
+        name.contains('-') && names.iter().any(|other| name.starts_with(&format!("{other}-")));
     let awkward = name.is_empty()
+        || is_difference
         || name.contains([',', '+', '"', '\'', '$', '`', '\\', '!', '\u{fffd}'])
         || name.parse::<f64>().is_ok()
         || name != name.trim()

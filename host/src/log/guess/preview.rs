@@ -16,7 +16,11 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
     let mut values: Vec<f64> =
         rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()).collect();
     let mut name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
-    if let Some(rest) = part.rest {
+    if let Some(rest) = part.rest.filter(|_| part.quantity != Quantity::Time) {
+        let difference = |row: &Vec<f64>| Some(row.get(part.index)? - row.get(rest)?);
+        values = rows.iter().filter_map(difference).filter(|v| v.is_finite()).collect();
+        let _ = write!(name, " - {}", names.get(rest).map(String::as_str).unwrap_or_default());
+    } else if let Some(rest) = part.rest {
         // Shown in the unit of the fraction, as one number.
         let unit = Unit::parse(Quantity::Time, &part.unit).map_or(1.0, |unit| unit.factor);
         let sum = |row: &Vec<f64>| Some(row.get(part.index)? / unit + row.get(rest)?);

@@ -39,7 +39,24 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 29] = [
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
     (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec", "x_value"]),
     (Interval, 4, None, &["dt", "interval", "deltat", "looptime", "cycletime", "elapsed", "abtastzeit"]),
-    (Duty, 3, None, &["pwm", "duty", "dutycycle", "tastgrad", "throttle", "pwmvalue"]),
+    (
+        Duty,
+        3,
+        None,
+        &[
+            "pwm",
+            "duty",
+            "dutycycle",
+            "tastgrad",
+            "throttle",
+            "pwmvalue",
+            "rpwm",
+            "lpwm",
+            "pwmr",
+            "pwml",
+            "ain",
+        ],
+    ),
     (
         Duty,
         2,
@@ -187,7 +204,7 @@ const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 const RATES: [&str; 3] = ["dot", "rate", "derivative"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 137] = [
+const UNITS: [(&str, Quantity, &str); 148] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -293,6 +310,17 @@ const UNITS: [(&str, Quantity, &str); 137] = [
     ("arcsec", Angle, "deg/3600"),
     ("dv", Voltage, "V*0.1"),
     ("minutes", Time, "s*60"),
+    ("min", Time, "s*60"),
+    ("h", Time, "s*3600"),
+    ("hours", Time, "s*3600"),
+    ("cs", Time, "ms*10"),
+    ("10ms", Time, "ms*10"),
+    ("100ms", Time, "ms*100"),
+    ("10us", Time, "us*10"),
+    ("100us", Time, "us*100"),
+    ("20us", Time, "us*20"),
+    ("50us", Time, "us*50"),
+    ("100ns", Time, "ns*100"),
     ("counts/s", Speed, "counts/s"),
     ("ticks/s", Speed, "counts/s"),
     ("counts_s", Speed, "counts/s"),
@@ -331,6 +359,9 @@ const UNITS: [(&str, Quantity, &str); 137] = [
 const LINEAR: [&str; 9] =
     ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
 
+/// Names with one of these may end in minutes, hours or hundredths of a second.
+const CLOCKS: [&str; 6] = ["t", "time", "zeit", "elapsed", "dt", "timestamp"];
+
 /// Endings of the names of whole numbers that are multiples of what they tell, and what takes that away.
 const SCALES: [(&str, &str); 3] = [("x1000", "/1000"), ("x100", "/100"), ("x10", "/10")];
 
@@ -352,6 +383,8 @@ pub fn said(name: &str) -> Said {
         let ends = UNITS.iter().filter(|(text, ..)| {
             // `theta_m` is a motor's angle, `position_m` a way.
             (*text != "m" || words.iter().any(|word| LINEAR.contains(&word.as_str())))
+                // `pwm_min` is the least of all, `carriage_h` a height.
+                && (!["min", "h", "cs"].contains(text) || words.iter().any(|word| CLOCKS.contains(&word.as_str())))
                 && [&lower, &snake].iter().any(|name| {
                     // `ms` is the name of a time, `v` perhaps that of a speed.
                     let ends = |before: &str| {
@@ -504,7 +537,8 @@ pub(super) fn bracketed(name: &str) -> (String, Option<String>) {
         && !before.is_empty()
         && before.chars().all(char::is_alphabetic)
         && unit_named(before).is_none_or(|_| before.chars().count() == 1)
-        && unit_named(unit).is_some()
+        // `n/min` are turns.
+        && unit_named(unit).is_some_and(|(_, unit)| !unit.starts_with("s*") || CLOCKS.contains(&before.to_lowercase().as_str()))
     {
         return (before.to_owned(), Some(unit.to_owned()));
     }
@@ -525,7 +559,7 @@ pub fn is_unit(text: &str) -> bool {
 }
 
 /// The words of a name in small letters: split at everything that is no letter, and where small letters turn large.
-pub(super) fn of(name: &str) -> Vec<String> {
+pub(in crate::log) fn of(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for c in name.chars() {
@@ -602,6 +636,12 @@ mod tests {
             ("PositionRotations", Angle, Some("rev")),
             ("Velocity (rotations per second)", Speed, Some("rev/s")),
             ("ms", Time, Some("ms")),
+            ("time [min]", Time, Some("s*60")),
+            ("time_min", Time, Some("s*60")),
+            ("t/h", Time, Some("s*3600")),
+            ("t_cs", Time, Some("ms*10")),
+            ("t_10us", Time, Some("us*10")),
+            ("speed_min", Speed, None),
             ("v", Voltage, None),
             ("Velocidad", Speed, None),
             ("input_shaft_angle", Angle, None),
@@ -645,6 +685,6 @@ mod tests {
         ] {
             assert!(said(name).wanted, "{name}");
         }
-        assert_eq!(said("colour").quantity, None);
+        assert_eq!(["colour", "n/min", "value_h", "load_min"].map(|name| said(name).quantity), [None; 4]);
     }
 }
