@@ -65,7 +65,7 @@ fn empty_files_headers_without_rows_and_single_rows_are_named() {
 #[test]
 fn fields_that_are_no_numbers_and_time_that_goes_backwards_are_named_with_line_and_column() {
     let good = table(HEADER, square, follows);
-    refused(good.replace("1,6,", "1,NaN,").as_bytes(), &["line 3", "column voltage_v", "NaN"]);
+    refused(good.replace("1,6,", "1,ERR,").as_bytes(), &["line 3", "column voltage_v", "ERR"]);
     let backwards = good.replacen("\n0.2,", "\n0.05,", 1);
     refused(backwards.as_bytes(), &["line 22", "column time_s"]);
 }
@@ -73,7 +73,7 @@ fn fields_that_are_no_numbers_and_time_that_goes_backwards_are_named_with_line_a
 #[test]
 fn one_bad_field_is_left_out_and_told() {
     let directory = tempfile::tempdir().unwrap();
-    let text = table(HEADER, square, follows).replacen("0.1,6,", "0.1,NaN,", 1);
+    let text = table(HEADER, square, follows).replacen("0.1,6,", "0.1,ERR,", 1);
     std::fs::write(directory.path().join("log.csv"), text).unwrap();
     let ran = run(directory.path(), "fit log.csv").ends(0);
     assert!(ran.err.contains("line 12") && ran.err.contains("voltage_v"), "{}", ran.err);

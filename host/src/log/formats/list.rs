@@ -1,13 +1,14 @@
 //! A data log written as a list, one value a line: `Timestamp,Name,Value` (or `Key` for `Name`), times in seconds; or
 //! `time_s,signal,value`.
 //!
-//! DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own times, as in the data log itself.
+//! InfluxDB's answers are lists too, annotated or not. DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own times, as in the data log itself.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::BufRead;
 
 use super::events::{Events, Series};
 use super::{Content, Fault};
+use crate::log::clock::Clock;
 use crate::log::fields::{Separator, Splitter};
 use crate::log::preamble::is_nothing;
 use crate::log::text::TextReader;
@@ -15,60 +16,109 @@ use crate::log::text::TextReader;
 /// What the column of the names is called beside one of times in seconds, in small letters.
 const NAMES: [&str; 7] = ["name", "key", "signal", "topic", "channel", "variable", "field"];
 
-/// The separator of a list, if this is the beginning of one.
-fn separator(start: &[u8]) -> Option<u8> {
+/// How a list is written.
+#[derive(Debug, Clone)]
+struct Shape {
+    separator: u8,
+    time: usize,
+    name: usize,
+    value: usize,
+    /// Columns that tell values of one name apart: InfluxDB's measurement and tags.
+    tags: Vec<usize>,
+}
+
+impl Shape {
+    /// The shape of a list with this header; none where it is another table's.
+    fn of(header: &str) -> Option<Shape> {
+        [b',', b';', b'\t'].into_iter().find_map(|separator| {
+            let names: Vec<String> = header
+                .split(char::from(separator))
+                .map(|name| {
+                    name.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '_').to_ascii_lowercase()
+                })
+                .collect();
+            Self::of_influx(separator, &names).or_else(|| {
+                let is = |k: usize, words: &[&str]| {
+                    names.get(k).is_some_and(|name| words.contains(&name.as_str()))
+                };
+                let wpilib = is(0, &["timestamp"]) && is(1, &["name", "key"]);
+                let is_list = (wpilib || is(0, &["time_s"]) && is(1, &NAMES)) && is(2, &["value"]);
+                is_list.then(|| Shape { separator, time: 0, name: 1, value: 2, tags: Vec::new() })
+            })
+        })
+    }
+
+    /// InfluxDB's, whose columns are in any order, with `_start` and `_stop` of the query and its table's number beside them.
+    fn of_influx(separator: u8, names: &[String]) -> Option<Shape> {
+        const OTHERS: [&str; 8] = ["", "result", "table", "_start", "_stop", "_time", "_value", "_field"];
+        let place = |wanted: &str| names.iter().position(|name| name == wanted);
+        let tags = (0..names.len()).filter(|k| !OTHERS.contains(&names[*k].as_str())).collect();
+        Some(Shape {
+            separator,
+            time: place("_time")?,
+            name: place("_field")?,
+            value: place("_value")?,
+            tags,
+        })
+    }
+}
+
+/// The header that a file begins with.
+fn header(start: &[u8]) -> Option<Shape> {
     // Of UTF-16 the letters of a header remain when its zeros go.
     let text = String::from_utf8_lossy(start).replace('\0', "");
     let header = text.lines().map(str::trim).find(|line| !is_nothing(line) && !line.starts_with('#'))?;
-    let is_header = |separator: &u8| {
-        let mut names = header
-            .split(char::from(*separator))
-            .map(|name| name.trim_matches(|c: char| !c.is_ascii_alphanumeric()).to_ascii_lowercase());
-        let (time, name, value) = (names.next(), names.next(), names.next());
-        let is =
-            |text: &Option<String>, words: &[&str]| text.as_deref().is_some_and(|text| words.contains(&text));
-        let wpilib = is(&time, &["timestamp"]) && is(&name, &["name", "key"]);
-        (wpilib || is(&time, &["time_s"]) && is(&name, &NAMES)) && is(&value, &["value"])
-    };
-    [b',', b';', b'\t'].into_iter().find(is_header)
+    Shape::of(header)
 }
 
 /// Whether a file that begins so is a list.
 pub fn is(start: &[u8]) -> bool {
-    separator(start).is_some()
+    header(start).is_some()
 }
 
 /// Reads a list.
 ///
 /// # Errors
-/// A fault where a time is no number.
+/// A fault where a time is no time.
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let again = "export the log again";
-    let mut splitter = Splitter::of(Separator::Byte(separator(all).unwrap_or(b',')), false);
-    let mut series: BTreeMap<String, Series> = BTreeMap::new();
     let unreadable = |why: std::io::Error| Fault::new(why.to_string(), again);
     let mut lines = TextReader::new(all).map_err(unreadable)?;
-    let (mut line, mut number, mut is_below) = (String::new(), 0_u64, false);
+    let mut found: Option<(Shape, Splitter)> = None;
+    let mut series: BTreeMap<String, Series> = BTreeMap::new();
+    let mut clock = Clock::default();
+    let (mut line, mut number, mut of_influx) = (String::new(), 0_u64, false);
     while lines.read_line(&mut line).map_err(unreadable)? > 0 {
         number += 1;
-        let closed = splitter.split(&line);
-        let is_row = is_below && closed && !is_nothing(line.trim()) && !line.starts_with('#');
-        is_below |= is(line.as_bytes());
+        // InfluxDB begins every table of an answer with a header of its own.
+        if let Some(shape) = Some(line.trim()).filter(|line| line.contains("alue")).and_then(Shape::of) {
+            of_influx |= !shape.tags.is_empty();
+            let splitter = Splitter::of(Separator::Byte(shape.separator), false);
+            found = Some((shape, splitter));
+            line.clear();
+            continue;
+        }
+        let Some((shape, splitter)) = &mut found else {
+            line.clear();
+            continue;
+        };
+        let is_row = splitter.split(&line) && !is_nothing(line.trim()) && !line.starts_with('#');
         line.clear();
-        let (Some(time), Some(name), Some(value)) = (splitter.get(0), splitter.get(1), splitter.get(2))
+        let (Some(time), Some(name), Some(value)) =
+            (splitter.get(shape.time), splitter.get(shape.name), splitter.get(shape.value))
         else {
             continue;
         };
         if !is_row || value.is_empty() {
             continue;
         }
-        let Some(time_s) = time.parse().ok().filter(|time: &f64| time.is_finite()) else {
+        let plain = time.parse().ok().filter(|time: &f64| time.is_finite());
+        let Some(time_s) = plain.or_else(|| clock.read(time, 1.0, None)) else {
             return Err(Fault::new(format!("line {number}: \"{time}\" is not a time"), again));
         };
-        if !series.contains_key(name) {
-            series.insert(name.to_owned(), Series::default());
-        }
-        let Some(series) = series.get_mut(name) else { continue };
+        let tags = shape.tags.iter().filter_map(|tag| splitter.get(*tag)).filter(|tag| !tag.is_empty());
+        let name = tags.chain([name]).collect::<Vec<_>>().join(".");
+        let series = series.entry(name).or_default();
         let truth = || match value {
             "true" => Some(1.0),
             "false" => Some(0.0),
@@ -82,7 +132,19 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         }
         series.times.push(time_s);
     }
+    let series = if of_influx { without_what_all_have(series) } else { series };
     Ok(Content::Events(Events::new(series, BTreeSet::new())))
+}
+
+/// The same names without the measurement and the tags that all of InfluxDB's have.
+fn without_what_all_have(series: BTreeMap<String, Series>) -> BTreeMap<String, Series> {
+    let Some(first) = series.keys().next().cloned() else { return series };
+    let ends = first.match_indices('.').map(|(at, _)| at + 1);
+    let common = ends.filter(|end| series.keys().all(|name| name.starts_with(&first[..*end]))).last();
+    match common {
+        Some(end) => series.into_iter().map(|(name, series)| (name[end..].to_owned(), series)).collect(),
+        None => series,
+    }
 }
 
 #[cfg(test)]
@@ -141,6 +203,43 @@ mod tests {
         let text = text.replace("dynamic-reverse", "teleop");
         let refused = exported(&text).unwrap_err().to_string();
         assert!(refused.contains("--map time=time_s:s,voltage=/arm/voltage-left:V"), "{refused}");
+    }
+
+    /// As the page of InfluxDB exports it: a table with its annotations for each field.
+    fn influx(fields: &[(&str, &str)]) -> String {
+        let mut text = String::new();
+        for (k, (measurement, field)) in fields.iter().enumerate() {
+            text += "#group,false,false,true,true,false,false,true,true\r\n#datatype,string,long,dateTime:RFC3339,dateTime:RFC3339,\
+                     dateTime:RFC3339,double,string,string\r\n#default,_result,,,,,,,\r\n\
+                     ,result,table,_start,_stop,_time,_value,_field,_measurement\r\n";
+            for row in 0..100 {
+                let t = 0.02 * f64::from(row);
+                let value = if *field == "theta" { t } else { (3.0 * t).sin() };
+                text += &format!(
+                    ",,{k},2024-05-01T12:00:00Z,2024-05-01T13:00:00Z,2024-05-01T12:00:{t:06.3}Z,{value},{field},{measurement}\r\n"
+                );
+            }
+            text += "\r\n";
+        }
+        text
+    }
+
+    #[test]
+    fn what_influxdb_answers_is_a_list_of_its_fields() {
+        for (fields, map) in [
+            ([("motor", "theta"), ("motor", "voltage")], "time=time_s,voltage=voltage,angle=theta"),
+            ([("arm", "theta"), ("drive", "voltage")], "time=time_s,voltage=drive.voltage,angle=arm.theta"),
+        ] {
+            let (_directory, path) = file(influx(&fields).as_bytes());
+            let options = ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
+            let record = read(&path, &options).unwrap().remove(0);
+            assert_eq!(record.len(), 100);
+            assert!((record.time_s[99] - record.time_s[0] - 1.98).abs() < 1e-9);
+            assert!((record.voltage_v[50] - 3.0_f64.sin()).abs() < 1e-12);
+        }
+        let plain = "_time,_value,_field\n2024-05-01T12:00:00Z,1,voltage\n".to_owned()
+            + &influx(&[("m", "theta"), ("m", "voltage")]).replace('#', "# ");
+        assert!(exported(&plain).unwrap_err().to_string().contains("--map time=time_s:s,voltage="));
     }
 
     #[test]
