@@ -120,7 +120,7 @@ fn below_a_header(lines: &[&str]) -> Option<Layout> {
     let of_share = |least: f64| {
         (first..last).find_map(|k| header_at(lines, k).filter(|found| rows_below(lines, found) >= least))
     };
-    let found = of_share(NEARLY_ALL).or_else(|| of_share(MOST))?;
+    let found = of_share(NEARLY_ALL).or_else(|| of_share(MOST)).or_else(|| of_share(0.0))?;
     // A candidate below rows of as many numbers is a bad row of the table above; one such line may be half of a row. Remarks with numbers
     // begin with a word of their own.
     let k = found.header?;
@@ -157,7 +157,7 @@ fn scope(lines: &[&str]) -> Option<Layout> {
             let values = fields(line, &separator);
             values.len() == names.len() && values.iter().all(|value| is_number(value))
         };
-        let rows = header + lines[header..].iter().position(|line| is_row(&line))?;
+        let rows = header + lines[header..].iter().position(is_row)?;
         let mut units = of("Unit").map(|(_, units)| units).unwrap_or_default();
         units.iter_mut().step_by(2).for_each(String::clear);
         names.iter_mut().step_by(2).for_each(|name| *name = "Time".into());
@@ -298,11 +298,17 @@ fn plain(lines: &[&str]) -> Layout {
     }
     let separator = Separator::Byte(delimiter_of(first));
     let names = fields(first, &separator);
-    // A word that stands before the numbers of every row is no name.
-    let is_row = || lines.get(1).is_some_and(|second| row(second, &separator) == Some(names.len()));
-    if names.iter().all(|name| is_number(name)) || row(first, &separator).is_some() && is_row() {
+    // A word that stands before the numbers of every row is no name; channels may be called by numbers.
+    let stays = |second: &&str| {
+        let second = fields(second, &separator);
+        second.len() == names.len()
+            && names.iter().zip(&second).all(|(a, b)| is_number(a) && is_number(b) || a == b)
+    };
+    let is_row = row(first, &separator).is_some() && lines.get(1).is_some_and(stays);
+    if names.iter().all(|name| is_number(name)) || is_row {
         return new(separator);
     }
+    let names = ending_in_one(names);
     Layout { header: Some(0), names, rows: 1, ..new(separator) }
 }
 
@@ -427,6 +433,7 @@ mod tests {
         let found = layout("DATA: t,u\nDATA: 1,2\nDATA: 3,4\nDATA: 5,6");
         assert_eq!((found.tag.as_str(), found.header, found.names.len()), ("DATA:", Some(0), 2));
         assert_eq!(layout("DATA,1,2\nDATA,3,4\nDATA,5,6").header, None);
+        assert_eq!(layout("time,1,2\n0,3,4\n1,5,6").names, ["time", "1", "2"]);
         let remarks = "Model,MSO54\nVersion,1.20\nUnits,s\nScale,0.4\nInterval,0.01\nUnits,V,V\nOffset,0,0\nGain,1,1\nLabel,,\n";
         let found = layout(&format!("{remarks}TIME,CH1,CH2\n{}", "1,2,3\n".repeat(20)));
         assert_eq!(found.names, ["TIME", "CH1", "CH2"]);

@@ -140,7 +140,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
 fn without_what_all_have(series: BTreeMap<String, Series>) -> BTreeMap<String, Series> {
     let Some(first) = series.keys().next().cloned() else { return series };
     let ends = first.match_indices('.').map(|(at, _)| at + 1);
-    let common = ends.filter(|end| series.keys().all(|name| name.starts_with(&first[..*end]))).last();
+    let common = ends.rev().find(|end| series.keys().all(|name| name.starts_with(&first[..*end])));
     match common {
         Some(end) => series.into_iter().map(|(name, series)| (name[end..].to_owned(), series)).collect(),
         None => series,

@@ -65,8 +65,7 @@ fn other_side(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<(usize
     };
     let motions: Vec<&String> = names.iter().filter(is_motion).collect();
     let paired = |one: &&String| motions.iter().any(|other| sides(one, other).is_some());
-    if ![Quantity::Duty, Quantity::Voltage].contains(&part.quantity) || motions.iter().any(|one| paired(one))
-    {
+    if ![Quantity::Duty, Quantity::Voltage].contains(&part.quantity) || motions.iter().any(paired) {
         return None;
     }
     let range = |k: usize| Range::of(rows.iter().filter_map(move |row| row.get(k).copied()));
