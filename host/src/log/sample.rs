@@ -30,6 +30,8 @@ pub(super) struct Sample {
     /// The fields as they stand there.
     pub texts: Vec<Vec<String>>,
     pub stamped: bool,
+    /// Columns whose numbers got the signs that their type took away, and its width.
+    pub signed: Vec<(usize, f64)>,
     /// Rows per second, as the lines before the header tell.
     pub rate: Option<f64>,
 }
@@ -47,6 +49,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         rows: Vec::new(),
         texts: Vec::new(),
         stamped: head.stamped,
+        signed: Vec::new(),
         rate: head.rate,
     };
     let mut clocks: Vec<Clock> = Vec::new();
@@ -96,7 +99,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         }
         line.clear();
     }
-    give_signs(&mut sample.rows);
+    sample.signed = give_signs(&mut sample.rows);
     for (k, name) in sample.with_units.iter_mut().enumerate() {
         let unit = head.units.get(k).map(String::as_str).filter(|unit| !unit.is_empty());
         // A clock time tells its unit itself.
@@ -108,17 +111,19 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     Ok(sample)
 }
 
-/// Gives columns of whole numbers the signs that their type took away.
-fn give_signs(rows: &mut [Vec<f64>]) {
-    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
-    for column in 0..width {
+/// Gives columns of whole numbers the signs that their type took away, and tells which, and the width of the type.
+fn give_signs(rows: &mut [Vec<f64>]) -> Vec<(usize, f64)> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut signed = Vec::new();
+    for column in 0..columns {
         let values = rows.iter().filter_map(|row| row.get(column)).copied().filter(|value| value.is_finite());
-        if let Some(width) = unsigned::width_of(values) {
-            for value in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
-                *value = unsigned::signed(*value, width);
-            }
+        let Some(width) = unsigned::width_of(values) else { continue };
+        for value in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
+            *value = unsigned::signed(*value, width);
         }
+        signed.push((column, width));
     }
+    signed
 }
 
 /// What the beginning of a table proposes, or the question that it leaves open.

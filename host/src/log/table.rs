@@ -201,7 +201,7 @@ pub(super) fn columns(
 }
 
 /// Gives a column of whole numbers the signs that its type took away, and tells the width of the type; an angle wraps there, which is
-/// undone anyway.
+/// undone anyway. Where such a number is said to be full duty, the type has none.
 fn give_signs(column: &Wanted, values: &mut [f64]) -> Option<f64> {
     if [Quantity::Angle, Quantity::Direction].contains(&column.quantity) {
         return None;
@@ -212,7 +212,8 @@ fn give_signs(column: &Wanted, values: &mut [f64]) -> Option<f64> {
     if all().any(|value| (value - value.round()).abs() > 1e-6 * value.abs().max(1.0)) {
         return None;
     }
-    let width = unsigned::width_of(values.iter().map(|value| written(*value)))?;
+    let width = unsigned::width_of(values.iter().map(|value| written(*value)))
+        .filter(|width| column.quantity != Quantity::Duty || 1.0 / unit.factor.abs() <= 0.5 * width)?;
     for value in values {
         *value = unit.to_si(unsigned::signed(written(*value), width));
     }

@@ -92,6 +92,17 @@ fn signs_that_a_type_took_away_come_back() {
         let record = read_with(&text, &proposal.map, &format!("{} was read as -1", width - 1));
         assert!((0..ROWS).all(|k| (record.voltage_v[k as usize] - row(k).1).abs() < 6e-4));
     }
+    // A duty of 16 bits that is said to be one, though it stays near both ends.
+    let level = |k: u32| [0, 2000, 4000, 9000, 60_000, 62_000, 64_000, 65_535][k as usize / 10 % 8];
+    let text = lines("t,pwm,pos\n", |k, t, _, x| format!("{t},{},{x}", level(k)));
+    let asked = refusal(&text).proposal.unwrap().assumptions();
+    assert!(
+        asked.contains("65535 in \"pwm\" is read as -1; where it is full duty, write duty=pwm:65535"),
+        "{asked}"
+    );
+    let options = ReadOptions { supply_volts: Some(65.535), ..mapped("time=t,duty=pwm:65535,angle=pos") };
+    let record = read_bytes(text.as_bytes(), &options).unwrap();
+    assert!((0..ROWS).all(|k| (record.voltage_v[k as usize] - 1e-3 * f64::from(level(k))).abs() < 1e-9));
     // A duty of 16 bits that is off or full is one.
     let text = lines("t,pwm,pos\n", |_, t, u, x| format!("{t},{},{x}", if u > 0.0 { 65_535 } else { 0 }));
     let options = ReadOptions { supply_volts: Some(4.0), ..mapped("time=t,duty=pwm:65535,angle=pos") };

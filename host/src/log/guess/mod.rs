@@ -139,7 +139,23 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
         *rate = told.to_string();
     }
     proposal.unknown_units.extend(other_clock(sample, &parts));
+    proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
     Some(proposal)
+}
+
+/// What is said of a duty, a voltage or a motion whose numbers got the signs that their type took away.
+fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
+    let (_, width) = sample.signed.iter().find(|(column, _)| *column == part.index)?;
+    if part.quantity == Quantity::Time {
+        return None;
+    }
+    let name = &sample.names.get(part.index)?;
+    let (minus_one, column) = (width - 1.0, column(&sample.names, part.index));
+    let otherwise = match part.quantity {
+        Quantity::Duty => format!("; where it is full duty, write duty={column}:{minus_one}"),
+        _ => String::new(),
+    };
+    Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
 }
 
 /// What is asked where another column has the clock's name and other times: each signal has its own.
