@@ -5,17 +5,18 @@ use super::beside;
 use super::clock;
 use super::fields::{Separator, Splitter, pairs, stamped};
 use super::guess::words;
+use super::heads::{scope, tag_of};
 use super::rows::number;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
-const MOST_CHATTER: usize = 60;
+pub(super) const MOST_CHATTER: usize = 60;
 /// What stands between LabVIEW's remarks and its table.
 const LABVIEW_END: &str = "***End_of_Header***";
 /// Lines below a header that tell it from other words above numbers, and the share of them that are rows.
 const GO_ON: usize = 12;
 const NEARLY_ALL: f64 = 0.9;
 /// A layout of single lines is one where this share of the lines has it.
-const MOST: f64 = 0.6;
+pub(super) const MOST: f64 = 0.6;
 
 /// How a table is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +60,7 @@ impl Layout {
     }
 }
 
-fn new(separator: Separator) -> Layout {
+pub(super) fn new(separator: Separator) -> Layout {
     Layout {
         separator,
         stamped: false,
@@ -92,25 +93,6 @@ fn named_values(lines: &[&str]) -> Option<Layout> {
     Some(Layout { names: names.clone(), rows, ..new(Separator::Names(names.clone())) })
 }
 
-/// The word and the colon that stand before two numbers or more in most lines.
-fn tag_of(lines: &[&str]) -> Option<String> {
-    let last = lines.last()?;
-    let tag = &last[..=last.find(':')?];
-    let is_word = tag.len() > 1 && tag.trim_end_matches(':').chars().all(|c| c.is_alphabetic() || c == '_');
-    let separators =
-        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks];
-    let has_numbers = |line: &&str| {
-        line.strip_prefix(tag).is_some_and(|rest| {
-            separators.iter().any(|separator| {
-                let values = fields(rest.trim_start(), separator);
-                values.len() >= 2 && values.iter().all(|value| is_number(value))
-            })
-        })
-    };
-    let tagged = lines.iter().filter(|line| has_numbers(line)).count();
-    (is_word && tagged >= 2 && tagged as f64 >= MOST * lines.len() as f64).then(|| tag.to_owned())
-}
-
 /// The first line whose next two are rows of as many numbers, and rather one that many more rows follow: what an oscilloscope tells of
 /// its channels looks like a few.
 fn below_a_header(lines: &[&str]) -> Option<Layout> {
@@ -138,31 +120,6 @@ fn below_a_header(lines: &[&str]) -> Option<Layout> {
 fn rows_below(lines: &[&str], found: &Layout) -> f64 {
     let next = &lines[found.rows..(found.rows + GO_ON).min(lines.len())];
     next.iter().filter(|line| row(line, &found.separator).is_some()).count() as f64 / next.len() as f64
-}
-
-/// TwinCAT's scope: a line of `Name` and a signal in turns, remarks of the same shape, and below them a time and a value in turns.
-fn scope(lines: &[&str]) -> Option<Layout> {
-    let separators = [Separator::Byte(b'\t'), Separator::Byte(b';'), Separator::Byte(b',')];
-    separators.into_iter().find_map(|separator| {
-        let of = |key: &str| {
-            let mut all = lines.iter().take(MOST_CHATTER).map(|line| fields(line, &separator)).enumerate();
-            all.find(|(_, fields)| {
-                fields.len() >= 4
-                    && fields.len() % 2 == 0
-                    && fields.iter().step_by(2).all(|field| field == key)
-            })
-        };
-        let (header, mut names) = of("Name")?;
-        let is_row = |line: &&str| {
-            let values = fields(line, &separator);
-            values.len() == names.len() && values.iter().all(|value| is_number(value))
-        };
-        let rows = header + lines[header..].iter().position(is_row)?;
-        let mut units = of("Unit").map(|(_, units)| units).unwrap_or_default();
-        units.iter_mut().step_by(2).for_each(String::clear);
-        names.iter_mut().step_by(2).for_each(|name| *name = "Time".into());
-        Some(Layout { header: Some(header), names, units, rows, ..new(separator) })
-    })
 }
 
 fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
@@ -343,14 +300,14 @@ fn ending_in_one(mut fields: Vec<String>) -> Vec<String> {
     fields
 }
 
-fn fields(line: &str, separator: &Separator) -> Vec<String> {
+pub(super) fn fields(line: &str, separator: &Separator) -> Vec<String> {
     let mut splitter = Splitter::of(separator.clone(), false);
     splitter.split(line);
     splitter.iter().map(|field| field.trim_matches('\u{fffd}').trim().to_owned()).collect()
 }
 
 /// A number, with its unit beside it perhaps, or a time.
-fn is_number(text: &str) -> bool {
+pub(super) fn is_number(text: &str) -> bool {
     is_bare_number(text) || beside::unit(text).is_some()
 }
 

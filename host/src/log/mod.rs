@@ -16,6 +16,7 @@ mod encoding;
 mod fields;
 pub mod formats;
 pub mod guess;
+mod heads;
 pub mod hold;
 mod json;
 mod layout;
