@@ -2,8 +2,9 @@
 //!
 //! They show as values near zero and near the width of the type with nothing between, and with their signs the course is much smoother.
 
-/// The widths of such types. 8 bits are none of them: a duty that is off or full is written so.
+/// The widths of such types, and one of which nothing is sure: a duty that is off or full is written so.
 const WIDTHS: [f64; 2] = [65_536.0, 4_294_967_296.0];
+const BYTE: f64 = 256.0;
 /// What is near an end, in shares of the width; a signed number of that type reaches half of it.
 const NEAR: f64 = 0.25;
 /// Different values at either end from which they are no two levels of a duty.
@@ -13,6 +14,15 @@ const SMOOTHER: f64 = 0.5;
 
 /// The width of the type that took the signs of `values` away, if one did.
 pub(super) fn width_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    among(&WIDTHS, values)
+}
+
+/// Whether a type of 8 bits may have taken the signs of `values` away.
+pub(super) fn may_be_bytes(values: impl Iterator<Item = f64> + Clone) -> bool {
+    among(&[BYTE], values).is_some()
+}
+
+fn among(widths: &[f64], values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let mut high = f64::MIN;
     for value in values.clone() {
         if value < 0.0 || value.fract() != 0.0 {
@@ -20,7 +30,7 @@ pub(super) fn width_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64>
         }
         high = high.max(value);
     }
-    let width = WIDTHS.into_iter().find(|width| high < *width && high >= (1.0 - NEAR) * width)?;
+    let width = widths.iter().copied().find(|width| high < *width && high >= (1.0 - NEAR) * width)?;
     let is_near = |value: f64| value < NEAR * width || value >= (1.0 - NEAR) * width;
     if !values.clone().all(is_near) {
         return None;
@@ -62,13 +72,15 @@ mod tests {
             assert_eq!(width_of(taken.iter().copied()), Some(width));
             assert!((0..300).all(|k| signed(taken[k as usize], width) == course(k)));
         }
+        assert!(may_be_bytes((0..300).map(|k| (course(k) / 6.0).round().rem_euclid(BYTE))));
         // A duty of 16 bits that is off or full; one that rises; a duty of 8 bits.
         for duty in [
             (0..300).map(|k| f64::from(k / 20 % 2) * 65_535.0).collect::<Vec<_>>(),
             (0..300).map(|k| f64::from(k * 218)).collect(),
             (0..300).map(|k| f64::from(k % 256)).collect(),
         ] {
-            assert_eq!(width_of(duty.into_iter()), None);
+            assert_eq!(width_of(duty.iter().copied()), None);
+            assert!(!may_be_bytes(duty.into_iter()));
         }
     }
 }

@@ -17,7 +17,7 @@ use std::fmt::Write as _;
 pub use columns::{Part, parts};
 pub use look::{Look, look};
 use preview::preview;
-use questions::{given_sign, guessed_unit, other_clock, unknown_unit};
+use questions::{given_sign, guessed_unit, lost_sign, other_clock, unknown_unit};
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
@@ -142,6 +142,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
     }
     proposal.unknown_units.extend(other_clock(sample, &parts));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
+    proposal.unknown_units.extend(parts.iter().filter_map(|part| lost_sign(sample, part)));
     Some(proposal)
 }
 

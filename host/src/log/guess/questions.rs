@@ -5,6 +5,7 @@ use super::{column, words};
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
+use crate::log::unsigned;
 
 /// What is said of a duty, a voltage or a motion whose numbers got the signs that their type took away.
 pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
@@ -19,6 +20,19 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
         _ => String::new(),
     };
     Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
+}
+
+/// What is asked of a duty, a voltage or a speed that may be one of 8 bits without its sign.
+pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
+    let has_sign = [Quantity::Duty, Quantity::Voltage, Quantity::Speed].contains(&part.quantity);
+    let values = sample.rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite());
+    let name = sample.names.get(part.index)?;
+    (has_sign && unsigned::may_be_bytes(values)).then(|| {
+        format!(
+            "\"{name}\" stays near 0 and near 255, as negative numbers of 8 bits do without their sign: print it with its sign (int8_t) if \
+             255 is -1"
+        )
+    })
 }
 
 /// What is asked where another column has the clock's name and other times: each signal has its own.
