@@ -13,7 +13,7 @@ use super::Searched;
 use crate::compare::measures::Measures;
 use crate::diagnose::ladder::simulated;
 use crate::error::{BadInput, Result};
-use crate::fit::layout::{BaseValues, Values};
+use crate::fit::layout::{BaseValues, REACH, Values};
 use crate::fit::search::Problem;
 use crate::log::{Record, motion, timing::median_interval};
 
@@ -58,7 +58,7 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
         // A late sensor or a slow log can leave no inertia at all; the model wants some.
         tau_m: (k.acceleration / k.speed).max(1e-3),
         // It knows no winding: the shortest time constant that the model takes.
-        tau_e: problem.prior.tau_e.0 * (-3.0 * problem.prior.tau_e.1).exp(),
+        tau_e: problem.prior.tau_e.0 * (-REACH * problem.prior.tau_e.1).exp(),
         viscous_share: problem.prior.viscous_share.0,
     };
     let effects = vec![(Kind::Coulomb, vec![k.friction])];

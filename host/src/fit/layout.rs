@@ -90,6 +90,10 @@ pub struct Layout {
     pub axes: Vec<Axis>,
 }
 
+/// The electrical time constant is looked for within so many standard deviations of what is believed of it: from 0.24 to 2.7 ms where nothing
+/// is known. A slower winding answers as a filter does, which is the likelier where nothing is known.
+pub const REACH: f64 = 3.0;
+
 /// What is believed about the base before seeing data.
 #[derive(Debug, Clone, Copy)]
 pub struct Prior {
@@ -114,7 +118,7 @@ impl Layout {
         };
         let centre = prior.tau_e.0.ln();
         let mut tau_e = log("tau_e", "s", 1.0, 1.0);
-        let reach = 3.0 * prior.tau_e.1;
+        let reach = REACH * prior.tau_e.1;
         (tau_e.low, tau_e.high) = (centre - reach, centre + reach);
         tau_e.prior = Some((centre, prior.tau_e.1));
         let share = Axis {

@@ -10,7 +10,7 @@ use crate::log::Warning;
 pub fn faults(parameters: &[Estimate], effects: &[Kind]) -> Vec<Warning> {
     too_little_excitation(parameters)
         .into_iter()
-        .chain(effects.iter().filter_map(|kind| of_the_sensor(*kind)))
+        .chain(effects.iter().filter_map(|kind| of_the_sensor(*kind, parameters)))
         .collect()
 }
 
@@ -61,8 +61,21 @@ fn names(effects: &[Kind], between: &str, nothing: &str) -> String {
     effects.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(between)
 }
 
+/// What is late by less than this may as well be a winding that is slower than those of small motors, s.
+const SLOW_WINDING_S: f64 = 8e-3;
+
+/// What to know where `kind` is late by so little that a winding could be it.
+fn or_a_winding(kind: Kind, parameters: &[Estimate]) -> &'static str {
+    let own = |p: &&Estimate| p.unit == "s" && p.name.strip_prefix(kind.name()) == Some(".time");
+    if parameters.iter().find(own).is_some_and(|time| time.value < SLOW_WINDING_S) {
+        "; a winding whose L/R is longer than 2.7 ms answers alike: give inductance_h and resistance_ohm in motor.toml if yours is"
+    } else {
+        ""
+    }
+}
+
 /// Effects that are faults of the measurement, and how to end them instead of modelling them.
-fn of_the_sensor(kind: Kind) -> Option<Warning> {
+fn of_the_sensor(kind: Kind, parameters: &[Estimate]) -> Option<Warning> {
     let (what, fix) = match kind {
         Kind::LostCounts => (
             "lost_counts: the angle falls behind at speed as if edges were missed",
@@ -78,13 +91,29 @@ fn of_the_sensor(kind: Kind) -> Option<Warning> {
         ),
         _ => return None,
     };
-    Some(Warning { place: "all records together".into(), what: what.into(), fix: fix.into() })
+    let fix = format!("{fix}{}", if kind.spec().is_late() { or_a_winding(kind, parameters) } else { "" });
+    Some(Warning { place: "all records together".into(), what: what.into(), fix })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::compare::measures::Measures;
+
+    #[test]
+    fn a_filter_as_fast_as_a_slow_winding_is_told_to_be_perhaps_one() {
+        let lag = |value| Estimate {
+            name: "sensor_lag.time".into(),
+            value,
+            unit: "s".into(),
+            low: value,
+            high: value,
+            identifiable: true,
+        };
+        let fix = |value| of_the_sensor(Kind::SensorLag, &[lag(value)]).unwrap().fix;
+        assert!(fix(4e-3).contains("inductance_h"));
+        assert!(!fix(4e-2).contains("inductance_h"));
+    }
 
     #[test]
     fn a_smaller_model_that_meets_the_validation_records_much_better_is_named() {

@@ -104,6 +104,11 @@ impl Fall {
         (-self.mean - self.error).max(0.0)
     }
 
+    /// What of a fall exceeds its standard error; negative where it rises.
+    pub fn sure(self) -> f64 {
+        self.mean - self.error
+    }
+
     /// Whether the error falls by at least a factor of e^`least`, and by `sure` standard errors for so many records; of a single record that
     /// cannot be said.
     pub fn is_beyond_doubt(self, least: f64, sure: impl Fn(usize) -> f64) -> bool {
