@@ -1,7 +1,8 @@
 //! A data log written as a list, one value a line: `Timestamp,Name,Value` (or `Key` for `Name`), times in seconds; or
 //! `time_s,signal,value`.
 //!
-//! InfluxDB's answers are lists too, annotated or not. DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own times, as in the data log itself.
+//! InfluxDB's answers are lists too, annotated or not. DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own
+//! times, as in the data log itself.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::BufRead;
