@@ -138,7 +138,7 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
                 continue;
             }
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
-            if adds_nothing(data, &values, *rich, at) || poor.is_as_good_as(&model, data, base) {
+            if may_be_nothing(data, &values, *rich, Some(at)) || poor.is_as_good_as(&model, data, base) {
                 return simpler(data, poor, base);
             }
         }
@@ -146,21 +146,22 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
     model
 }
 
-/// Whether all that `rich` of the model `values` adds to the simpler law of its parameter `at` may be nothing: no size is two standard
-/// deviations from zero (Wald's test).
-fn adds_nothing(data: &Evidence, values: &Values, rich: Kind, at: usize) -> bool {
+/// Whether `kind` of the model `values` may be nothing, or all that it adds to the simpler law of its parameter `beside`: no size is two
+/// standard deviations from zero (Wald's test). What has no size is something.
+fn may_be_nothing(data: &Evidence, values: &Values, kind: Kind, beside: Option<usize>) -> bool {
     let spread = Spread::of(&data.train, values);
-    let spec = rich.spec();
-    let size = |k: &usize| spec.parameters[*k].strength || parts(rich).any(|(_, place)| place == *k);
-    let may_be_nothing = |k: usize| {
+    let spec = kind.spec();
+    let is_size = |k: &usize| spec.parameters[*k].strength || parts(kind).any(|(_, place)| place == *k);
+    let is_near_zero = |k: usize| {
         let name = format!("{}.{}", spec.name, spec.parameters[k].name);
         let axis = spread.layout.axes.iter().position(|axis| axis.name == name);
         axis.is_none_or(|axis| spread.x[axis].abs() < 2.0 * spread.deviation(axis))
     };
-    (0..spec.parameters.len()).filter(|k| *k != at && size(k)).all(may_be_nothing)
+    let mut sizes = (0..spec.parameters.len()).filter(|k| Some(*k) != beside && is_size(k)).peekable();
+    (beside.is_some() || sizes.peek().is_some()) && sizes.all(is_near_zero)
 }
 
-/// `model` without the effects that it does as well without (backward elimination); never without those `given`.
+/// `model` without the effects that may be nothing or that it does as well without (backward elimination); never without those `given`.
 fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitted {
     let mut model = model;
     if model.kinds().len() < given.len() + 2 {
@@ -171,8 +172,9 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
         if given.contains(&kind) || Some(kind) == last {
             continue;
         }
-        let fewer = Fitted::of(data, &model.values().without(kind), 2, 8);
-        if fewer.is_as_good_as(&model, data, base) {
+        let values = model.values();
+        let fewer = Fitted::of(data, &values.without(kind), 2, 8);
+        if may_be_nothing(data, &values, kind, None) || fewer.is_as_good_as(&model, data, base) {
             model = fewer;
         }
     }

@@ -24,8 +24,8 @@ pub struct Look {
     pub names: Vec<String>,
     /// The first rows as they stand in the file.
     pub rows: Vec<Vec<String>>,
-    /// For every column `QUANTITY:UNIT` as `--map` writes it, `time+:UNIT` for the fraction of a second beside whole ones; empty where
-    /// the column is not used.
+    /// For every column `QUANTITY:UNIT` as `--map` writes it, `time+:UNIT` for the fraction of a second beside whole ones, `duty-:` for what
+    /// is taken off a duty; empty where the column is not used.
     pub kinds: Vec<String>,
     /// The columns have their canonical names and need no mapping.
     pub canonical: bool,
@@ -83,14 +83,12 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
         }
     } else {
         for part in parts(&sample.with_units, &sample.rows) {
-            // The dialogue takes one column for a quantity; neither side of a bridge is it.
-            if part.rest.is_some() && part.quantity != Quantity::Time {
-                continue;
-            }
-            let whole = if part.rest.is_some() { Quantity::Time.si() } else { &part.unit };
+            let in_two = part.rest.is_some() && part.quantity == Quantity::Time;
+            let whole = if in_two { Quantity::Time.si() } else { &part.unit };
             kinds[part.index] = format!("{}:{whole}", part.quantity);
             if let Some(rest) = part.rest {
-                kinds[rest] = format!("{}+:{}", part.quantity, part.unit);
+                kinds[rest] =
+                    if in_two { format!("time+:{}", part.unit) } else { format!("{}-:", part.quantity) };
             }
         }
     }
@@ -138,6 +136,16 @@ mod tests {
             (0..300).map(|k| format!("{},{},{},{}\n", k / 100, k % 100 * 10_000_000, k % 5, k)).collect();
         let look = looked(&format!("sec,nanosec,u,theta\n{rows}"));
         assert_eq!(look.kinds, ["time:s", "time+:ns", "voltage:V", "angle:deg"]);
+    }
+
+    #[test]
+    fn a_bridge_with_a_column_for_each_side_is_shown_in_both() {
+        let row = |k: i32| {
+            let duty = (200.0 * (0.05 * f64::from(k)).sin()).round();
+            format!("{},{},{},{}\n", 10 * k, (-duty).max(0.0), duty.max(0.0), 0.5 * duty)
+        };
+        let look = looked(&format!("t_ms,LPWM,RPWM,rpm\n{}", (0..300).map(row).collect::<String>()));
+        assert_eq!(look.kinds, ["time:ms", "duty-:", "duty:255", "speed:rpm"]);
     }
 
     /// A NumPy array of `rows` with these fields, all of them doubles.

@@ -1,8 +1,8 @@
 "use strict";
 // Logs dropped on the page: what are their columns? Guessed, shown, remembered.
 let queue = [], dropped = null, sent = [];
-const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "duty:1500..2000", "direction:sign", "direction:sign*-1", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
-const kindWords = (kind) => (kind ? kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time") : "not used");
+const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "duty:1500..2000", "duty-:", "voltage-:", "direction:sign", "direction:sign*-1", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
+const kindWords = (kind) => (!kind ? "not used" : kind.endsWith("-:") ? `taken off the ${kind.slice(0, -2)}: the bridge's other side` : kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time"));
 
 // Texts whose layout only the reader knows are not shown as tables.
 const TABLE = /\.(csv|txt|tsv|log|dat|json)$/i;
@@ -97,8 +97,13 @@ function mapOf({ kinds: before, canonical, motors }, kinds) {
   if (motors.length) return `voltage=voltage-${$("log-motor").value}:V`;
   if (canonical && kinds.every((kind, k) => kind === before[k])) return "";
   const parts = kinds.map((kind, k) => [kind.slice(0, kind.indexOf(":")), k, kind.slice(kind.indexOf(":") + 1)]).filter(([quantity]) => quantity);
-  const fraction = parts.find(([quantity]) => quantity === "time+");
-  return parts.filter((part) => part !== fraction).map(([quantity, k, unit]) => quantity === "time" && fraction ? `time=${k}+${fraction[1]}:${fraction[2]}` : `${quantity}=${k}:${unit}`).join(",");
+  // The fraction of a time in two columns has the unit of both; of a bridge, what is taken off has that of the first.
+  const second = (sign) => parts.find(([quantity]) => quantity.endsWith(sign));
+  const written = ([quantity, k, unit]) => {
+    const [plus, minus] = [second(quantity + "+"), second(quantity + "-")];
+    return plus ? `${quantity}=${k}+${plus[1]}:${plus[2]}` : `${quantity}=${k}${minus ? "-" + minus[1] : ""}:${unit}`;
+  };
+  return parts.filter(([quantity]) => !/[+-]$/.test(quantity)).map(written).join(",");
 }
 async function send(file, table, kinds) {
   if (file.size > LARGEST) throw tooLarge(file);

@@ -53,6 +53,35 @@ fn a_binary_log_larger_than_a_beginning_is_shown_with_its_columns_and_taken() {
 }
 
 #[test]
+fn the_two_sides_of_a_bridge_are_taken_for_the_difference_that_drives_the_motor() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let log = directory.path().join("bridge.csv");
+    let mut text = "t_ms,RPWM,LPWM,rpm\n".to_owned();
+    let mut w = 0.0;
+    for k in 0..800 {
+        let duty = (200.0 * (0.02 * f64::from(k)).sin()).round();
+        writeln!(text, "{},{},{},{w:.3}", 10 * k, f64::max(duty, 0.0), f64::max(-duty, 0.0)).unwrap();
+        w += 0.01 * (0.4 * duty - w) / 0.06;
+    }
+    std::fs::write(&log, text).unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+
+    browser.give_file("#file", &log);
+    browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
+    let kinds = "[...document.querySelectorAll('#preview select')].map((select) => select.value).join()";
+    assert_eq!(browser.value(kinds), "time:ms,duty:255,duty-:,speed:rpm");
+    let map = "mapOf(dropped.table, kindsChosen())";
+    assert_eq!(browser.value(map), "time=0:ms,duty=1-2:255,speed=3:rpm");
+    browser.click("#use");
+    browser.wait(&format!(
+        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'bridge' && {FRESH}"
+    ));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
 fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
