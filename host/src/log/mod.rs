@@ -9,6 +9,7 @@ mod args;
 pub mod bam;
 pub mod beat;
 mod beside;
+mod between;
 mod choice;
 mod clock;
 mod direction;

@@ -4,6 +4,8 @@
 //! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
 //! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
 
+use std::collections::BTreeMap;
+
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
 use super::timing::median_interval;
@@ -114,8 +116,33 @@ fn leave_out_spikes(record: &mut Record) {
     }
 }
 
-/// Zeros in the midst of motion, which no inertia allows: nothing was read there.
+/// Zeros, or another number that comes again and again, in the midst of motion, which no inertia allows: nothing was read there.
 fn dropouts(values: &[f64]) -> Vec<usize> {
+    let zeros = dropped_to_zero(values);
+    let Some(sentinel) = sentinel(values).filter(|_| zeros.is_empty()) else { return zeros };
+    let shifted: Vec<f64> = values.iter().map(|value| value - sentinel).collect();
+    dropped_to_zero(&shifted)
+}
+
+/// A number comes at least so often where it stands for what was not read.
+const FEWEST_SENTINELS: usize = 5;
+
+/// The number other than zero that stands most often by itself far below or far above both readings beside it.
+fn sentinel(values: &[f64]) -> Option<f64> {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let far = APART * steps.sum::<f64>() / values.len().max(1) as f64;
+    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+    for triple in values.windows(3) {
+        let (before, after) = (triple[1] - triple[0], triple[1] - triple[2]);
+        if triple[1] != 0.0 && before * after > 0.0 && before.abs().min(after.abs()) > far {
+            *counts.entry(triple[1].to_bits()).or_default() += 1;
+        }
+    }
+    let (bits, count) = counts.into_iter().max_by_key(|(_, count)| *count)?;
+    (count >= FEWEST_SENTINELS).then(|| f64::from_bits(bits))
+}
+
+fn dropped_to_zero(values: &[f64]) -> Vec<usize> {
     let ordinary = values.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
     let step = ordinary.fold(0.0, |step: f64, p| step.max((p[1] - p[0]).abs()));
     let runs = |least: f64| zeros_between(values, least);
@@ -364,6 +391,18 @@ mod tests {
         let parts = repaired(record);
         assert_eq!(parts[0].len(), 795);
         assert!(parts[0].warnings[0].what.contains("sample 21"), "{:?}", parts[0].warnings);
+    }
+
+    #[test]
+    fn a_number_that_stands_for_what_was_not_read_is_left_out_wherever_it_stands_apart() {
+        let mut record = moving(swing);
+        let mut speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
+        let fast: Vec<usize> = (20..780).step_by(10).filter(|k| speed[*k].abs() > 10.0).collect();
+        for k in &fast {
+            speed[*k] = -0.1;
+        }
+        (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
+        assert_eq!(repaired(record)[0].len(), 800 - fast.len());
     }
 
     #[test]

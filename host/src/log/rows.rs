@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::between::Between;
 use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
@@ -24,6 +25,7 @@ pub(super) struct Rows<'a> {
     pub structure: Structure,
     /// The row in SI, time first.
     numbers: Vec<f64>,
+    between: Between,
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
@@ -92,6 +94,7 @@ impl<'a> Rows<'a> {
             samples: Samples::new(path, headers.collect()),
             structure: Structure::default(),
             numbers: vec![0.0; count + 1],
+            between: Between::new(&wanted.values),
             last: vec![None; count],
             held: vec![Blanks::default(); count],
             whole: vec![Whole::default(); count + 1],
@@ -122,12 +125,17 @@ impl<'a> Rows<'a> {
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
         match self.numbers(number) {
             Ok(()) => {
+                for (column, mean) in self.between.take(&self.numbers, true) {
+                    self.samples.correct_last(column, mean);
+                }
                 self.samples.accept(place, &self.numbers)?;
                 if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
                     self.structure.saw(self.samples.len().saturating_sub(1), state);
                 }
             }
-            Err(Unread::Blank) => {}
+            Err(Unread::Blank) => {
+                self.between.take(&self.numbers, false);
+            }
             Err(Unread::Bad(column, why)) if short => self.samples.stray(place, column, why),
             Err(Unread::Bad(column, why)) => self.samples.reject(place, column, why),
         }

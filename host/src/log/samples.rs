@@ -155,6 +155,13 @@ impl Samples {
         Ok(())
     }
 
+    /// Puts `value` in a column of the last row.
+    pub fn correct_last(&mut self, column: usize, value: f64) {
+        if let Some(last) = self.columns[column].last_mut() {
+            *last = value;
+        }
+    }
+
     /// The fault of a time that goes back.
     fn backwards(&self, late: &Late) -> BadInput {
         let fault = BadInput::new(

@@ -128,7 +128,7 @@ pub(super) fn columns(
         } else {
             (
                 format!(
-                    "{count} rows with a blank here were left out, first in line {first}; what drives the motor holds through them"
+                    "{count} rows with a blank here were left out, first in line {first}; what drives the motor in them counts until the next row with its mean"
                 ),
                 "nothing, if this is logged less often",
             )

@@ -118,7 +118,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         let unit = unit + said[index].scale.unwrap_or_default();
         let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
-        let guessed = !told && [Quantity::Angle, Quantity::Speed].contains(&quantity);
+        // Whole numbers may be of any unit; those with a fraction are of seconds, or their interval tells.
+        let of_time = || quantity == Quantity::Time && all.iter().all(|value| value.fract() == 0.0);
+        let guessed = !told && ([Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed });
     }
     let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
@@ -305,6 +307,9 @@ fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
+/// Shares of full duty are not always kept to it.
+const JUST_ABOVE_ONE: f64 = 1.2;
+
 /// The unit of a column whose name may say one.
 fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
     let range = Range::of(values.iter().copied());
@@ -350,7 +355,7 @@ fn full_duty(range: &Range, said: Option<&'static str>) -> String {
         unit.to_owned()
     } else if let Some(none) = range.pulse_of_no_duty() {
         format!("{none}..2000")
-    } else if peak <= 1.0 {
+    } else if peak <= 1.0 || peak < JUST_ABOVE_ONE && !range.whole {
         "1".into()
     } else if peak <= 100.0 && (range.has_round_tens || !range.whole) {
         "100".into()
@@ -467,6 +472,7 @@ mod tests {
     fn full_duty_follows_from_the_values() {
         for (peak, step, full) in [
             (0.75, 0.01, "1"),
+            (1.03, 0.01, "1"),
             (100.0, 1.0, "100"),
             (60.0, 10.0, "100"),
             (180.0, 1.0, "255"),

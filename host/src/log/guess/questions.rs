@@ -76,6 +76,9 @@ pub(super) fn guessed_unit(name: &str, part: &Part) -> Option<String> {
         (Quantity::Angle, "rad") => "deg, rev or counts",
         (Quantity::Angle, "deg") => "rad, rev or counts",
         (Quantity::Angle, _) => "rad, deg or rev",
+        (Quantity::Time, "s") => "ms, us or ns (or --rate for it, where it numbers the rows)",
+        (Quantity::Time, "ms") => "s, us or ns (or --rate for it, where it numbers the rows)",
+        (Quantity::Time, _) => "s or ms (or --rate for it, where it numbers the rows)",
         _ => "rpm, deg/s, rev/s or counts/s",
     };
     let asked = part.guessed && unknown_unit(name, part).is_none();

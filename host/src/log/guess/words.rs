@@ -204,7 +204,7 @@ const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 const RATES: [&str; 3] = ["dot", "rate", "derivative"];
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 148] = [
+const UNITS: [(&str, Quantity, &str); 149] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -309,6 +309,7 @@ const UNITS: [(&str, Quantity, &str); 148] = [
     ("arcmin", Angle, "deg/60"),
     ("arcsec", Angle, "deg/3600"),
     ("dv", Voltage, "V*0.1"),
+    ("cv", Voltage, "V*0.01"),
     ("minutes", Time, "s*60"),
     ("min", Time, "s*60"),
     ("h", Time, "s*3600"),
@@ -443,6 +444,13 @@ pub fn said(name: &str) -> Said {
     if best.is_some_and(|(of, ..)| matches!(of, Voltage | Current)) && any_of(&["d", "vd", "ud", "id"]) {
         best = None;
     }
+    // What a converter counts is no volt.
+    if best.is_some_and(|(of, ..)| matches!(of, Voltage | Supply | Current))
+        && any_of(&["adc"])
+        && unit.is_none()
+    {
+        best = None;
+    }
     // A unit in so many words decides between quantities: `motor (rpm)`, `t_ms`, `velocity [V]` is none.
     let quantity = match (best, unit) {
         (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
@@ -450,6 +458,8 @@ pub fn said(name: &str) -> Said {
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
         (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
+        // The ticks of a clock: `ticks_ms`.
+        (Some((Angle, ..)), Some((Time, _))) => Some((Time, 4)),
         (Some((named, plain, _)), Some(_)) => Some((named, plain)),
         (Some((named, plain, _)), None) => Some((named, plain)),
         (None, Some((of, _))) => Some((of, 2)),
@@ -637,6 +647,8 @@ mod tests {
             ("Velocity (rotations per second)", Speed, Some("rev/s")),
             ("ms", Time, Some("ms")),
             ("time [min]", Time, Some("s*60")),
+            ("ticks_ms", Time, Some("ms")),
+            ("voltage_cV", Voltage, Some("V*0.01")),
             ("time_min", Time, Some("s*60")),
             ("t/h", Time, Some("s*3600")),
             ("t_cs", Time, Some("ms*10")),
@@ -685,6 +697,9 @@ mod tests {
         ] {
             assert!(said(name).wanted, "{name}");
         }
-        assert_eq!(["colour", "n/min", "value_h", "load_min"].map(|name| said(name).quantity), [None; 4]);
+        assert_eq!(
+            ["colour", "n/min", "value_h", "load_min", "vbat_adc"].map(|name| said(name).quantity),
+            [None; 5]
+        );
     }
 }
