@@ -6,6 +6,10 @@
 use super::choice::Wanted;
 use super::units::Quantity;
 
+/// A loop prints the values of one turn within this share of it, and within so many seconds: what drives the motor from then on stands
+/// before the motion of the same turn.
+const TURN: (f64, f64) = (0.12, 2e-3);
+
 /// The voltage since the last sample, of each column that drives the motor.
 #[derive(Debug, Default)]
 pub(super) struct Between {
@@ -13,7 +17,8 @@ pub(super) struct Between {
     places: Vec<usize>,
     /// Time of the last sample and of the last row, s; none before the first.
     since: Option<(f64, f64)>,
-    /// What held since the last row, and the volt-seconds before it.
+    /// What held until the last row, what has held since, and the volt-seconds before it.
+    earlier: Vec<f64>,
     values: Vec<f64>,
     sums: Vec<f64>,
     /// Whether there was a row without a motion since the last sample.
@@ -28,7 +33,14 @@ impl Between {
             |column: &Wanted| signed && matches!(column.quantity, Quantity::Voltage | Quantity::Duty);
         let places: Vec<usize> = (0..columns.len()).filter(|k| drives(&columns[*k])).map(|k| k + 1).collect();
         let zeros = vec![0.0; places.len()];
-        Self { places, since: None, values: zeros.clone(), sums: zeros, passed: false }
+        Self {
+            places,
+            since: None,
+            earlier: zeros.clone(),
+            values: zeros.clone(),
+            sums: zeros,
+            passed: false,
+        }
     }
 
     /// Takes a row, without a motion or a sample, and tells what drove the motor since the last sample, column by column, where this is
@@ -39,9 +51,12 @@ impl Between {
             self.begin(row, is_sample);
             return Vec::new();
         };
-        for ((value, sum), place) in self.values.iter_mut().zip(&mut self.sums).zip(&self.places) {
-            *sum += *value * (time - before);
-            *value = row[*place];
+        let one_turn = is_sample && self.passed && time - before <= TURN.1.min(TURN.0 * (time - begin));
+        for (k, place) in self.places.iter().enumerate() {
+            let held = if one_turn { self.earlier[k] } else { self.values[k] };
+            self.sums[k] += held * (time - before);
+            self.earlier[k] = self.values[k];
+            self.values[k] = row[*place];
         }
         self.since = Some((begin, time));
         self.passed |= !is_sample;
@@ -57,6 +72,7 @@ impl Between {
     fn begin(&mut self, row: &[f64], is_sample: bool) {
         self.since = is_sample.then_some((row[0], row[0]));
         self.values = self.places.iter().map(|place| row[*place]).collect();
+        self.earlier.clone_from(&self.values);
         self.sums.fill(0.0);
         self.passed = false;
     }

@@ -61,6 +61,20 @@ pub(super) struct Columns {
     pub rate_unused: bool,
 }
 
+impl Columns {
+    /// Whether column `k` of the table is one of them.
+    pub fn reads(&self, k: usize) -> bool {
+        let of_time = match &self.time {
+            TimeSource::Column(one) | TimeSource::Intervals(one) | TimeSource::Numbered(one, ..) => {
+                one.index == k
+            }
+            TimeSource::Columns(one, other) => one.index == k || other.index == k,
+            TimeSource::Stamps | TimeSource::Rate(_) => false,
+        };
+        of_time || self.values.iter().any(|column| column.index == k || column.less == Some(k))
+    }
+}
+
 /// A canonical column that neither the header nor the mapping has.
 #[derive(Debug)]
 pub(super) struct Missing {

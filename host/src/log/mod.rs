@@ -43,6 +43,7 @@ mod sample;
 mod samples;
 pub mod servo;
 mod servo_loop;
+mod several;
 mod still;
 mod stops;
 mod structure;

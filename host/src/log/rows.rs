@@ -9,6 +9,7 @@ use super::direction;
 use super::fields::{Splitter, trimmed};
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
+use super::several::Several;
 use super::structure::Structure;
 use super::ticks::Ticks;
 use super::units::Quantity;
@@ -26,6 +27,7 @@ pub(super) struct Rows<'a> {
     /// The row in SI, time first.
     numbers: Vec<f64>,
     between: Between,
+    pub several: Several,
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
@@ -95,6 +97,7 @@ impl<'a> Rows<'a> {
             structure: Structure::default(),
             numbers: vec![0.0; count + 1],
             between: Between::new(&wanted.values),
+            several: Several::default(),
             last: vec![None; count],
             held: vec![Blanks::default(); count],
             whole: vec![Whole::default(); count + 1],
@@ -121,6 +124,9 @@ impl<'a> Rows<'a> {
         if !self.splitter.split(text) {
             self.samples.stray(place, header, "a quotation mark is not closed".into());
             return Ok(());
+        }
+        if let Some(whose) = self.several.column().and_then(|column| self.splitter.get(column)) {
+            self.several.saw(whose);
         }
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
         match self.numbers(number) {

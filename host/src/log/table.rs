@@ -14,6 +14,7 @@ use super::rows::{Blanks, Rows, is_held};
 use super::sample::proposal;
 use super::samples::Place;
 use super::servo::Servo;
+use super::several::Several;
 use super::structure::{self, Structure};
 use super::text::cannot_read;
 use super::units::Quantity;
@@ -83,10 +84,9 @@ pub(super) fn columns(
     {
         wanted.time = TimeSource::Numbered(column, per_row, rate);
     }
-    let state = structure::state_column(&names)
-        .filter(|k| wanted.values.iter().all(|column| column.index != *k))
-        .filter(|k| !matches!(&wanted.time, TimeSource::Column(time) if time.index == *k));
+    let state = structure::state_column(&names).filter(|k| !wanted.reads(*k));
     let mut rows = Rows::new(path, &wanted, &head, clock);
+    rows.several = Several::new(&names, |k| wanted.reads(k));
     for (number, line) in std::mem::take(&mut head.rows) {
         rows.take(number, &line, state)?;
     }
@@ -96,10 +96,15 @@ pub(super) fn columns(
         rows.take(number, &line, state)?;
         line.clear();
     }
+    if let Some(fault) = rows.several.fault(path) {
+        return Err(fault.into());
+    }
     let Rows { samples, mut structure, held, bracketed, ticks, numbered, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
     let samples_read = samples.len();
-    let blank = wanted.values.iter().zip(&held).find(|(_, blanks)| blanks.count > 0);
+    let mut blanks = wanted.values.iter().zip(&held).filter(|(_, blanks)| blanks.count > 0);
+    let first = blanks.clone().next();
+    let blank = blanks.find(|(column, _)| !is_held(column.quantity)).or(first);
     if samples.len() == 0
         && let Some((column, _)) = blank
     {
