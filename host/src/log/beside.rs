@@ -1,8 +1,8 @@
 //! Units that stand beside the numbers themselves: `5.2V`, `12 ms`.
 
 use super::fields::Splitter;
-use super::guess::words;
-use super::rows::number;
+use super::guess::unit_names;
+use super::numbers::number;
 
 /// Share of the values of a column that have its unit beside them.
 const MOST: f64 = 0.6;
@@ -11,7 +11,7 @@ const MOST: f64 = 0.6;
 pub(super) fn unit(text: &str) -> Option<&str> {
     let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.')? + 1;
     let (value, unit) = (text.get(..end)?, text.get(end..)?.trim());
-    (number(value).is_some() && words::unit_named(unit).is_some()).then_some(unit)
+    (number(value).is_some() && unit_names::unit_named(unit).is_some()).then_some(unit)
 }
 
 /// The units that stand beside the numbers of each column.

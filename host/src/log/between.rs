@@ -4,11 +4,11 @@
 //! sample's voltage is the mean by time until the next one, so that no volt-second is lost.
 
 use super::choice::Wanted;
+use super::robot_loop::turn_of;
 use super::units::Quantity;
 
-/// A loop prints the values of one turn within this share of it, and within so many seconds: what drives the motor from then on stands
-/// before the motion of the same turn.
-const TURN: (f64, f64) = (0.12, 2e-3);
+/// Stamps are decimals: a turn that is as long as it may be is not longer by what they are rounded to.
+const ROUNDED: f64 = 1.0 + 1e-6;
 
 /// The voltage since the last sample, of each column that drives the motor.
 #[derive(Debug, Default)]
@@ -51,7 +51,8 @@ impl Between {
             self.begin(row, is_sample);
             return Vec::new();
         };
-        let one_turn = is_sample && self.passed && time - before <= TURN.1.min(TURN.0 * (time - begin));
+        // What drives the motor from then on stands before the motion of the same turn of a loop.
+        let one_turn = is_sample && self.passed && time - before <= ROUNDED * turn_of(time - begin);
         for (k, place) in self.places.iter().enumerate() {
             let held = if one_turn { self.earlier[k] } else { self.values[k] };
             self.sums[k] += held * (time - before);
@@ -71,7 +72,9 @@ impl Between {
 
     fn begin(&mut self, row: &[f64], is_sample: bool) {
         self.since = is_sample.then_some((row[0], row[0]));
-        self.values = self.places.iter().map(|place| row[*place]).collect();
+        for (k, place) in self.places.iter().enumerate() {
+            self.values[k] = row[*place];
+        }
         self.earlier.clone_from(&self.values);
         self.sums.fill(0.0);
         self.passed = false;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::guess::{self, words};
+use super::guess::{self, unit_names, words};
 use super::mapping::{Mapping, Source};
 use super::sample::Guess;
 use super::units::{PerTurn, Quantity, Unit};
@@ -165,7 +165,7 @@ impl Choice<'_> {
         map.with_units(|source| {
             let first = || self.difference(source).and_then(|(one, _)| self.index_of(one));
             let index = self.index_of(&source.column).or_else(first)?;
-            let below = self.units.get(index).and_then(|unit| words::unit_named(unit));
+            let below = self.units.get(index).and_then(|unit| unit_names::unit_named(unit));
             let name = || words::told(self.names.get(index)?);
             let (of, unit) = below.or_else(name)?;
             let like = match source.quantity {
@@ -211,7 +211,7 @@ impl Choice<'_> {
         let Some(header) = quantity.canonical() else { return Ok(None) };
         let Some(index) = self.names.iter().position(|name| name == header) else { return Ok(None) };
         self.only_one(header)?;
-        let said = self.units.get(index).and_then(|unit| words::unit_named(unit));
+        let said = self.units.get(index).and_then(|unit| unit_names::unit_named(unit));
         if let Some((_, unit)) = said
             && Unit::parse(quantity, unit).map_or(true, |unit| unit.factor != 1.0)
         {

@@ -9,7 +9,7 @@ use std::ops::Range;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::clock;
-use super::guess::words;
+use super::guess::unit_names;
 
 /// What separates the fields of a row.
 #[derive(Debug, Clone, PartialEq)]
@@ -373,7 +373,7 @@ fn end_of_unit(line: &str, end: usize) -> Option<usize> {
     let word = line[end..].strip_prefix(' ')?.split([',', ';', '|', '\t', ' ']).next()?;
     let end = end + 1 + word.len();
     let is_name = line[end..].trim_start().starts_with([':', '=']);
-    (words::unit_named(word).is_some() && !is_name).then_some(end)
+    (unit_names::unit_named(word).is_some() && !is_name).then_some(end)
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 use super::beside;
 use super::clock;
 use super::fields::{Separator, Splitter, pairs, stamped};
-use super::guess::words;
+use super::guess::unit_names;
 use super::heads::{scope, tag_of};
-use super::rows::number;
+use super::numbers::number;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
 pub(super) const MOST_CHATTER: usize = 60;
@@ -226,7 +226,7 @@ fn units_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<Strin
         .map(|unit| unit.trim_matches(['[', ']', '(', ')']).trim().to_owned())
         .collect();
     let short = units.iter().all(|unit| unit.chars().count() <= 12 && !is_number(unit));
-    let known = units.iter().filter(|unit| words::is_unit(unit)).count();
+    let known = units.iter().filter(|unit| unit_names::is_unit(unit)).count();
     (units.len() == width
         && short
         && known > 0

@@ -2,8 +2,8 @@
 
 use super::choice::{Columns, Wanted};
 use super::guess::words;
+use super::numbers::number;
 use super::preamble::Preamble;
-use super::rows::number;
 use super::ticks::Ticks;
 use super::timing::median;
 use super::units::{Quantity, Unit};
@@ -22,8 +22,7 @@ pub(super) fn column(names: &[String], head: &Preamble, wanted: &Columns) -> Opt
     (0..names.len()).find_map(|index| {
         let name = words::of(&names[index]);
         let is_named = !name.is_empty() && name.iter().all(|word| NAMES.contains(&word.as_str()));
-        let is_used = wanted.values.iter().any(|column| column.index == index || column.less == Some(index));
-        let per_row = (is_named && !is_used).then(|| per_row(head, index))??;
+        let per_row = (is_named && !wanted.reads(index)).then(|| per_row(head, index))??;
         let header = names[index].clone();
         Some((Wanted { quantity: Quantity::Time, index, less: None, header, unit: Unit::SI }, per_row))
     })

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::fields::{Hexadecimal, Separator, Splitter, trimmed};
 use super::layout::Layout;
-use super::rows::number;
+use super::numbers::number;
 use super::text::cannot_read;
 use super::{Metadata, beside};
 use crate::error::{BadInput, Result};

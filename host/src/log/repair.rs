@@ -4,26 +4,17 @@
 //! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
 //! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
 
-use std::collections::BTreeMap;
-
+use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
 use super::timing::median_interval;
-use super::wraps::{unwrap_angle, wrapped};
+use super::wraps::unwrap_angle;
 use super::{Record, Warning};
 
 /// Steps this many times as large as the largest ordinary one are no motion.
-const APART: f64 = 3.0;
+pub(super) const APART: f64 = 3.0;
 /// Share of the steps, from the largest on, among which such steps are sought.
 const RARE: f64 = 0.2;
-/// A garbled reading returns within so many samples.
-const LONGEST_SPIKE: usize = 3;
-/// A spike of speed is this many times the fastest other reading.
-const SPIKE_SPEED: f64 = 3.0;
-/// ... or goes so many times as far at once as any two others lie apart.
-const SUDDEN: f64 = 8.0;
-/// More readings of a voltage than this share are no accident of a transmission.
-const MOST_GARBLED: f64 = 0.02;
 /// A record is cut at a pause of so many intervals and seconds.
 const PAUSE_INTERVALS: f64 = 10.0;
 const PAUSE_S: f64 = 0.25;
@@ -62,154 +53,6 @@ pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
     let goes_on = |k: usize| (values[k + 1] - values[k]) * (values[k + 2] - values[k + 1]) > 0.0;
     let burst = |f: &[usize]| f[2] - f[0] == 2 && (goes_on(f[0]) || goes_on(f[1]));
     if far.windows(3).any(burst) { Vec::new() } else { far }
-}
-
-/// Samples between two far steps, there and back.
-fn spikes(values: &[f64]) -> Vec<usize> {
-    let far = far_steps(values);
-    let mut found = Vec::new();
-    let mut k = 0;
-    while k + 1 < far.len() {
-        let (there, back) = (far[k], far[k + 1]);
-        let up = values[there + 1] - values[there];
-        let left = values[back + 1] - values[there];
-        if back - there <= LONGEST_SPIKE && left.abs() < 0.25 * up.abs() {
-            found.extend(there + 1..=back);
-            k += 2;
-        } else {
-            k += 1;
-        }
-    }
-    found
-}
-
-fn leave_out_spikes(record: &mut Record) {
-    // Where nothing was read at times, the rest is in order.
-    let garbled = |x: &[f64], spikes: fn(&[f64]) -> Vec<usize>| {
-        Some(dropouts(x)).filter(|dropped| !dropped.is_empty()).unwrap_or_else(|| spikes(x))
-    };
-    let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none());
-    let angle = angle.map(|x| garbled(x, spikes)).unwrap_or_default();
-    let speed = record.speed_rad_s.as_deref().map(|w| garbled(w, speed_spikes)).unwrap_or_default();
-    for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
-        if samples.is_empty() {
-            continue;
-        }
-        record.warnings.push(Warning {
-            place: format!("{}, column {column}", record.path.display()),
-            what: format!(
-                "garbled_readings: {} readings stand far from those before and after them, which no motion explains, and \
-                 were left out: {}",
-                samples.len(),
-                named(samples, &record.time_s)
-            ),
-            fix: "check the sensor's cable and the transmission of the log".into(),
-        });
-    }
-    let bad = |k: usize| angle.binary_search(&k).is_ok() || speed.binary_search(&k).is_ok();
-    if !angle.is_empty() || !speed.is_empty() {
-        let keep: Vec<bool> = (0..record.len()).map(|k| !bad(k)).collect();
-        for column in columns(record) {
-            let mut kept = keep.iter();
-            column.retain(|_| *kept.next().unwrap_or(&true));
-        }
-    }
-}
-
-/// Zeros, or another number that comes again and again, in the midst of motion, which no inertia allows: nothing was read there.
-fn dropouts(values: &[f64]) -> Vec<usize> {
-    let zeros = dropped_to_zero(values);
-    let Some(sentinel) = sentinel(values).filter(|_| zeros.is_empty()) else { return zeros };
-    let shifted: Vec<f64> = values.iter().map(|value| value - sentinel).collect();
-    dropped_to_zero(&shifted)
-}
-
-/// A number comes at least so often where it stands for what was not read.
-const FEWEST_SENTINELS: usize = 5;
-
-/// The number other than zero that stands most often by itself far below or far above both readings beside it.
-fn sentinel(values: &[f64]) -> Option<f64> {
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let far = APART * steps.sum::<f64>() / values.len().max(1) as f64;
-    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    for triple in values.windows(3) {
-        let (before, after) = (triple[1] - triple[0], triple[1] - triple[2]);
-        if triple[1] != 0.0 && before * after > 0.0 && before.abs().min(after.abs()) > far {
-            *counts.entry(triple[1].to_bits()).or_default() += 1;
-        }
-    }
-    let (bits, count) = counts.into_iter().max_by_key(|(_, count)| *count)?;
-    (count >= FEWEST_SENTINELS).then(|| f64::from_bits(bits))
-}
-
-fn dropped_to_zero(values: &[f64]) -> Vec<usize> {
-    let ordinary = values.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
-    let step = ordinary.fold(0.0, |step: f64, p| step.max((p[1] - p[0]).abs()));
-    let runs = |least: f64| zeros_between(values, least);
-    let certain = runs(APART * step);
-    // Where some are certain, the others among slower motion are the same.
-    if certain.len() > 1 { runs(0.0) } else { certain }
-}
-
-/// Short runs of zeros between readings of one sign, both further from zero than `least`.
-fn zeros_between(values: &[f64], least: f64) -> Vec<usize> {
-    let mut found = Vec::new();
-    let mut k = 1;
-    while k + 1 < values.len() {
-        let zeros = values[k..].iter().take_while(|w| **w == 0.0).count();
-        let (before, after) = (values[k - 1], values.get(k + zeros).copied().unwrap_or(0.0));
-        let far = before * after > 0.0 && before.abs().min(after.abs()) > least;
-        if zeros > 0 && zeros <= LONGEST_SPIKE && far {
-            found.extend(k..k + zeros);
-        }
-        k += zeros.max(1);
-    }
-    found
-}
-
-/// Spikes far beyond all other readings, or that no inertia allows: many times the largest step between any two others.
-fn speed_spikes(speed: &[f64]) -> Vec<usize> {
-    let found = spikes(speed);
-    let rest: Vec<f64> =
-        (0..speed.len()).filter(|k| found.binary_search(k).is_err()).map(|k| speed[k]).collect();
-    let (fastest, step) = (peak(&rest), rest.windows(2).fold(0.0, |s: f64, p| s.max((p[1] - p[0]).abs())));
-    let height = |k: usize| {
-        let before = (0..k).rev().find(|before| found.binary_search(before).is_err());
-        (speed[k] - before.map_or(0.0, |before| speed[before])).abs()
-    };
-    let is_beyond = |k: usize| speed[k].abs() > SPIKE_SPEED * fastest;
-    let is_sudden = |k: usize| height(k) > SUDDEN * step && height(k) > 0.5 * fastest;
-    found.iter().copied().filter(|&k| is_beyond(k) || is_sudden(k)).collect()
-}
-
-/// Readings of a voltage that no drive gives for so short: few, far beyond all others, and back within some samples. The value before
-/// them holds.
-fn hold_voltage_spikes(record: &mut Record) {
-    let volts = &mut record.voltage_v;
-    let mut sizes: Vec<f64> = volts.iter().map(|v| v.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let most = (MOST_GARBLED * volts.len() as f64).ceil() as usize;
-    let first = sizes.len().saturating_sub(most + 1);
-    // The gap above what the drive gives: a voltage of nothing but pulses has none.
-    let gap = sizes[first..].windows(2).find(|pair| pair[0] > 0.0 && pair[1] > SPIKE_SPEED * pair[0]);
-    let Some(highest) = gap.map(|pair| pair[0]) else { return };
-    let garbled: Vec<usize> = (0..volts.len()).filter(|&k| volts[k].abs() > highest).collect();
-    if garbled.windows(LONGEST_SPIKE + 1).any(|run| run[LONGEST_SPIKE] - run[0] == LONGEST_SPIKE) {
-        return;
-    }
-    for &k in &garbled {
-        volts[k] = if k > 0 { volts[k - 1] } else { 0.0 };
-    }
-    record.warnings.push(Warning {
-        place: format!("{}, column voltage_v", record.path.display()),
-        what: format!(
-            "garbled_readings: {} readings stand at more than {SPIKE_SPEED} times every other voltage, for a moment each; the value before \
-             them holds: {}",
-            garbled.len(),
-            named(&garbled, &record.time_s)
-        ),
-        fix: "check the transmission of the log; if the drive did give these, log the voltage more often".into(),
-    });
 }
 
 /// Samples before which the log pauses.
@@ -279,14 +122,14 @@ pub(crate) fn part(record: &Record, range: std::ops::Range<usize>, number: usize
     part
 }
 
-fn columns(record: &mut Record) -> impl Iterator<Item = &mut Vec<f64>> {
+pub(super) fn columns(record: &mut Record) -> impl Iterator<Item = &mut Vec<f64>> {
     let Record { time_s, voltage_v, angle_rad, speed_rad_s, current_a, supply_v, servo, .. } = record;
     let optional = [angle_rad, speed_rad_s, current_a, supply_v].into_iter().flatten();
     let target = servo.as_mut().map(|servo| &mut servo.target_rad);
     [time_s, voltage_v].into_iter().chain(optional).chain(target)
 }
 
-fn named(samples: &[usize], time_s: &[f64]) -> String {
+pub(super) fn named(samples: &[usize], time_s: &[f64]) -> String {
     let some: Vec<String> =
         samples.iter().take(NAMED).map(|&k| format!("sample {} ({:.3} s)", k + 1, time_s[k])).collect();
     let more = samples.len().saturating_sub(NAMED);
@@ -294,12 +137,12 @@ fn named(samples: &[usize], time_s: &[f64]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
 
-    fn moving(angle: impl Fn(f64) -> f64) -> Record {
+    pub fn moving(angle: impl Fn(f64) -> f64) -> Record {
         let time_s: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.005).collect();
         let values: Vec<f64> = time_s.iter().map(|t| angle(*t)).collect();
         Record {
@@ -311,7 +154,7 @@ mod tests {
         }
     }
 
-    fn swing(t: f64) -> f64 {
+    pub fn swing(t: f64) -> f64 {
         20.0 * (1.7 * t).sin() + 4.0 * (4.0 * t).sin()
     }
 
@@ -341,87 +184,6 @@ mod tests {
             for (t, x) in parts[0].time_s.iter().zip(angle) {
                 assert!(((x - angle[0]) - (fast(*t) - fast(0.0))).abs() < 0.02, "{turn}: at {t}");
             }
-        }
-    }
-
-    #[test]
-    fn a_garbled_voltage_is_held_and_a_programme_of_pulses_is_left_alone() {
-        let mut record = moving(swing);
-        record.voltage_v = record.time_s.iter().map(|t| 6.0 * (3.0 * t).sin()).collect();
-        let clean = record.voltage_v.clone();
-        (record.voltage_v[300], record.voltage_v[600]) = (999.0, -999.0);
-        let parts = repaired(record.clone());
-        assert_eq!((parts[0].voltage_v[300], parts[0].voltage_v[600]), (clean[299], clean[599]));
-        assert!(parts[0].warnings[0].what.contains("sample 301"), "{:?}", parts[0].warnings);
-        record.voltage_v = (0..800).map(|k| if k % 20 == 0 { 12.0 } else { 0.0 }).collect();
-        assert_eq!(repaired(record.clone()), [record.clone()]);
-        // Equal readings in a voltage that hardly ever changes.
-        record.voltage_v = (0..800).map(|k| if k / 200 % 2 == 0 { 6.0 } else { -6.0 }).collect();
-        let clean = record.voltage_v.clone();
-        for k in (50..800).step_by(90) {
-            record.voltage_v[k] = 655.35;
-        }
-        let parts = repaired(record);
-        assert_eq!(parts[0].voltage_v, clean);
-        assert!(parts[0].warnings[0].what.contains("9 readings"), "{:?}", parts[0].warnings);
-    }
-
-    #[test]
-    fn sudden_readings_of_a_speed_are_left_out_though_the_motor_goes_nearly_as_fast_at_times() {
-        let mut record = moving(swing);
-        let mut speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
-        for k in [77, 277, 278, 477] {
-            speed[k] += 60.0;
-        }
-        (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
-        assert_eq!(repaired(record)[0].len(), 796);
-    }
-
-    #[test]
-    fn zeros_in_the_midst_of_motion_are_left_out_and_a_speed_that_passes_zero_is_not() {
-        let mut record = moving(swing);
-        let speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
-        (record.angle_rad, record.speed_rad_s) = (None, Some(speed.clone()));
-        assert_eq!(repaired(record.clone())[0].len(), 800);
-        let mut dropped = speed;
-        for k in [20, 77, 301, 302, 640] {
-            dropped[k] = 0.0;
-        }
-        record.speed_rad_s = Some(dropped);
-        let parts = repaired(record);
-        assert_eq!(parts[0].len(), 795);
-        assert!(parts[0].warnings[0].what.contains("sample 21"), "{:?}", parts[0].warnings);
-    }
-
-    #[test]
-    fn a_number_that_stands_for_what_was_not_read_is_left_out_wherever_it_stands_apart() {
-        let mut record = moving(swing);
-        let mut speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
-        let fast: Vec<usize> = (20..780).step_by(10).filter(|k| speed[*k].abs() > 10.0).collect();
-        for k in &fast {
-            speed[*k] = -0.1;
-        }
-        (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
-        assert_eq!(repaired(record)[0].len(), 800 - fast.len());
-    }
-
-    #[test]
-    fn garbled_readings_are_left_out_few_or_many() {
-        // Readings next to each other but one.
-        let mut record = moving(swing);
-        for k in (30..800).step_by(40).flat_map(|k| [k, k + 2]) {
-            record.angle_rad.as_mut().unwrap()[k] += 150.0;
-        }
-        assert_eq!(repaired(record)[0].len(), 800 - 2 * (30..800).step_by(40).count());
-        for every in [50, 400] {
-            let mut record = moving(swing);
-            for k in (30..800).step_by(every) {
-                record.angle_rad.as_mut().unwrap()[k] += 150.0;
-            }
-            let parts = repaired(record);
-            assert_eq!((parts.len(), parts[0].warnings.len()), (1, 1));
-            assert_eq!(parts[0].len(), 800 - (30..800).step_by(every).count());
-            assert!(parts[0].warnings[0].what.contains("sample 31"), "{:?}", parts[0].warnings);
         }
     }
 

@@ -16,7 +16,12 @@ pub fn clock<'v, T>(all: impl Iterator<Item = &'v [T]>) -> Option<&'v [T]> {
 
 /// How far behind the first entry of a turn of the loop its others may be logged, s.
 pub fn turn_s(times: &[f64]) -> f64 {
-    (TURN_SHARE * super::timing::median_interval(times)).min(LONGEST_TURN_S)
+    turn_of(super::timing::median_interval(times))
+}
+
+/// The same where it turns every `interval_s`.
+pub fn turn_of(interval_s: f64) -> f64 {
+    (TURN_SHARE * interval_s).min(LONGEST_TURN_S)
 }
 
 /// Where the last of `times` up to `time_s` stands, whose value holds until the next.

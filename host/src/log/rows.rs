@@ -7,6 +7,7 @@ use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
 use super::fields::{Splitter, trimmed};
+use super::numbers::{Whole, in_brackets, number};
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::several::Several;
@@ -265,52 +266,6 @@ fn is_blank_permitted(splitter: &Splitter, width: Option<usize>) -> bool {
     width.is_some_and(|width| splitter.len() >= width)
 }
 
-/// Whole numbers of one column, row by row: `990`, then `1.000` or `1,000`, where another row's would be a decimal sign.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Whole {
-    /// All so far were plain whole numbers.
-    only: bool,
-    last: Option<f64>,
-    between: Option<char>,
-}
-
-impl Default for Whole {
-    fn default() -> Self {
-        Self { only: true, last: None, between: None }
-    }
-}
-
-impl Whole {
-    /// The number in `text`. Thousands are told from decimals by what came before: the numbers go on, or they jump to a thousandth.
-    pub fn read(&mut self, text: &str) -> Option<f64> {
-        if !self.only && self.between.is_none() {
-            return number(text);
-        }
-        let grouped = |sign: char| {
-            let thousands = text.contains(sign) && !text.starts_with('0') && is_grouped(text, &[sign]);
-            thousands.then(|| text.replace(sign, "").parse::<f64>().ok()).flatten()
-        };
-        if let Some(value) = self.between.and_then(grouped) {
-            self.last = Some(value);
-            return Some(value);
-        }
-        let plain = number(text)?;
-        let is_whole = text.bytes().all(|b| b.is_ascii_digit() || b == b'-' || b == b'+');
-        if let (true, false, Some(last)) = (self.only, is_whole, self.last) {
-            let goes_on = |value: f64| (value - last).abs() < (plain - last).abs();
-            for sign in ['.', ','] {
-                if let Some(value) = grouped(sign).filter(|value| goes_on(*value)) {
-                    (self.between, self.last) = (Some(sign), Some(value));
-                    return Some(value);
-                }
-            }
-        }
-        self.only &= is_whole;
-        self.last = Some(plain);
-        Some(plain)
-    }
-}
-
 /// The finite number in a field, read as `number`, or why there is none.
 fn field(text: &str, number: Option<f64>) -> Result<f64, String> {
     match number {
@@ -332,122 +287,4 @@ fn in_si(text: &str, column: &Wanted) -> Result<f64, String> {
 /// What a field of a column of directions says, or why it says nothing.
 fn direction(text: &str) -> Result<f64, String> {
     direction::named(text).map_or_else(|| field(text, number(text)), Ok)
-}
-
-/// The number in a field; a comma within a field is a decimal one, since it separates nothing, and thousands may stand apart.
-pub(super) fn number(text: &str) -> Option<f64> {
-    text.parse::<f64>().ok().or_else(|| {
-        let decimal_comma = text.contains(',');
-        let point = decimal_comma.then(|| text.replacen(',', ".", 1));
-        let plain = point.as_deref().unwrap_or(text);
-        let with_point = point.as_ref().and_then(|text| text.parse().ok());
-        with_point
-            .or_else(|| with_thousands(plain))
-            .or_else(|| points_and_comma(text))
-            .or_else(|| twice_grouped(text))
-            .or_else(|| hex(text))
-            .or_else(|| one_of(text))
-            .or_else(|| in_brackets(text))
-            .or_else(|| typeset(text))
-    })
-}
-
-/// The only number of an array, `[0.5]` or `(0.5,)`, as messages of ROS with one joint are exported.
-fn one_of(text: &str) -> Option<f64> {
-    let inside = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
-    let inside = inside.or_else(|| text.strip_prefix('(')?.strip_suffix(",)"));
-    inside?.trim().trim_end_matches(',').parse().ok()
-}
-
-/// `(3.25)`, as accountants and their spreadsheets write -3.25.
-fn in_brackets(text: &str) -> Option<f64> {
-    let inside = text.strip_prefix('(')?.strip_suffix(')')?.trim();
-    (inside.starts_with(|c: char| c.is_ascii_digit() || c == '.')).then(|| number(inside))?.map(|size| -size)
-}
-
-/// A minus as books have it (`\u{2212}0.5`), and Fortran's exponent (`1.5D-03`).
-fn typeset(text: &str) -> Option<f64> {
-    let plain = text.replace('\u{2212}', "-").replace(['D', 'd'], "e");
-    (plain != text).then(|| plain.parse().ok()).flatten()
-}
-
-/// `1'234.5`, as Swiss spreadsheets and pocket calculators write it, and the same with a narrow blank.
-fn with_thousands(text: &str) -> Option<f64> {
-    const BETWEEN: [char; 4] = ['\'', '\u{2019}', '\u{A0}', '\u{202F}'];
-    if !text.contains(BETWEEN) {
-        return None;
-    }
-    let whole = text.split('.').next().unwrap_or_default();
-    is_grouped(whole, &BETWEEN).then(|| text.replace(BETWEEN, "").parse().ok()).flatten()
-}
-
-/// `1.234,5` of a German spreadsheet and `1,234.5` of an English one: which of both is decimal is told where both are there.
-fn points_and_comma(text: &str) -> Option<f64> {
-    let (decimal, between) = if text.rfind(',')? > text.rfind('.')? { (',', '.') } else { ('.', ',') };
-    let (whole, part) = text.rsplit_once(decimal)?;
-    let plain = || format!("{}.{part}", whole.replace(between, "")).parse().ok();
-    is_grouped(whole, &[between]).then(plain).flatten()
-}
-
-/// `1.234.567` or `1,234,567`: twice in a number no sign is a decimal one.
-fn twice_grouped(text: &str) -> Option<f64> {
-    let sign = ['.', ','].into_iter().find(|sign| text.matches(*sign).count() > 1)?;
-    is_grouped(text, &[sign]).then(|| text.replace(sign, "").parse().ok()).flatten()
-}
-
-/// Whether a whole number has its digits in threes, but for the first.
-fn is_grouped(whole: &str, between: &[char]) -> bool {
-    let mut groups = whole.trim_start_matches(['-', '+']).split(between);
-    let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
-    let first = groups.next().is_some_and(|group| (1..=3).contains(&group.len()) && digits(group));
-    first && groups.all(|group| group.len() == 3 && digits(group))
-}
-
-/// `0x1A3F`; all digits of 32 or 64 bits are those of a number with a sign.
-fn hex(text: &str) -> Option<f64> {
-    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;
-    // A sign that is no digit is none.
-    let number =
-        digits.bytes().all(|b| b.is_ascii_hexdigit()).then(|| u64::from_str_radix(digits, 16).ok())??;
-    Some(match digits.len() {
-        8 => f64::from(number as u32 as i32),
-        16 => number as i64 as f64,
-        _ => number as f64,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_typeset_minus_and_fortrans_exponent_are_read() {
-        assert_eq!(
-            ["\u{2212}0.5", "1.5D-03", "-2.0d+01"].map(number),
-            [Some(-0.5), Some(0.0015), Some(-20.0)]
-        );
-        assert_eq!(["d", "D1", "dead"].map(number), [None; 3]);
-    }
-
-    #[test]
-    fn brackets_are_a_minus_and_an_array_of_one_is_its_number() {
-        assert_eq!(["(3.25)", "(1,234.5)", "( 2 )"].map(number), [Some(-3.25), Some(-1234.5), Some(-2.0)]);
-        assert_eq!(["[0.5]", "(0.5,)", "[-1]"].map(number), [Some(0.5), Some(0.5), Some(-1.0)]);
-        assert_eq!(["(-3)", "(V)", "((3))", "()"].map(number), [None; 4]);
-    }
-
-    #[test]
-    fn thousands_are_told_from_decimals_by_the_numbers_before() {
-        let read = |texts: &[&str]| {
-            let mut column = Whole::default();
-            texts.iter().map(|text| column.read(text).unwrap_or(f64::NAN)).collect::<Vec<_>>()
-        };
-        assert_eq!(read(&["980", "990", "1.000", "1.010"]), [980.0, 990.0, 1000.0, 1010.0]);
-        assert_eq!(read(&["-990", "-1,000", "-999"]), [-990.0, -1000.0, -999.0]);
-        assert_eq!(read(&["999.990", "1.000.000"]), [999.99, 1e6]);
-        // Decimals whose zeros were left out.
-        assert_eq!(read(&["5", "5", "4.926", "5"]), [5.0, 5.0, 4.926, 5.0]);
-        assert_eq!(read(&["0", "1", "1.125", "1.25"]), [0.0, 1.0, 1.125, 1.25]);
-        assert_eq!(read(&["0", "0", "0.125"]), [0.0, 0.0, 0.125]);
-    }
 }

@@ -216,7 +216,7 @@ impl Fitted {
         let places = self.places_beyond(other);
         let sure = |blocks: usize| best_of(places, sure_enough(blocks));
         let gain = self.gain_over(other);
-        (is_worth(gain, self.gain_over(base).total, places) || self.halves(gain, other, data))
+        (is_worth(gain, self.gain_over(base).total, places) || self.halves(gain, places, other, data))
             && (self.is_likelier(gain, sure(self.scored.blocks()), other, data)
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
@@ -255,8 +255,8 @@ impl Fitted {
 
     /// Whether it gains what is worth mentioning, however much is explained already, and surely halves the cross-validated simulation error:
     /// what the form of another law misses is no half of all that is left.
-    fn halves(&self, gain: Gain, other: &Self, data: &Evidence) -> bool {
-        is_beyond(gain, (WORTH, 0.0), 0.0, self.places_beyond(other)) && self.fall(other, data).sure() > LN_2
+    fn halves(&self, gain: Gain, places: usize, other: &Self, data: &Evidence) -> bool {
+        is_beyond(gain, (WORTH, 0.0), 0.0, places) && self.fall(other, data).sure() > LN_2
     }
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.

@@ -1,5 +1,7 @@
 //! The selection: effects are added while records that no fit has seen speak for them, and taken out when they no longer do.
 
+use std::cell::LazyCell;
+
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
@@ -7,7 +9,6 @@ use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, pairs, simplest, tried};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
-use crate::fit::layout::Values;
 use crate::fit::uncertainty::Spread;
 
 /// What was selected.
@@ -131,6 +132,7 @@ pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitt
 /// searched to the end, the simpler from where the richer ended.
 fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
     let values = model.values();
+    let spread = LazyCell::new(|| Spread::of(&data.train, &values));
     for (rich, parameters) in &values.effects {
         let without = values.without(*rich);
         for (part, at) in parts(*rich) {
@@ -138,7 +140,7 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
                 continue;
             }
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
-            if may_be_nothing(data, &values, *rich, Some(at)) || poor.is_as_good_as(&model, data, base) {
+            if may_be_nothing(&spread, *rich, Some(at)) || poor.is_as_good_as(&model, data, base) {
                 return simpler(data, poor, base);
             }
         }
@@ -146,10 +148,9 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
     model
 }
 
-/// Whether `kind` of the model `values` may be nothing, or all that it adds to the simpler law of its parameter `beside`: no size is two
+/// Whether `kind` of a model with this `spread` may be nothing, or all that it adds to the simpler law of its parameter `beside`: no size is two
 /// standard deviations from zero (Wald's test). What has no size is something.
-fn may_be_nothing(data: &Evidence, values: &Values, kind: Kind, beside: Option<usize>) -> bool {
-    let spread = Spread::of(&data.train, values);
+fn may_be_nothing(spread: &Spread, kind: Kind, beside: Option<usize>) -> bool {
     let spec = kind.spec();
     let is_size = |k: &usize| spec.parameters[*k].strength || parts(kind).any(|(_, place)| place == *k);
     let is_near_zero = |k: usize| {
@@ -174,7 +175,9 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
         }
         let values = model.values();
         let fewer = Fitted::of(data, &values.without(kind), 2, 8);
-        if may_be_nothing(data, &values, kind, None) || fewer.is_as_good_as(&model, data, base) {
+        if may_be_nothing(&Spread::of(&data.train, &values), kind, None)
+            || fewer.is_as_good_as(&model, data, base)
+        {
             model = fewer;
         }
     }

@@ -11,7 +11,7 @@ use super::table::{Column, Table, Values};
 use super::{Content, Fault};
 use crate::log::fields::stamped;
 use crate::log::guess::words;
-use crate::log::rows::number;
+use crate::log::numbers::number;
 use crate::log::text::TextReader;
 use crate::log::timing::median_interval;
 use crate::log::units::Quantity;

@@ -24,6 +24,13 @@ pub struct Part {
     pub guessed: bool,
 }
 
+impl Part {
+    /// What stands between its two columns: a fraction is added, a bridge's other side is taken off.
+    pub fn sign(&self) -> char {
+        if self.quantity == Quantity::Time { '+' } else { '-' }
+    }
+}
+
 /// The column for each quantity, in the order of [`Quantity::ALL`].
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();

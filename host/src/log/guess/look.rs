@@ -83,12 +83,14 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
         }
     } else {
         for part in parts(&sample.with_units, &sample.rows) {
-            let in_two = part.rest.is_some() && part.quantity == Quantity::Time;
-            let whole = if in_two { Quantity::Time.si() } else { &part.unit };
+            // The unit of a time in two columns is that of the fraction, that of a bridge both sides'.
+            let (whole, second) = match part.rest {
+                Some(_) if part.quantity == Quantity::Time => (Quantity::Time.si(), part.unit.as_str()),
+                _ => (part.unit.as_str(), ""),
+            };
             kinds[part.index] = format!("{}:{whole}", part.quantity);
             if let Some(rest) = part.rest {
-                kinds[rest] =
-                    if in_two { format!("time+:{}", part.unit) } else { format!("{}-:", part.quantity) };
+                kinds[rest] = format!("{}{}:{second}", part.quantity, part.sign());
             }
         }
     }

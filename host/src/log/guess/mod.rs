@@ -10,6 +10,7 @@ mod preview;
 mod questions;
 mod registers;
 mod sides;
+pub mod unit_names;
 pub mod words;
 
 use std::fmt::Write as _;
@@ -228,8 +229,8 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     let map: Vec<String> = parts
         .iter()
         .map(|part| {
-            let sign = if part.quantity == Quantity::Time { '+' } else { '-' };
-            let rest = part.rest.map(|rest| format!("{sign}{}", column(names, rest))).unwrap_or_default();
+            let rest = |rest| format!("{}{}", part.sign(), column(names, rest));
+            let rest = part.rest.map(rest).unwrap_or_default();
             format!("{}={}{rest}:{}", part.quantity, column(names, part.index), part.unit)
         })
         .collect();

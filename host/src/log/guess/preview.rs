@@ -16,16 +16,15 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
     let mut values: Vec<f64> =
         rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()).collect();
     let mut name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
-    if let Some(rest) = part.rest.filter(|_| part.quantity != Quantity::Time) {
-        let difference = |row: &Vec<f64>| Some(row.get(part.index)? - row.get(rest)?);
-        values = rows.iter().filter_map(difference).filter(|v| v.is_finite()).collect();
-        let _ = write!(name, " - {}", names.get(rest).map(String::as_str).unwrap_or_default());
-    } else if let Some(rest) = part.rest {
-        // Shown in the unit of the fraction, as one number.
+    if let Some(rest) = part.rest {
+        // A time is shown in the unit of its fraction, as one number.
         let unit = Unit::parse(Quantity::Time, &part.unit).map_or(1.0, |unit| unit.factor);
-        let sum = |row: &Vec<f64>| Some(row.get(part.index)? / unit + row.get(rest)?);
-        values = rows.iter().filter_map(sum).filter(|v| v.is_finite()).collect();
-        let _ = write!(name, " + {}", names.get(rest).map(String::as_str).unwrap_or_default());
+        let both = |row: &Vec<f64>| {
+            let (one, other) = (row.get(part.index)?, row.get(rest)?);
+            Some(if part.quantity == Quantity::Time { one / unit + other } else { one - other })
+        };
+        values = rows.iter().filter_map(both).filter(|v| v.is_finite()).collect();
+        let _ = write!(name, " {} {}", part.sign(), names.get(rest).map(String::as_str).unwrap_or_default());
     }
     if part.quantity == Quantity::Time {
         values = Ticks::all(values.into_iter());

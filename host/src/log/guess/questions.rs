@@ -1,7 +1,7 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
 use super::columns::Part;
-use super::{column, words};
+use super::{column, unit_names, words};
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -60,9 +60,9 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     let taken = &part.unit;
     let of_another = |unit: &str| {
         [Quantity::Angle, Quantity::Speed].contains(&part.quantity)
-            && words::unit_named(unit).is_some_and(|(of, _)| of != part.quantity)
+            && unit_names::unit_named(unit).is_some_and(|(of, _)| of != part.quantity)
     };
-    let unknown = |unit: &String| !unit.is_empty() && (!words::is_unit(unit) || of_another(unit));
+    let unknown = |unit: &String| !unit.is_empty() && (!unit_names::is_unit(unit) || of_another(unit));
     let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"

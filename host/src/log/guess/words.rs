@@ -1,6 +1,7 @@
 //! What the names of columns say: a quantity, a unit, or that the column is a command and no measurement.
 
 use super::super::units::Quantity;
+use super::unit_names::{UNITS, unit_named};
 
 /// What the name of one column says.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -203,159 +204,6 @@ const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 /// What makes a speed of an angle's name.
 const RATES: [&str; 3] = ["dot", "rate", "derivative"];
 
-/// Units as people write them, within brackets or behind an underscore, longest first.
-const UNITS: [(&str, Quantity, &str); 149] = [
-    ("milliseconds", Time, "ms"),
-    ("microseconds", Time, "us"),
-    ("seconds", Time, "s"),
-    ("second", Time, "s"),
-    ("secs", Time, "s"),
-    ("sec", Time, "s"),
-    ("millis", Time, "ms"),
-    ("msec", Time, "ms"),
-    ("micros", Time, "us"),
-    ("usec", Time, "us"),
-    ("nanoseconds", Time, "ns"),
-    ("ns", Time, "ns"),
-    ("us", Time, "us"),
-    ("µs", Time, "us"),
-    ("μs", Time, "us"),
-    ("ms", Time, "ms"),
-    ("s", Time, "s"),
-    ("mv", Voltage, "mV"),
-    ("millivolts", Voltage, "mV"),
-    ("volts", Voltage, "V"),
-    ("volt", Voltage, "V"),
-    ("v", Voltage, "V"),
-    ("%", Duty, "100"),
-    ("percent", Duty, "100"),
-    ("pct", Duty, "100"),
-    ("rad/s", Speed, "rad/s"),
-    ("rads/s", Speed, "rad/s"),
-    ("rad s-1", Speed, "rad/s"),
-    ("rad_s", Speed, "rad/s"),
-    ("rad_per_s", Speed, "rad/s"),
-    ("rad_per_sec", Speed, "rad/s"),
-    ("rads_per_sec", Speed, "rad/s"),
-    ("radians_per_second", Speed, "rad/s"),
-    ("rad/sec", Speed, "rad/s"),
-    ("rad per sec", Speed, "rad/s"),
-    ("rad·s⁻¹", Speed, "rad/s"),
-    ("rad*s^-1", Speed, "rad/s"),
-    ("radians/s", Speed, "rad/s"),
-    ("radians per second", Speed, "rad/s"),
-    ("radps", Speed, "rad/s"),
-    ("deg/s", Speed, "deg/s"),
-    ("°/s", Speed, "deg/s"),
-    ("deg_s", Speed, "deg/s"),
-    ("deg/sec", Speed, "deg/s"),
-    ("deg_per_s", Speed, "deg/s"),
-    ("deg_per_sec", Speed, "deg/s"),
-    ("degrees_per_second", Speed, "deg/s"),
-    ("degrees/s", Speed, "deg/s"),
-    ("degrees per second", Speed, "deg/s"),
-    ("dps", Speed, "deg/s"),
-    ("rpm", Speed, "rpm"),
-    ("1/min", Speed, "rpm"),
-    ("u/min", Speed, "rpm"),
-    ("r/min", Speed, "rpm"),
-    ("rev/min", Speed, "rpm"),
-    ("tr/min", Speed, "rpm"),
-    ("min-1", Speed, "rpm"),
-    ("min^-1", Speed, "rpm"),
-    ("rps", Speed, "rev/s"),
-    ("rev/s", Speed, "rev/s"),
-    ("r/s", Speed, "rev/s"),
-    ("rot_s", Speed, "rev/s"),
-    ("rot_per_sec", Speed, "rev/s"),
-    ("rotations_per_sec", Speed, "rev/s"),
-    ("rotations_per_second", Speed, "rev/s"),
-    ("meters_per_sec", Speed, "m/s"),
-    ("meters_per_second", Speed, "m/s"),
-    ("rot/s", Speed, "rev/s"),
-    ("turns_s", Speed, "rev/s"),
-    ("turns/s", Speed, "rev/s"),
-    ("rotations/s", Speed, "rev/s"),
-    ("rotations per second", Speed, "rev/s"),
-    ("krpm", Speed, "rpm*1000"),
-    ("mrad/s", Speed, "rad/s*0.001"),
-    ("mrad_s", Speed, "rad/s*0.001"),
-    ("mrads", Speed, "rad/s*0.001"),
-    ("degps", Speed, "deg/s"),
-    ("degs", Speed, "deg/s"),
-    ("rev_s", Speed, "rev/s"),
-    ("revs_s", Speed, "rev/s"),
-    ("rev_per_s", Speed, "rev/s"),
-    ("rev_per_sec", Speed, "rev/s"),
-    ("cps", Speed, "counts/s"),
-    ("mm_s", Speed, "mm/s"),
-    ("cm_s", Speed, "cm/s"),
-    ("m_s", Speed, "m/s"),
-    ("mps", Speed, "m/s"),
-    ("km/h", Speed, "m/s/3.6"),
-    ("km_h", Speed, "m/s/3.6"),
-    ("kmh", Speed, "m/s/3.6"),
-    ("mph", Speed, "m/s*0.44704"),
-    ("ft/s", Speed, "m/s*0.3048"),
-    ("ft_s", Speed, "m/s*0.3048"),
-    ("in/s", Speed, "m/s*0.0254"),
-    ("in_s", Speed, "m/s*0.0254"),
-    ("mrad", Angle, "rad*0.001"),
-    ("urad", Angle, "rad*0.000001"),
-    ("mdeg", Angle, "deg*0.001"),
-    ("cdeg", Angle, "deg*0.01"),
-    ("ddeg", Angle, "deg*0.1"),
-    ("gon", Angle, "deg*0.9"),
-    ("arcmin", Angle, "deg/60"),
-    ("arcsec", Angle, "deg/3600"),
-    ("dv", Voltage, "V*0.1"),
-    ("cv", Voltage, "V*0.01"),
-    ("minutes", Time, "s*60"),
-    ("min", Time, "s*60"),
-    ("h", Time, "s*3600"),
-    ("hours", Time, "s*3600"),
-    ("cs", Time, "ms*10"),
-    ("10ms", Time, "ms*10"),
-    ("100ms", Time, "ms*100"),
-    ("10us", Time, "us*10"),
-    ("100us", Time, "us*100"),
-    ("20us", Time, "us*20"),
-    ("50us", Time, "us*50"),
-    ("100ns", Time, "ns*100"),
-    ("counts/s", Speed, "counts/s"),
-    ("ticks/s", Speed, "counts/s"),
-    ("counts_s", Speed, "counts/s"),
-    ("rad", Angle, "rad"),
-    ("radians", Angle, "rad"),
-    ("deg", Angle, "deg"),
-    ("degrees", Angle, "deg"),
-    ("degree", Angle, "deg"),
-    ("grad", Angle, "deg"),
-    ("grados", Angle, "deg"),
-    ("gradi", Angle, "deg"),
-    ("graus", Angle, "deg"),
-    ("degrés", Angle, "deg"),
-    ("°", Angle, "deg"),
-    ("rev", Angle, "rev"),
-    ("revs", Angle, "rev"),
-    ("rot", Angle, "rev"),
-    ("rotations", Angle, "rev"),
-    ("revolutions", Angle, "rev"),
-    ("turns", Angle, "rev"),
-    ("counts", Angle, "counts"),
-    ("ticks", Angle, "counts"),
-    ("m/s", Speed, "m/s"),
-    ("mm/s", Speed, "mm/s"),
-    ("cm/s", Speed, "cm/s"),
-    ("mm", Angle, "mm"),
-    ("cm", Angle, "cm"),
-    ("m", Angle, "m"),
-    ("meters", Angle, "m"),
-    ("metres", Angle, "m"),
-    ("ma", Current, "mA"),
-    ("a", Current, "A"),
-];
-
 /// Names with one of these may end in metres.
 const LINEAR: [&str; 9] =
     ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
@@ -553,19 +401,6 @@ pub(super) fn bracketed(name: &str) -> (String, Option<String>) {
         return (before.to_owned(), Some(unit.to_owned()));
     }
     (name.trim().to_owned(), None)
-}
-
-/// The quantity and the unit, as `--map` writes it, that a text such as `ms` or `1/min` names.
-pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
-    let lower = text.to_lowercase();
-    UNITS.iter().find(|(known, ..)| *known == lower).map(|(_, quantity, unit)| (*quantity, *unit))
-}
-
-/// Whether a text is a unit of anything that a log holds, or a sign that there is none.
-pub fn is_unit(text: &str) -> bool {
-    const OTHERS: [&str; 14] =
-        ["-", "1", "n", "nm", "n m", "w", "hz", "c", "°c", "k", "h:m:s", "hh:mm:ss", "bool", "none"];
-    unit_named(text).is_some() || OTHERS.contains(&text.to_lowercase().as_str())
 }
 
 /// The words of a name in small letters: split at everything that is no letter, and where small letters turn large.

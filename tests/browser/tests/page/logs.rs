@@ -3,9 +3,23 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use motorlens_browser_tests::{Server, run};
+use motorlens_browser_tests::{Browser, Server, run};
 
 use super::{FRESH, alone, diagnosed, opened};
+
+/// Gives the page `log`, and waits until it asks about its columns.
+fn asked_about(browser: &mut Browser, log: &Path) {
+    browser.give_file("#file", log);
+    browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
+}
+
+/// Takes the columns as they are said to be, and waits for the record `title`.
+fn taken(browser: &mut Browser, title: &str) {
+    browser.click("#use");
+    browser.wait(&format!(
+        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == '{title}' && {FRESH}"
+    ));
+}
 
 #[test]
 fn a_binary_log_larger_than_a_beginning_is_shown_with_its_columns_and_taken() {
@@ -40,15 +54,11 @@ fn a_binary_log_larger_than_a_beginning_is_shown_with_its_columns_and_taken() {
     let server = Server::start::<&str>(&[]);
     let mut browser = opened(&server);
 
-    browser.give_file("#file", &log);
-    browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
+    asked_about(&mut browser, &log);
     let kinds =
         "[...document.querySelectorAll('#preview select')].slice(0, 4).map((select) => select.value).join()";
     assert_eq!(browser.value(kinds), "time:ms,voltage:V,speed:rad/s,");
-    browser.click("#use");
-    browser.wait(&format!(
-        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'array' && {FRESH}"
-    ));
+    taken(&mut browser, "array");
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
@@ -68,16 +78,12 @@ fn the_two_sides_of_a_bridge_are_taken_for_the_difference_that_drives_the_motor(
     let server = Server::start::<&str>(&[]);
     let mut browser = opened(&server);
 
-    browser.give_file("#file", &log);
-    browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
+    asked_about(&mut browser, &log);
     let kinds = "[...document.querySelectorAll('#preview select')].map((select) => select.value).join()";
     assert_eq!(browser.value(kinds), "time:ms,duty:255,duty-:,speed:rpm");
     let map = "mapOf(dropped.table, kindsChosen())";
     assert_eq!(browser.value(map), "time=0:ms,duty=1-2:255,speed=3:rpm");
-    browser.click("#use");
-    browser.wait(&format!(
-        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'bridge' && {FRESH}"
-    ));
+    taken(&mut browser, "bridge");
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
@@ -124,10 +130,7 @@ fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let kinds = "[...document.querySelectorAll('#preview select')].map((select) => select.value).join()";
     assert_eq!(browser.value(kinds), "time:ms,voltage:V,speed:rad/s");
     browser.screenshot("#dialog", "light-0-good-log");
-    browser.click("#use");
-    browser.wait(&format!(
-        "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == 'good' && {FRESH}"
-    ));
+    taken(&mut browser, "good");
     let fault = browser.text("#data-faults .card.fault");
     assert!(fault.contains("repeat the time") && fault.contains("To do"), "{fault}");
     // A record of speed: speed, residual, voltage.
