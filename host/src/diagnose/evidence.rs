@@ -3,6 +3,7 @@
 use crate::fit::fixed;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::noise::{Coefficients, Noise, Response, reading};
 use crate::fit::scales::CHOOSING;
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
@@ -12,7 +13,6 @@ use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
 use crate::select::crossed::{Fold, folds};
 use crate::select::fitted::Fitted;
-use crate::select::noise::{Coefficients, Noise, Response};
 use motorlens_shared::effects::Kind;
 
 /// Records to learn from. Nothing here changes while models are compared.
@@ -41,12 +41,9 @@ impl Evidence {
 
     /// Of records laid out as `whole`, of which `repeats` run one programme.
     pub fn of(whole: Problem, repeats: Vec<(usize, usize)>) -> Self {
-        let least = |grid: &Grid| grid.quantum * grid.quantum / 12.0;
-        let reading = whole.grids.iter().map(least).fold(f64::MAX, f64::min);
-        let range = whole.grids.iter().flat_map(|g| &g.measured).fold(0.0_f64, |a, y| a.max(y.abs()));
+        let reading = reading(&whole);
         let train = guided(&whole);
         let folds = folds(&train, &repeats);
-        let reading = reading.max((1e-7 * range).powi(2));
         Self { whole, train, kept_out: None, folds, repeats, reading }
     }
 

@@ -7,10 +7,10 @@ use super::evidence::Evidence;
 use crate::compare::free_run::{free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::fit::layout::Values;
+use crate::fit::noise::Noise;
 use crate::fit::search::Problem;
 use crate::select::fitted::Fitted;
 use crate::select::gain::Gain;
-use crate::select::noise::Noise;
 
 /// A rung of the ladder.
 #[derive(Debug, Clone, Serialize)]

@@ -16,7 +16,7 @@ pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
     // Both are fitted alike: the answer was fitted for simulating when it was found.
     let Some(truth) = truth.map(|truth| truth.simulating(&found.evidence)) else { return true };
     let (base, answer) = (&found.selected.steps[0], found.selected.model());
-    !Adequacy::of(&found.evidence, base, &truth, found.noise_floor).explained
+    !Adequacy::of(&found.evidence, base, &truth, found.noise_floor).is_explained()
         || truth.beats(answer, &found.evidence, base)
 }
 

@@ -246,7 +246,7 @@ pub fn verdict_of(found: &Discovery) -> Verdict {
 pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
     let of = |rung: Option<&Rung>| rung.map_or_else(Measures::default, judged);
     let (base, model) = (of(ladder.first()), of(ladder.last()));
-    Errors { base: base.rmse, model: model.rmse, noise, missed: model.missed() }
+    Errors::of(&base, &model, noise)
 }
 
 #[cfg(test)]

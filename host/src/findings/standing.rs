@@ -63,13 +63,13 @@ impl Standing {
         // While an effect is to be added, how it ends is open.
         let searched = facts.left.filter(|_| facts.suggested.is_none());
         let verdict = searched.map(|left| facts.errors.verdict(facts.effects.len(), left));
-        let disturbance = searched.and_then(|left| left.disturbance_v);
+        let left = searched.unwrap_or_default();
         let headline = match (verdict, facts.doubted) {
             (_, Some(doubted)) => facts.errors.doubt(&doubted),
             (Some(verdict @ Verdict::Explained), None) if facts.effects.is_empty() => {
-                facts.errors.headline(facts.effects, verdict, disturbance) + &not_shown(facts.hidden)
+                facts.errors.headline(facts.effects, verdict, left) + &not_shown(facts.hidden)
             }
-            (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, disturbance),
+            (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, left),
             (None, None) => facts.errors.so_far(facts.effects, facts.suggested),
         };
         let badge = match (facts.doubted, facts.suggested, verdict) {
@@ -83,9 +83,8 @@ impl Standing {
 
     /// Of a model with `effects` that was simulated and not diagnosed: its errors on the records that count, and their noise level.
     pub fn simulated(errors: &Measures, noise: f64, effects: &[String]) -> Self {
-        let (error, missed) = (errors.rmse, errors.missed());
         Self::of(&Facts {
-            errors: Errors { base: error, model: error, noise, missed },
+            errors: Errors::of(errors, errors, noise),
             effects,
             left: None,
             suggested: None,
@@ -225,10 +224,10 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    const ALL: Adequacy = Adequacy { explained: true, disturbance_v: None };
+    const ALL: Adequacy = Adequacy::Noise;
 
     fn facts(effects: &[String], model: f64) -> Facts<'_> {
-        let errors = Errors { base: 101.0, model, noise: 1.0, missed: 0.01 };
+        let errors = Errors { base: 101.0, model, noise: 1.0, missed: 0.01, strayed: 0.01 };
         Facts {
             errors,
             effects,

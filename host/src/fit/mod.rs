@@ -2,7 +2,8 @@
 //!
 //! The way of the data: [`grid`] lays records on the model's time grid, and `guide` thins them to what is judged, [`sketch`] to what a first comparison needs;
 //! [`layout`] names the numbers that are searched; [`simulate`] runs eight candidates through a record; [`cost`] turns
-//! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small.
+//! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small; [`noise`] tells what they leave by time scale, and
+//! [`uncertainty`] how well the data determine each number.
 
 pub mod cost;
 pub mod fixed;
@@ -11,6 +12,7 @@ mod guide;
 mod held;
 pub mod instants;
 pub mod layout;
+pub mod noise;
 pub mod passes;
 pub mod reading;
 pub mod scales;

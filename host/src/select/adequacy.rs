@@ -15,14 +15,22 @@ const NEXT_TO_NOTHING: f64 = 0.01;
 const MUCH: f64 = 0.2;
 /// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows.
 const MOST_DISTURBANCE: f64 = 0.1;
+/// A smaller torque than this, of the same, is a trifle whatever it depends on: a converter of ten bits knows no voltage better, and no
+/// equation of a motor is as exact.
+const KNOWN_VOLTAGE: f64 = 1e-3;
 
-/// What is left of the records beside a model.
+/// What a model leaves of the records.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Adequacy {
-    /// Whether what is left shows nothing that a model could explain.
-    pub explained: bool,
-    /// Where nothing was run twice: what is left beyond the noise, as an rms torque in the unit of the voltage, V, if it is a disturbance.
-    pub disturbance_v: Option<f64>,
+pub enum Adequacy {
+    /// Something that depends on what was measured, or more than a disturbance.
+    #[default]
+    Something,
+    /// No more than noise.
+    Noise,
+    /// A torque that depends on nothing measured, as an rms voltage, V: a disturbance.
+    Disturbance(f64),
+    /// A torque smaller than the voltage is known, as an rms voltage, V.
+    Trifle(f64),
 }
 
 impl Adequacy {
@@ -36,21 +44,31 @@ impl Adequacy {
         let torque = |run| residual_torque(run, &values.base);
         let torques: Vec<_> = free_runs(&evidence.train, &values).iter().map(torque).collect();
         let found = Dependence::of(&torques);
+        let highest = evidence.highest_voltage();
+        let smaller = |share: f64| found.map(|found| found.left_v).filter(|left| *left < share * highest);
         // Where two runs tell the noise it takes as much to doubt a model as to accept an effect.
         let sure = if evidence.repeats.is_empty() { LIKELY } else { SURE };
-        if found.is_some_and(|found| found.sure >= sure || found.share >= MUCH) {
-            return Self { explained: false, disturbance_v: None };
+        let depends = found.is_some_and(|found| found.sure >= sure || found.share >= MUCH);
+        let trifle = || smaller(KNOWN_VOLTAGE).map(Self::Trifle);
+        if depends {
+            return trifle().unwrap_or_default();
         }
-        let error = || simulated(&evidence.whole, &values).unwrap_or_default().rmse;
-        if evidence.left_over(model) < LITTLE || error() < LITTLE * floor {
-            return Self { explained: true, disturbance_v: None };
+        if simulated(&evidence.whole, &values).unwrap_or_default().rmse < LITTLE * floor {
+            return Self::Noise;
         }
-        if !evidence.repeats.is_empty() {
-            return Self { explained: is_all_but_explained(evidence, plain, model), disturbance_v: None };
-        }
-        let left = found.map(|found| found.left_v);
-        let disturbance_v = left.filter(|left| *left < MOST_DISTURBANCE * evidence.highest_voltage());
-        Self { explained: disturbance_v.is_some(), disturbance_v }
+        let beside = match (evidence.left_over(model) < LITTLE, evidence.repeats.is_empty()) {
+            // Two runs of one programme differ by as much.
+            (true, false) => Some(found.map_or(Self::Noise, |found| Self::Disturbance(found.left_v))),
+            (true, true) => Some(Self::Noise),
+            (false, true) => smaller(MOST_DISTURBANCE).map(Self::Disturbance),
+            (false, false) => is_all_but_explained(evidence, plain, model).then_some(Self::Noise),
+        };
+        beside.or_else(trifle).unwrap_or_default()
+    }
+
+    /// Whether what is left shows nothing that a model could explain.
+    pub fn is_explained(self) -> bool {
+        self != Self::Something
     }
 }
 

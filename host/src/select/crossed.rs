@@ -3,11 +3,11 @@
 //! The likelihood of [`super::score`] says whether an effect is there; this says whether the model with it simulates what it has not
 //! seen (M. Stone, *J. R. Stat. Soc. B* 36, 1974). Where one record is all there is, its end is simulated by a fit to its beginning.
 
-use super::noise::Noise;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
+use crate::fit::noise::Noise;
 use crate::fit::scales::CHOOSING;
 use crate::fit::search::{Beginning, Problem};
 use crate::fit::simulate::predict_one;

@@ -7,12 +7,12 @@ use motorlens_shared::effects::Kind;
 
 use super::crossed::{Fall, crossed};
 use super::gain::Gain;
-use super::noise::{Coefficients, Noise, Response, coefficients};
 use super::score::Scored;
 use super::starts::places;
 use crate::diagnose::evidence::Evidence;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
+use crate::fit::noise::{Coefficients, Noise, Response, coefficients};
 use crate::fit::scales::{CHOOSING, KEEPING};
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...

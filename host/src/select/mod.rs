@@ -1,6 +1,6 @@
 //! Which model the records speak for: one criterion for every effect (docs/DIAGNOSIS.md).
 //!
-//! [`crate::diagnose::evidence`] -> [`fitted`] (least squares on the whitened simulation error, its [`noise`] by time scale) -> [`score`]
+//! [`crate::diagnose::evidence`] -> [`fitted`] (least squares on the whitened simulation error, its [`crate::fit::noise`] by time scale) -> [`score`]
 //! (held-out log-likelihood) -> [`gain`] (of one over another) -> [`forward`] steps from [`starts`] -> [`run`] (forward and backward) -> [`adequacy`] of
 //! what is accepted -> [`found`].
 
@@ -11,7 +11,6 @@ pub mod forward;
 pub mod found;
 pub mod gain;
 pub mod limits;
-pub mod noise;
 pub mod run;
 pub mod score;
 pub mod starts;

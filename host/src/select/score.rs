@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::noise::{Coefficients, FREEDOM, Noise, octave};
 use crate::fit::cost::Objective;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Layout;
+use crate::fit::noise::{Coefficients, FREEDOM, Noise, octave};
 use crate::fit::scales::levels;
 use crate::fit::search::{PRIOR_WEIGHT, Problem};
 use crate::fit::simulate::LANES;

@@ -8,11 +8,11 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use crate::fit::grid::Grid;
-use crate::fit::layout::Layout;
-use crate::fit::scales::{append_coefficients, levels};
-use crate::fit::search::Problem;
-use crate::fit::simulate::predict_one;
+use super::grid::Grid;
+use super::layout::Layout;
+use super::scales::{append_coefficients, levels};
+use super::search::Problem;
+use super::simulate::predict_one;
 
 /// Degrees of freedom of the errors' distribution: tails much heavier than a normal one's, as disturbed motors have.
 pub const FREEDOM: f64 = 6.0;
@@ -71,7 +71,7 @@ impl Coefficients {
 }
 
 /// Octave of level `j` where samples come every `interval_s`.
-pub(super) fn octave(interval_s: f64, j: usize) -> i32 {
+pub(crate) fn octave(interval_s: f64, j: usize) -> i32 {
     (interval_s * 1e3 * 2.0_f64.powi(j as i32 + 1)).log2().round() as i32
 }
 
@@ -81,6 +81,14 @@ pub fn coefficients(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Coeffi
     let of = |grid: &Grid| Coefficients::of(grid, &predict_one(&layout.kinds, &plain, &problem.rig, grid));
     problem.count_passes(1);
     problem.grids.iter().map(of).collect()
+}
+
+/// Variance of one reading of `problem`'s records by its quantisation, in the square of the measured unit.
+pub fn reading(problem: &Problem) -> f64 {
+    let least = |grid: &Grid| grid.quantum * grid.quantum / 12.0;
+    let counted = problem.grids.iter().map(least).fold(f64::MAX, f64::min);
+    let range = problem.grids.iter().flat_map(|g| &g.measured).fold(0.0_f64, |a, y| a.max(y.abs()));
+    counted.max((1e-7 * range).powi(2))
 }
 
 /// Variance of the error at each octave, in the square of the measured unit.
