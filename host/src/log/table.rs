@@ -22,6 +22,9 @@ use super::unsigned;
 use super::{Metadata, ReadOptions, Record, Warning};
 use crate::error::{BadInput, Result};
 
+/// What is said of rows that tell no motion.
+pub(super) const BLANK_MOTION: &str = "rows with a blank here were left out";
+
 /// The columns of a table that are wanted.
 #[derive(Debug)]
 pub(super) struct Read {
@@ -133,7 +136,7 @@ pub(super) fn columns(
         } else {
             (
                 format!(
-                    "{count} rows with a blank here were left out, first in line {first}; what drives the motor in them counts until the next row with its mean"
+                    "{count} {BLANK_MOTION}, first in line {first}; what drives the motor in them counts until the next row with its mean"
                 ),
                 "nothing, if this is logged less often",
             )

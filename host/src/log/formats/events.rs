@@ -1,8 +1,10 @@
-//! Values that are logged each at its own time, many of them only when they change: the last one holds, never a future one.
+//! Values that are logged each at its own time, many of them only when they change: the last one holds, never a future one; a motion is that
+//! of its own stamps.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Fault;
+use super::stamps::{self, Readings};
 use super::table::{Column, Table, Values};
 use crate::log::guess::{self, words};
 use crate::log::mapping::{Mapping, Source};
@@ -99,8 +101,8 @@ impl Events {
         entries
     }
 
-    /// The columns that `map` names, or those of the first group that has all that a fit needs, on the clock of the one that was
-    /// logged most often. Numbers of columns count in the table without a mapping, which is the one that a guess is made from.
+    /// The columns that `map` names, or those of the first group that has all that a fit needs: the motion at its own stamps and what
+    /// drives the motor from its own on, or all on the clock of the one that was logged most often where no motion is named. Numbers of columns count in the table without a mapping, which is the one that a guess is made from.
     ///
     /// # Errors
     /// A fault where no value was logged.
@@ -124,7 +126,7 @@ impl Events {
         let chosen = if chosen.is_empty() { self.telling() } else { chosen };
         let left_out = self.left_out.iter().cloned();
         let others = self.series.keys().filter(|name| !chosen.contains(&name.as_str())).cloned();
-        Ok(self.tabulated(&chosen, others.chain(left_out).collect())?.hinting(hint))
+        Ok(self.tabulated(&chosen, map, others.chain(left_out).collect())?.hinting(hint))
     }
 
     /// Groups of numbers that belong to one motor and have all that a fit needs.
@@ -150,10 +152,41 @@ impl Events {
         if telling.is_empty() { all().take(GUESSED_FROM).collect() } else { telling }
     }
 
-    fn tabulated(&self, chosen: &[&str], left_out: Vec<String>) -> Result<Table, Fault> {
+    /// What each of the `chosen` measures: as `map` says, by name or by the number of its column, or as a canonical log has it.
+    fn quantity(&self, name: &str, place: usize, map: Option<&Mapping>) -> Option<Quantity> {
+        let number = place.to_string();
+        Quantity::ALL.into_iter().find(|quantity| match map {
+            Some(map) => map.source(*quantity).is_some_and(|source| {
+                source.columns().any(|column| column == name || self.is_number(column) && column == number)
+            }),
+            None => quantity.canonical() == Some(name),
+        })
+    }
+
+    fn tabulated(
+        &self,
+        chosen: &[&str],
+        map: Option<&Mapping>,
+        left_out: Vec<String>,
+    ) -> Result<Table, Fault> {
         let numbers = || chosen.iter().filter_map(|name| self.series.get_key_value(*name));
+        // The clock is the first column.
+        let kind = |place: usize, name: &str| self.quantity(name, place + 1, map);
+        let is_one = |place: usize, name: &str, kinds: [Quantity; 2]| {
+            kind(place, name).is_some_and(|kind| kinds.contains(&kind))
+        };
+        let motions: BTreeMap<&str, Readings> = numbers()
+            .enumerate()
+            .filter(|(k, (name, series))| {
+                !series.is_text() && is_one(*k, name, [Quantity::Angle, Quantity::Speed])
+            })
+            .map(|(_, (name, series))| (name.as_str(), Readings::of_motion(series)))
+            .filter(|(_, readings)| readings.times.len() > 1)
+            .collect();
         let states = self.series.iter().filter(|(name, s)| s.is_text() && structure::is_state(name));
-        let beat: &[f64] = clock(numbers().map(|(_, series)| series.times.as_slice())).unwrap_or_default();
+        let moved = clock(motions.values().map(|readings| readings.times.as_slice()));
+        let beat: &[f64] =
+            moved.or_else(|| clock(numbers().map(|(_, s)| s.times.as_slice()))).unwrap_or_default();
         if beat.len() < 2 {
             let why = "no number was logged more than once";
             return Err(Fault::new(why, "check that the motor's entries were logged, and export them"));
@@ -161,26 +194,43 @@ impl Events {
         let turn_s = turn_s(beat);
         // Before the last of them began, something is not known yet.
         let begin = numbers().filter_map(|(_, series)| series.times.first()).fold(f64::MIN, |a, b| a.max(*b));
-        let times: Vec<f64> = beat.iter().copied().filter(|time| time + turn_s >= begin).collect();
+        let drives = numbers().enumerate().filter(|(k, (name, _))| {
+            moved.is_some() && is_one(*k, name, [Quantity::Voltage, Quantity::Duty])
+        });
+        let mut rows = stamps::joined(beat, drives.map(|(_, (_, series))| series.times.as_slice()));
+        rows.retain(|(time, _)| time + turn_s >= begin);
+        let times: Vec<f64> = rows.iter().map(|(time, _)| *time).collect();
         let mut columns = vec![Column { name: "time_s".into(), values: Values::Numbers(times.clone()) }];
         for (name, series) in numbers().chain(states) {
-            let last = |time: &f64| held_at(&series.times, time + turn_s);
+            // Of the turn that a reading is of, what was logged behind it too; between them, what was logged so far.
+            let last = |(time, is_read): &(f64, bool)| {
+                held_at(&series.times, time + if *is_read { turn_s } else { 0.0 })
+            };
             let values = if series.is_text() {
-                let text = |time| last(time).and_then(|k| series.texts.get(k)).cloned().unwrap_or_default();
-                Values::Texts(times.iter().map(text).collect())
+                let text = |row| last(row).and_then(|k| series.texts.get(k)).cloned().unwrap_or_default();
+                Values::Texts(rows.iter().map(text).collect())
+            } else if let Some(readings) = motions.get(name.as_str()) {
+                let mut values = readings.at(&times, turn_s);
+                values
+                    .iter_mut()
+                    .zip(&rows)
+                    .filter(|(_, row)| !row.1)
+                    .for_each(|(value, _)| *value = f64::NAN);
+                Values::Numbers(values)
             } else {
-                let number =
-                    |time| last(time).and_then(|k| series.numbers.get(k)).copied().unwrap_or(f64::NAN);
-                Values::Numbers(times.iter().map(number).collect())
+                let number = |row| last(row).and_then(|k| series.numbers.get(k)).copied().unwrap_or(f64::NAN);
+                Values::Numbers(rows.iter().map(number).collect())
             };
             columns.push(Column { name: name.clone(), values });
         }
-        Table::of(columns, left_out)
+        Ok(Table::of(columns, left_out)?.with_own_stamps(rows.iter().any(|row| !row.1)))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::BufRead;
+
     use super::*;
 
     fn series(times: &[f64], numbers: &[f64]) -> Series {
@@ -194,7 +244,8 @@ mod tests {
             ("/arm/Velocity".to_owned(), series(&[0.0, 0.1, 0.2, 0.4, 0.6], &[9.0, 1.0, 2.0, 4.0, 6.0])),
         ];
         let events = Events::new(all.into_iter().collect(), BTreeSet::new());
-        let table = events.table(None).unwrap();
+        let map: Mapping = "voltage=/arm/Voltage:V,speed=/arm/Velocity:rad/s".parse().unwrap();
+        let table = events.table(Some(&map)).unwrap();
         let column = |time_s: &[f64], voltage: &[f64], velocity: &[f64]| {
             let column = |name: &str, values: &[f64]| Column {
                 name: name.into(),
@@ -207,6 +258,14 @@ mod tests {
             ];
             Table::of(columns, vec![]).unwrap()
         };
+        let read = |table: Table| table.text().lines().map(Result::unwrap).collect::<Vec<_>>();
+        assert_eq!(
+            read(table)[1..],
+            ["0.1,1.0,1.0", "0.2,2.0,1.0", "0.4,4.0,1.0", "0.5,,2.0", "0.6,6.0,2.0"],
+            "the voltage has a row of its own, in which no motion was read"
+        );
+        // Where nobody says yet which is the motion, all are shown on one clock.
+        let table = events.table(None).unwrap();
         assert_eq!(table, column(&[0.1, 0.2, 0.4, 0.6], &[1.0, 1.0, 1.0, 2.0], &[1.0, 2.0, 4.0, 6.0]));
     }
 

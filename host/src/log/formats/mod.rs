@@ -28,6 +28,7 @@ mod objects;
 mod parquet;
 #[cfg(feature = "log-xlsx")]
 mod sheets;
+mod stamps;
 mod table;
 mod teleplot;
 mod wpilog;

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::Fault;
 use crate::error::{Error, Result};
+use crate::log::table::BLANK_MOTION;
 use crate::log::{ReadOptions, Record, Warning, read, table};
 
 /// More columns than this are never looked through.
@@ -61,6 +62,8 @@ pub struct Table {
     left_out: Vec<String>,
     /// What else a message about the columns should say.
     hint: String,
+    /// What drives the motor has rows of its own, without a motion.
+    own_stamps: bool,
 }
 
 impl Table {
@@ -88,13 +91,20 @@ impl Table {
         let (mut kept, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.values.len() == rows);
         left_out.extend(others.into_iter().map(|c| format!("{} ({} values)", c.name, c.values.len())));
         left_out.extend(kept.drain(kept.len().min(MOST_COLUMNS)..).map(|column| column.name));
-        Ok(Table { columns: kept, left_out, hint: String::new() })
+        Ok(Table { columns: kept, left_out, ..Table::default() })
     }
 
     /// Adds a sentence to what a message about the columns advises.
     #[must_use]
     pub fn hinting(mut self, hint: String) -> Table {
         self.hint = hint;
+        self
+    }
+
+    /// Says whether what drives the motor has rows of its own, which no file leaves blank in its motion.
+    #[must_use]
+    pub fn with_own_stamps(mut self, own_stamps: bool) -> Table {
+        self.own_stamps = own_stamps;
         self
     }
 
@@ -114,6 +124,9 @@ impl Table {
     pub fn records(self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         let mut records = table::read(path, self.text(), options).map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
+        if self.own_stamps {
+            records.iter_mut().for_each(|record| say_own_stamps(path, record));
+        }
         Ok(read::finished(records))
     }
 
@@ -142,6 +155,17 @@ fn listed(all: &[String]) -> String {
         let _ = write!(text, " and {} more", all.len() - SHOWN);
     }
     text
+}
+
+/// Says once that what drives the motor has stamps of its own, in place of the blanks that this makes.
+fn say_own_stamps(path: &Path, record: &mut Record) {
+    record.warnings.retain(|warning| !warning.what.contains(BLANK_MOTION));
+    record.warnings.push(Warning {
+        place: path.display().to_string(),
+        what: "what drives the motor was logged between the readings of its motion too: it holds from its own stamps on, and counts by its time"
+            .into(),
+        fix: "nothing, if the stamps of both are of one clock".into(),
+    });
 }
 
 /// `x.mat, line 12` becomes `x.mat, row 11`.
