@@ -11,8 +11,10 @@ const DRIFT: f64 = 0.02;
 /// How late the speed may be beside its angle, and over how long a mean may be taken, s, and the steps in which that is tried.
 const LATEST_S: f64 = 0.2;
 const LATE_STEP_S: f64 = 0.01;
-/// A speed that is later than this is said to be.
+/// A speed that lags longer than this is said to do so, ...
 const LATE_S: f64 = 0.02;
+/// ... as is one that comes so many rows or more behind the motion, which a mean does by half of its length.
+const LATE_ROWS: f64 = 2.0;
 /// ... where that explains all but this share of what parts it from the angle at once.
 const EXPLAINED: f64 = 0.5;
 
@@ -149,7 +151,10 @@ pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
         Lag::Mean(_) => "a mean over",
         Lag::Filter(_) => "behind a filter of",
     };
-    (1e-3 * ms > LATE_S && best.left < EXPLAINED * at_once.left && best.way > 1.0).then(|| {
+    let behind_s = if let Lag::Mean(mean_s) = best.lag { 0.5 * mean_s } else { best.lag.seconds() };
+    let is_late =
+        behind_s > 0.99 * (LATE_ROWS * median_interval(time)).max(LATE_STEP_S) || 1e-3 * ms > LATE_S;
+    (is_late && best.left < EXPLAINED * at_once.left && best.way > 1.0).then(|| {
         (
             "late_speed",
             "speed_rad_s",
@@ -230,7 +235,11 @@ mod tests {
                 *w = state;
             }
         });
-        for record in [late, mean, filtered] {
+        // Two rows of 200 a second, readings of a noisy angle.
+        let mut slow = both(|w| w.rotate_right(2));
+        slow.time_s.iter_mut().for_each(|t| *t *= 0.005 / median_interval(&motor().time_s));
+        slow.speed_rad_s.iter_mut().flatten().for_each(|w| *w *= median_interval(&motor().time_s) / 0.005);
+        for record in [late, mean, filtered, slow] {
             let (name, _, why, _) = speed_beside_angle(&record).unwrap();
             assert_eq!(name, "late_speed", "{why}");
         }
