@@ -26,6 +26,7 @@ mod npz;
 mod objects;
 #[cfg(feature = "log-parquet")]
 mod parquet;
+mod python;
 #[cfg(feature = "log-xlsx")]
 mod sheets;
 mod stamps;

@@ -1,4 +1,4 @@
-//! Tables in JSON: one object a line as boards print them, an array of objects, or an object of columns.
+//! Tables in JSON: one object a line as boards print them, an array of objects, or an object of columns; Python's dictionaries too.
 //!
 //! What is inside an object is named by its way there (`motor.volts`), the members of an array by their number (`q[0]`).
 
@@ -9,6 +9,7 @@ use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 
 use super::Fault;
+use super::python;
 use super::table::{Column, Table, Values};
 
 /// More JSON than this is larger than any log of a motor, B.
@@ -219,6 +220,8 @@ impl Document {
 /// # Errors
 /// A fault where it is no JSON, or holds no table.
 pub fn read(bytes: &[u8]) -> Result<Table, Fault> {
+    let from_python = python::is(bytes).then(|| python::as_json(&String::from_utf8_lossy(bytes)));
+    let bytes = from_python.as_ref().map_or(bytes, String::as_bytes);
     let (mut lines, mut bad) = (Rows::default(), 0);
     for line in bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()) {
         match serde_json::from_slice(line) {
@@ -297,6 +300,7 @@ mod tests {
             ("columns by row", pandas.to_string()),
             ("columns and rows apart", split.to_string()),
             ("rows with what they are", table.to_string()),
+            ("what Python prints", lines.replace('"', "'").replace("true", "True")),
         ] {
             let (_directory, path) = file(text.as_bytes());
             let record = read(&path, &options).unwrap_or_else(|error| panic!("{what}: {error}")).remove(0);
