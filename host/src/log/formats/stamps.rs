@@ -17,6 +17,8 @@ const GOES_ON: f64 = 1.5;
 /// ... or by one step of its sensor. Where more than this share of the pauses is otherwise, readings were lost.
 const ONE_STEP: f64 = 1.5;
 const MOST_LOST: f64 = 0.25;
+/// More readings than this are not filled in.
+const MOST_FILLED: f64 = 4e6;
 /// Between readings further apart than this many intervals another motion is not known.
 const FURTHEST: f64 = 3.0;
 
@@ -35,9 +37,10 @@ impl Readings {
     /// Such a logger writes no value twice in a row, keeps to a beat, and what it left out is a motion that stood still: it goes on after
     /// a pause as slowly as it stopped, or as fast as a motor may that was driven then. Where readings were lost on the way, it does not.
     pub fn of_motion(series: &Series) -> Readings {
-        let plain = Readings { times: series.times.clone(), values: series.numbers.clone() };
+        let count = series.numbers.len().min(series.times.len());
+        let plain =
+            Readings { times: series.times[..count].to_vec(), values: series.numbers[..count].to_vec() };
         let interval = median_interval(&plain.times);
-        let count = plain.values.len().min(plain.times.len());
         let repeats = plain.values.windows(2).any(|pair| pair[0] == pair[1]);
         if count < 3 || interval <= 0.0 || repeats || !plain.keeps_to(interval) {
             return plain;
@@ -58,6 +61,7 @@ impl Readings {
             return plain;
         }
         let mut filled = Readings::default();
+        let mut room = MOST_FILLED;
         for k in 0..count {
             filled.times.push(plain.times[k]);
             filled.values.push(plain.values[k]);
@@ -65,6 +69,10 @@ impl Readings {
                 || turns(k) < 2.0
                 || lost.binary_search(&k).is_ok() && change(k) > GOES_ON * fastest
             {
+                continue;
+            }
+            room -= turns(k);
+            if room < 0.0 {
                 continue;
             }
             let (begin, pause) = (plain.times[k], plain.times[k + 1] - plain.times[k]);
