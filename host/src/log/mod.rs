@@ -14,6 +14,7 @@ mod choice;
 mod clock;
 mod direction;
 mod encoding;
+mod ends;
 mod fields;
 pub mod formats;
 mod garbled;

@@ -4,6 +4,7 @@
 //! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
 //! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
 
+use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
@@ -23,6 +24,7 @@ const NAMED: usize = 5;
 
 /// The parts of `record`, each without what no motor did.
 pub fn repaired(mut record: Record) -> Vec<Record> {
+    leave_out_clipped(&mut record);
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);

@@ -1,0 +1,227 @@
+//! Speeds at the ends of the type that they were kept in: readings that stay there are clipped, and those that went beyond came out at the
+//! other end.
+
+use super::motion::alignment;
+use super::repair::{columns, named};
+use super::units::{PerTurn, Quantity};
+use super::{Record, Warning};
+
+/// Types with a sign, by their lowest and highest number.
+const TYPES: [(f64, f64); 2] = [(-128.0, 127.0), (-32_768.0, 32_767.0)];
+/// The end of a type is reached by so many readings or more.
+const FEWEST: usize = 3;
+/// A motor that settles at a speed comes to rest there; one that is clipped heads for so many numbers beyond the end, by two stretches of so
+/// many readings before it, the second of which is at most this share of the first.
+const BEYOND: f64 = 6.0;
+const STRETCH: usize = 3;
+const SLOWEST: f64 = 0.97;
+/// A number beyond the end comes out within this share of the type's width of the other end, and the motion goes on through it.
+const NEAR_END: f64 = 0.35;
+const GOES_ON: f64 = 0.25;
+
+/// The speed in the numbers that the log holds, where all of them are whole.
+fn written(record: &Record) -> Option<Vec<f64>> {
+    let unit = record.map.as_ref().and_then(|map| map.source(Quantity::Speed)).map(|source| source.unit);
+    let per_turn = match unit.and_then(|unit| unit.per_turn) {
+        Some(PerTurn::Counts) => record.meta.counts_per_rev()?,
+        Some(PerTurn::Metres) => record.meta.metres_per_rev()?,
+        None => 1.0,
+    };
+    let factor = unit.map_or(1.0, |unit| unit.factor / per_turn);
+    let numbers = record.speed_rad_s.as_ref()?.iter().map(|speed| speed / factor);
+    let whole = |number: f64| {
+        ((number - number.round()).abs() < 1e-6 * number.abs().max(1.0)).then_some(number.round())
+    };
+    numbers.map(whole).collect()
+}
+
+/// The type at one of whose ends the numbers stop.
+fn kept_in(numbers: &[f64]) -> Option<(f64, f64)> {
+    let (low, high) = numbers.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    TYPES
+        .into_iter()
+        .find(|(least, most)| low >= *least && high <= *most && (low <= least + 1.0 || high == *most))
+}
+
+/// Readings that stay at an end of their type although the motion goes on.
+fn clipped(numbers: &[f64]) -> Vec<usize> {
+    let Some((least, most)) = kept_in(numbers) else { return Vec::new() };
+    // Some drives keep to -127, so that both ends are alike.
+    let lowest = if numbers.contains(&least) { least } else { least + 1.0 };
+    let at_end = |k: usize| numbers[k] == most || numbers[k] == lowest;
+    let found: Vec<usize> = (0..numbers.len()).filter(|k| at_end(*k)).collect();
+    let stays = found.windows(2).any(|pair| pair[1] == pair[0] + 1 && numbers[pair[0]] == numbers[pair[1]]);
+    let mut beyond: Vec<f64> = found
+        .iter()
+        .filter(|k| **k > 2 * STRETCH && (1..=2 * STRETCH + 1).all(|before| !at_end(**k - before)))
+        .filter_map(|k| {
+            Some(heading(&numbers[k - 2 * STRETCH - 1..*k], numbers[*k].signum())? - numbers[*k].abs())
+        })
+        .collect();
+    beyond.sort_by(f64::total_cmp);
+    let goes_beyond = beyond.get(beyond.len() / 2).is_some_and(|far| *far > BEYOND);
+    if found.len() >= FEWEST && stays && goes_beyond { found } else { Vec::new() }
+}
+
+/// Where a motion that comes to rest by and by would do so, of two stretches of it in the direction of `sign`; none where it hardly moves.
+fn heading(before: &[f64], sign: f64) -> Option<f64> {
+    let way = |from: usize| sign * (before[from + STRETCH] - before[from]);
+    let (first, second) = (way(0), way(STRETCH));
+    let share = second / first.max(second / SLOWEST);
+    (second >= FEWEST as f64).then(|| sign * before[2 * STRETCH] + second * share / (1.0 - share))
+}
+
+/// Readings behind which the number came out at the other end of its type against what drives the motor, and its width. A motor that is
+/// reversed at once goes as far, but with its drive.
+fn wrapped(numbers: &[f64], voltage_v: &[f64]) -> Option<(Vec<usize>, f64)> {
+    let (low, high) = numbers.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (least, most) = TYPES.into_iter().find(|(least, most)| low >= *least && high <= *most)?;
+    let width = most - least + 1.0;
+    // What is clipped jumps from one end to the other too.
+    let is_end = |x: f64| x == most || x <= least + 1.0;
+    let forth = alignment(numbers, voltage_v).signum();
+    let jumps = |k: &usize| {
+        let (one, other) = (numbers[*k], numbers[*k + 1]);
+        let is_far = one.abs().min(other.abs()) > (0.5 - NEAR_END) * width && one * other < 0.0;
+        let is_against = [voltage_v[*k], voltage_v[*k + 1]].iter().all(|v| v * forth * other < 0.0);
+        is_far
+            && is_against
+            && !(is_end(one) && is_end(other))
+            && width - (other - one).abs() < GOES_ON * width
+    };
+    let found: Vec<usize> = (0..numbers.len().saturating_sub(1)).filter(jumps).collect();
+    let reaches = low <= least + 0.1 * width && high >= most - 0.1 * width;
+    (found.len() >= FEWEST && reaches).then_some((found, width))
+}
+
+/// Names speeds that went beyond the ends of their type, and leaves out those that stay there.
+pub(super) fn leave_out_clipped(record: &mut Record) {
+    let Some(numbers) = written(record) else { return };
+    let place = format!("{}, column speed_rad_s", record.path.display());
+    if let Some((samples, width)) = wrapped(&numbers, &record.voltage_v) {
+        record.warnings.push(Warning {
+            place,
+            what: format!(
+                "wrapped_numbers: the numbers jump by about {width} {} times, as {:.0} does that is kept as {:.0}: {}",
+                samples.len(),
+                0.6 * width,
+                -0.4 * width,
+                named(&samples, &record.time_s)
+            ),
+            fix: format!(
+                "keep them in a wider type ({}), or log the count itself, of which differences can be taken afterwards; until then leave these \
+                 parts out (--skip)",
+                if width > 256.0 { "int32_t" } else { "int16_t" }
+            ),
+        });
+        return;
+    }
+    let samples = clipped(&numbers);
+    if samples.is_empty() || samples.len() == record.len() {
+        return;
+    }
+    record.warnings.push(Warning {
+        place,
+        what: format!(
+            "clipped_readings: {} readings stand at {:.0}, the end of a type of {} bits, while the motion goes on, and were left out: {}",
+            samples.len(),
+            numbers[samples[0]],
+            if numbers[samples[0]].abs() > 128.0 { 16 } else { 8 },
+            named(&samples, &record.time_s)
+        ),
+        fix: "keep the speed in a wider type (int32_t, float), or in a larger unit".into(),
+    });
+    leave_out(record, &samples);
+}
+
+/// Leaves out `samples`, in order; what drove the motor in them counts with the sample before them, by its time.
+fn leave_out(record: &mut Record, samples: &[usize]) {
+    let count = record.len();
+    let is_out = |k: usize| samples.binary_search(&k).is_ok();
+    let mut kept = (0..count).filter(|k| !is_out(*k)).peekable();
+    while let Some(k) = kept.next() {
+        let next = kept.peek().copied().unwrap_or(k + 1);
+        if next > k + 1 {
+            let time = &record.time_s;
+            let volt_seconds: f64 = (k..next).map(|i| record.voltage_v[i] * (time[i + 1] - time[i])).sum();
+            record.voltage_v[k] = volt_seconds / (time[next] - time[k]);
+        }
+    }
+    for column in columns(record) {
+        let mut k = 0;
+        column.retain(|_| {
+            k += 1;
+            !is_out(k - 1)
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(k: usize) -> f64 {
+        [1.0, 0.4, -0.9, 0.7, -1.0, 0.0][k / 40 % 6]
+    }
+
+    /// Steps of a motor of 60 ms, 100 readings a second, up to `fastest` numbers either way.
+    fn steps(fastest: f64) -> Vec<f64> {
+        let mut speed = 0.0;
+        let step = |k: usize| {
+            speed += (fastest * drive(k) - speed) * 0.154;
+            speed
+        };
+        (0..2400).map(step).collect()
+    }
+
+    fn record(numbers: Vec<f64>) -> Record {
+        let time_s: Vec<f64> = (0..numbers.len()).map(|k| 0.01 * k as f64).collect();
+        Record {
+            voltage_v: vec![6.0; numbers.len()],
+            speed_rad_s: Some(numbers),
+            time_s,
+            ..Record::default()
+        }
+    }
+
+    #[test]
+    fn speeds_that_stay_at_the_end_of_a_type_are_left_out_and_a_top_speed_that_is_one_is_not() {
+        for (fastest, least, most) in
+            [(180.0, -128.0, 127.0), (160.0, -127.0, 127.0), (40_000.0, -32_768.0, 32_767.0)]
+        {
+            let mut clipped = record(steps(fastest).iter().map(|x| x.round().clamp(least, most)).collect());
+            let ends =
+                clipped.speed_rad_s.as_ref().unwrap().iter().filter(|x| [least, most].contains(*x)).count();
+            clipped.voltage_v[0] = 5.0;
+            leave_out_clipped(&mut clipped);
+            assert!(ends > 100 && clipped.len() == 2400 - ends, "{fastest}: {ends} {:?}", clipped.warnings);
+            assert!(clipped.warnings[0].what.starts_with("clipped_readings: "), "{:?}", clipped.warnings);
+            assert!(clipped.voltage_v.iter().all(|v| (v - 6.0).abs() < 1e-9 || *v == 5.0));
+        }
+        for fastest in [127.0, 127.4, 90.0, 1000.0] {
+            let plain = record(steps(fastest).iter().map(|x| x.round().clamp(-1e4, 1e4)).collect());
+            let mut left = plain.clone();
+            leave_out_clipped(&mut left);
+            assert_eq!(left, plain, "{fastest}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_went_over_the_end_of_a_type_are_named_and_a_reversal_is_not() {
+        for (fastest, width) in [(170.0, 256.0), (45_000.0, 65_536.0)] {
+            let wrap = |x: &f64| (x.round() + 0.5 * width).rem_euclid(width) - 0.5 * width;
+            let mut wrapped = record(steps(fastest).iter().map(wrap).collect());
+            wrapped.voltage_v = (0..2400).map(drive).collect();
+            leave_out_clipped(&mut wrapped);
+            assert_eq!((wrapped.len(), wrapped.warnings.len()), (2400, 1), "{fastest}");
+            assert!(wrapped.warnings[0].what.starts_with("wrapped_numbers: "), "{:?}", wrapped.warnings);
+        }
+        // A motor that answers at once.
+        let levels = |k: usize| [110.0, -115.0, 60.0, -120.0, 0.0, 118.0][k / 40 % 6] + (k % 3) as f64;
+        let mut plain = record((0..2400).map(levels).collect());
+        plain.voltage_v = plain.speed_rad_s.clone().unwrap_or_default();
+        let mut left = plain.clone();
+        leave_out_clipped(&mut left);
+        assert_eq!(left, plain);
+    }
+}
