@@ -31,6 +31,7 @@ mod numbered;
 mod numbers;
 mod preamble;
 pub mod quantum;
+mod rates;
 mod read;
 mod readings;
 mod record;

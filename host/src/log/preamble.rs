@@ -5,9 +5,8 @@ use std::path::Path;
 
 use super::fields::{Hexadecimal, Separator, Splitter, trimmed};
 use super::layout::Layout;
-use super::numbers::number;
 use super::text::cannot_read;
-use super::{Metadata, beside};
+use super::{Metadata, beside, rates};
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
@@ -129,7 +128,15 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     check(path, &layout, &texts, line)?;
     let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
     let skipped = if line < lines[0].0 { 0 } else { skipped };
-    let rate = texts[..skipped.min(texts.len())].iter().find_map(|text| rate_in(text));
+    let rate = texts[..skipped.min(texts.len())].iter().find_map(|text| rates::before(text));
+    let below = texts.get(layout.header.map_or(usize::MAX, |header| header + 1)).copied().unwrap_or_default();
+    let rigol = rates::rigol(&layout.names, below);
+    let rate = rate.or(rigol.map(|(rate, ..)| rate));
+    if let Some((_, columns, is_no_row)) = rigol {
+        layout.names.truncate(columns);
+        layout.units.truncate(columns);
+        layout.rows = layout.header.unwrap_or(0) + 1 + usize::from(is_no_row);
+    }
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped).without_tag(layout.tag.clone());
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
@@ -159,18 +166,6 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         rows,
         read: number,
     })
-}
-
-/// Rows per second, where a line before the header tells the time between them: LabVIEW's `Delta_X`, an oscilloscope's interval.
-fn rate_in(text: &str) -> Option<f64> {
-    const INTERVALS: [(&str, f64); 4] =
-        [("delta_x", 1.0), ("sample interval", 1.0), ("sampling interval", 1.0), ("sampletime[ms]", 1e-3)];
-    let between = ['\t', ',', ';'].into_iter().find(|between| text.contains(*between))?;
-    let (key, rest) = text.split_once(between)?;
-    let key = key.trim().to_lowercase();
-    let (_, unit_s) = INTERVALS.into_iter().find(|(known, _)| *known == key)?;
-    let interval_s = unit_s * number(rest.split(between).next()?.trim())?;
-    (interval_s > 0.0 && interval_s.is_finite()).then(|| (1e6 / interval_s).round() / 1e6)
 }
 
 /// What a line says that is a remark: behind `#`, MATLAB's `%` or `//`.
