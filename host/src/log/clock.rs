@@ -144,7 +144,11 @@ fn time_of_day(text: &str) -> Option<(f64, f64)> {
         None => (clock, 0.0),
     };
     let mut parts: Vec<&str> = clock.split(':').collect();
-    let last = parts.pop()?.replacen(',', ".", 1);
+    let mut last = parts.pop()?.replacen(',', ".", 1);
+    // `12:00:00:005`: three digits behind the seconds are milliseconds.
+    if parts.len() == 3 && last.len() == 3 && last.bytes().all(|b| b.is_ascii_digit()) {
+        last = format!("{}.{last}", parts.pop()?);
+    }
     let plain = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b == b'.');
     if parts.iter().any(|part| !plain(part) || part.len() > 2 || part.contains('.')) || !plain(&last) {
         return None;

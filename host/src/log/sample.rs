@@ -132,8 +132,13 @@ fn give_signs(rows: &mut [Vec<f64>]) -> Vec<(usize, f64)> {
 /// What reading says.
 pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Result<Guess> {
     let sample = read(path, input, head, 0)?;
-    Ok(guess::propose_for(&sample)
-        .map_or_else(|| Guess::Open(guess::effort_question(&sample)), Guess::Proposed))
+    Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(question(&sample)), Guess::Proposed))
+}
+
+/// What a table leaves open in which too little is recognised.
+fn question(sample: &Sample) -> Option<String> {
+    let questions = [guess::effort_question, guess::levels_question, guess::sampled_question];
+    questions.into_iter().find_map(|question| question(sample))
 }
 
 impl Guess {

@@ -55,6 +55,10 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
         let range = Range::of(values(index));
+        if said[index].unit == Some("counts") && is_level(rows.len(), &range) {
+            *guess = None;
+            continue;
+        }
         // The pins of a bridge: one that is high drives the motor one way.
         let is_pin = range.whole && range.low == 0.0 && range.high == 1.0 && said[index].unit.is_none();
         if quantity == Quantity::Voltage && plain == 2 && is_pin {
@@ -88,6 +92,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             *guess = Some((Quantity::Time, plain));
         }
     }
+    keep_one_axis(&mut quantities, names, &values);
     let is_timed = |q: &Option<(Quantity, u8)>| {
         q.is_some_and(|(q, _)| [Quantity::Time, Quantity::Interval].contains(&q))
     };
@@ -116,12 +121,18 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             let (_, plain) = guess.filter(|(q, _)| *q == quantity)?;
             let range = Range::of(values(index));
             let moves = rows.is_empty() || range.high > range.low;
-            Some((index, (moves || quantity == Quantity::Supply, plain)))
+            let is_clock = quantity == Quantity::Time && !is_below_a_second(said[index].unit, values(index));
+            Some((index, (moves || quantity == Quantity::Supply, is_clock, plain)))
         });
         let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
         let Some((index, _)) = best else { continue };
         let all: Vec<f64> = values(index).collect();
         let register = said[index].register.then(|| registers::unit(quantity, &all, &words_of_all)).flatten();
+        let in_degrees = quantity == Quantity::Speed
+            && said[index].unit.is_none()
+            && words::is_gyroscope(&names[index])
+            && Range::of(all.iter().copied()).peak() > FASTEST_GYROSCOPE;
+        let register = register.or(in_degrees.then_some("deg/s"));
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         let unit = unit + said[index].scale.unwrap_or_default();
         let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
@@ -157,9 +168,12 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     add_fractions(&mut parts, names, rows);
     agree(&mut parts, &said, rows);
     bridge::join(&mut parts, names, rows);
-    // A direction is one only beside a drive that has no sign of its own.
-    let drive = parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
-    let unsigned = drive.is_some_and(|part| part.rest.is_none() && Range::of(values(part.index)).low >= 0.0);
+    // A direction is one only beside a drive, or a speed, that has no sign of its own.
+    let unsigned = parts.iter().any(|part| {
+        [Quantity::Voltage, Quantity::Duty, Quantity::Speed].contains(&part.quantity)
+            && part.rest.is_none()
+            && Range::of(values(part.index)).low >= 0.0
+    });
     parts.retain(|part| {
         let is_one = || direction::signs(&values(part.index).collect::<Vec<_>>()).is_ok();
         part.quantity != Quantity::Direction || unsigned && is_one()
@@ -190,6 +204,30 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// Whether a column that is called one of counts holds an encoder's levels, which are high or low and count nothing.
+pub(super) fn is_level(rows: usize, range: &Range) -> bool {
+    rows >= FEWEST_TICKS && range.whole && range.low == 0.0 && range.high <= 1.0
+}
+
+/// Of a gyroscope's axes the one that moves most may be the motor's, where no other motion was logged.
+fn keep_one_axis<V: Iterator<Item = f64>>(
+    quantities: &mut [Option<(Quantity, u8)>],
+    names: &[String],
+    values: &impl Fn(usize) -> V,
+) {
+    let is_motion =
+        |k: &usize| quantities[*k].is_some_and(|(q, _)| [Quantity::Angle, Quantity::Speed].contains(&q));
+    let (axes, others): (Vec<usize>, Vec<usize>) =
+        (0..names.len()).filter(is_motion).partition(|k| words::is_gyroscope(&names[*k]));
+    let span = |k: usize| {
+        let range = Range::of(values(k));
+        range.high - range.low
+    };
+    let most =
+        axes.iter().copied().filter(|_| others.is_empty()).max_by(|a, b| span(*a).total_cmp(&span(*b)));
+    axes.into_iter().filter(|k| Some(*k) != most).for_each(|k| quantities[k] = None);
 }
 
 /// Rows a second by the clock among `parts`.
@@ -314,6 +352,9 @@ fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
+/// What most gyroscopes read at most, 2000 deg/s, in rad/s: larger numbers are degrees.
+const FASTEST_GYROSCOPE: f64 = 35.0;
+
 /// Shares of full duty are not always kept to it.
 const JUST_ABOVE_ONE: f64 = 1.2;
 
@@ -373,7 +414,7 @@ fn full_duty(range: &Range, said: Option<&'static str>) -> String {
 
 /// Seconds that stand still for many rows have their fraction in a column of its own: `sec,nanosec`.
 fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
-    const FRACTIONS: [(&str, &str); 8] = [
+    const FRACTIONS: [(&str, &str); 10] = [
         ("nanosec", "ns"),
         ("nsec", "ns"),
         ("nanos", "ns"),
@@ -382,6 +423,9 @@ fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
         ("microsec", "us"),
         ("_us", "us"),
         ("msec", "ms"),
+        ("millisec", "ms"),
+        // As C's ftime() calls it.
+        ("millitm", "ms"),
     ];
     let Some(time) = parts.iter_mut().find(|part| part.quantity == Quantity::Time) else { return };
     let values = |k: usize| rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
@@ -397,18 +441,37 @@ fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
             name.ends_with(end) || name.trim_end_matches("onds").trim_end_matches('s').ends_with(end)
         };
         let (_, unit) = FRACTIONS.iter().find(ends)?;
-        (k != time.index).then_some((k, *unit))
+        let second = 1.0 / Unit::parse(Quantity::Time, unit).ok()?.factor;
+        (k != time.index && values(k).all(|value| value < second)).then_some((k, *unit))
     });
     if let Some((k, unit)) = found {
-        time.rest = Some(k);
+        (time.rest, time.guessed) = (Some(k), false);
         unit.clone_into(&mut time.unit);
     }
+}
+
+/// Days, as Excel counts them from 1900 and MATLAB from the year 0, of the last and the next decades, ...
+const DATES: [std::ops::Range<f64>; 2] = [30_000.0..70_000.0, 700_000.0..800_000.0];
+/// ... whose steps are too short for seconds: of an interval below a second they are.
+const SHORT_FOR_SECONDS: f64 = 1.2e-5;
+/// Their unit.
+pub(super) const DAYS: &str = "s*86400";
+
+/// Whether times in a unit of fractions begin anew with every second, so that the seconds stand in another column.
+fn is_below_a_second(unit: Option<&str>, values: impl Iterator<Item = f64> + Clone) -> bool {
+    let second =
+        unit.and_then(|unit| Unit::parse(Quantity::Time, unit).ok()).map_or(1.0, |unit| 1.0 / unit.factor);
+    let inside = values.clone().all(|value| (0.0..second).contains(&value));
+    let falls = values.clone().zip(values.skip(1)).any(|(before, after)| after < before);
+    second > 1.0 && inside && falls
 }
 
 /// Whole steps are not seconds.
 fn time_unit(values: &[f64], range: &Range) -> &'static str {
     let step = timing::median_interval(values);
+    let is_date = DATES.iter().any(|dates| dates.contains(&range.low) && dates.contains(&range.high));
     match step {
+        _ if is_date && !range.whole && step < SHORT_FOR_SECONDS => DAYS,
         _ if !range.whole || step < 1.0 => "s",
         _ if step < 500.0 => "ms",
         _ if step < 200_000.0 => "us",

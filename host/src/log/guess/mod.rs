@@ -18,13 +18,14 @@ use std::fmt::Write as _;
 pub use columns::{Part, parts};
 pub use look::{Look, look};
 use preview::preview;
-use questions::{given_sign, guessed_unit, lost_sign, other_clock, unknown_unit};
+use questions::{given_sign, guessed_unit, lost_sign, other_clock, taken_for, unknown_unit};
+pub(super) use questions::{levels_question, sampled_question};
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
 
 /// Options that would read a table, and what they would make of it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
 pub struct Proposal {
     /// The value of `--map`.
     pub map: String,
@@ -46,7 +47,8 @@ pub struct Proposal {
 impl Proposal {
     /// The options, quoted for any shell.
     pub fn options(&self) -> String {
-        let mut text = format!("--map {}", quoted(&self.map));
+        let map = (!self.map.is_empty()).then(|| format!(" --map {}", quoted(&self.map)));
+        let mut text = map.unwrap_or_default();
         for (option, value) in [
             ("--supply-volts", &self.supply_volts),
             ("--counts-per-rev", &self.counts_per_rev),
@@ -57,7 +59,7 @@ impl Proposal {
                 let _ = write!(text, " {option} {value}");
             }
         }
-        text
+        text.trim_start().to_owned()
     }
 
     /// The same where the person told some of it: what is `known` needs no assumption, and a supply that was told none that is guessed.
@@ -245,6 +247,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .iter()
             .filter_map(|part| unknown_unit(&names[part.index], part))
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
+            .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
             .chain(bridge::question(parts, names, rows))
             .collect(),
     }
@@ -260,11 +263,22 @@ pub(super) fn example(names: &[String]) -> String {
         format!("{quantity}={}:{unit}", column(names, index))
     };
     let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
-    // The clock first, where one is called so; a column without a name is none.
-    let is_clock = |k: &usize| words::said(&names[*k]).quantity.is_some_and(|(of, _)| of == Quantity::Time);
+    // The one that is called so, else the next; a column without a name is none, and what somebody wanted comes last.
     let mut columns: Vec<usize> = (0..names.len()).filter(|k| !names[*k].is_empty()).collect();
-    columns.sort_by_key(|k| !is_clock(k));
-    let parts: Vec<String> = kinds.into_iter().zip(columns).map(|(kind, index)| part(kind, index)).collect();
+    columns.sort_by_key(|k| words::said(&names[*k]).wanted);
+    let is_called = |k: usize, kind: Quantity| {
+        let said = words::said(&names[k]);
+        !said.wanted && said.quantity.is_some_and(|(of, _)| of == kind)
+    };
+    let named: Vec<Option<usize>> =
+        kinds.iter().map(|(kind, _)| columns.iter().copied().find(|k| is_called(*k, *kind))).collect();
+    columns.retain(|k| !named.contains(&Some(*k)));
+    let mut others = columns.into_iter();
+    let parts: Vec<String> = kinds
+        .into_iter()
+        .zip(named)
+        .filter_map(|(kind, named)| Some(part(kind, named.or_else(|| others.next())?)))
+        .collect();
     quoted(&parts.join(","))
 }
 

@@ -1,7 +1,7 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
-use super::columns::Part;
-use super::{column, unit_names, words};
+use super::columns::{self, DAYS, Part, Range};
+use super::{column, quoted, unit_names, words};
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -66,6 +66,78 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"
+    ))
+}
+
+/// What is said of a time that is taken for days, of a motion that is a gyroscope's, and of a speed without a sign beside a direction.
+pub(super) fn taken_for(names: &[String], part: &Part, parts: &[Part], rows: &[Vec<f64>]) -> Option<String> {
+    let name = names.get(part.index)?;
+    let range = |part: &Part| Range::of(rows.iter().filter_map(|row| row.get(part.index)).copied());
+    let unsigned = |part: &Part| part.rest.is_none() && range(part).high > 0.0 && range(part).low >= 0.0;
+    let direction = || parts.iter().find(|part| part.quantity == Quantity::Direction);
+    let drive = || parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
+    match part.quantity {
+        Quantity::Time if part.unit == DAYS => Some(format!(
+            "\"{name}\" is taken for days, as Excel and MATLAB number dates ({DAYS}); if it is none, put s, ms, us or ns in its place"
+        )),
+        Quantity::Speed if words::is_gyroscope(name) => Some(format!(
+            "\"{name}\" is taken for the axis of a gyroscope that turns with the output shaft, because it moves most; take another where it does not"
+        )),
+        Quantity::Speed if unsigned(part) && direction().is_some() => {
+            let direction = names.get(direction()?.index)?;
+            Some(if drive().is_some_and(unsigned) {
+                format!(
+                    "\"{name}\" is never negative, and \"{direction}\" is taken for that of the drive, which a turning motor does not follow at \
+                     once: log the speed with its sign, or an angle, if the motor runs both ways"
+                )
+            } else {
+                format!(
+                    "\"{name}\" is never negative and gets its sign from \"{direction}\", because what drives the motor has its own"
+                )
+            })
+        }
+        _ => None,
+    }
+}
+
+/// What is asked of a table whose only motion is the levels of an encoder's channels.
+pub(in crate::log) fn levels_question(sample: &Sample) -> Option<String> {
+    let values = |k: usize| {
+        sample.rows.iter().filter_map(move |row| row.get(k)).copied().filter(|value| value.is_finite())
+    };
+    let is_level = |k: &usize| {
+        words::said(&sample.with_units[*k]).unit == Some("counts")
+            && columns::is_level(sample.rows.len(), &Range::of(values(*k)))
+    };
+    let levels: Vec<String> =
+        (0..sample.names.len()).filter(is_level).map(|k| format!("\"{}\"", sample.names[k])).collect();
+    (!levels.is_empty()).then(|| {
+        format!(
+            "{} hold 0 and 1 only, the level of an encoder's channel and no count: count the edges on the board (interrupts, a timer in encoder \
+             mode) and log the count, as --map ...,angle=count:counts --counts-per-rev 1320",
+            levels.join(" and ")
+        )
+    })
+}
+
+/// What is asked of a table that an oscilloscope sampled, whose rate is known and whose channels are not.
+pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
+    let rate = sample.rate?;
+    // The first may number the samples.
+    let rises = |k: usize| {
+        let at = |row: &Vec<f64>| row.get(k).copied().unwrap_or(f64::NAN);
+        sample.rows.windows(2).all(|pair| at(&pair[1]) - at(&pair[0]) == 1.0)
+    };
+    let mut channels = (0..sample.names.len()).filter(|k| !sample.names[*k].is_empty() && !rises(*k));
+    let (volts, speed) = (channels.next()?, channels.next()?);
+    let map =
+        format!("voltage={}:V,speed={}:rad/s", column(&sample.names, volts), column(&sample.names, speed));
+    Some(format!(
+        "the file tells its {rate} samples a second; say which channel is what: if \"{}\" is the motor's voltage and \"{}\" its speed, \
+         --map {} --rate {rate}, with the speed's own scale (rad/s*104.7 for 1 V at 1000 rpm)",
+        sample.names[volts],
+        sample.names[speed],
+        quoted(&map)
     ))
 }
 

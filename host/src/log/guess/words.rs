@@ -29,7 +29,7 @@ pub struct Said {
 use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 29] = [
+const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
     (
         Time,
         3,
@@ -147,6 +147,10 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 29] = [
     // Electrical turns: pole pairs times those of the shaft. A speed of a vehicle beside it is made of it.
     (Speed, 8, Some(ELECTRICAL), &["erpm"]),
     (Speed, 5, Some("rpm"), &["drehzahl"]),
+    // RoboClaw's quadrature pulses a second.
+    (Speed, 5, Some("counts/s"), &["qpps"]),
+    // A gyroscope that turns with the shaft.
+    (Speed, 1, None, &GYROSCOPE),
     (Speed, 4, Some("rev/s"), &["rps"]),
     (Speed, 4, Some("deg/s"), &["dps"]),
     (Speed, 4, Some("rad/s"), &["rads", "radps"]),
@@ -159,6 +163,15 @@ const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 29] = [
     (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "iq", "curr"]),
     (Current, 3, Some("mA"), &["ma"]),
 ];
+
+/// What the axes of a gyroscope are called.
+const GYROSCOPE: [&str; 10] =
+    ["gyro", "gyr", "gx", "gy", "gz", "gyrox", "gyroy", "gyroz", "gyroscope", "gyrometer"];
+
+/// Whether a name is that of a gyroscope's axis.
+pub fn is_gyroscope(name: &str) -> bool {
+    of(name).iter().any(|word| GYROSCOPE.contains(&word.as_str()))
+}
 
 /// The unit of electrical turns a minute, of a motor with as many pole pairs as most.
 pub const ELECTRICAL: &str = "rpm/7";
@@ -508,6 +521,9 @@ mod tests {
             ("Talon FX Position (deg)", Angle, Some("deg")),
             ("Bus Voltage", Supply, None),
             ("esc_us", Duty, None),
+            ("qpps", Speed, Some("counts/s")),
+            ("gyro_z", Speed, None),
+            ("gz [dps]", Speed, Some("deg/s")),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
