@@ -6,12 +6,16 @@ use std::path::PathBuf;
 use motorlens::error::{BadInput, Error};
 use motorlens::log::{ReadOptions, Record, read};
 
+#[path = "text_logs/clocks.rs"]
+mod clocks;
 #[path = "text_logs/heads.rs"]
 mod heads;
 #[path = "text_logs/names.rs"]
 mod names;
 #[path = "text_logs/numbers.rs"]
 mod numbers;
+#[path = "text_logs/signs.rs"]
+mod signs;
 #[path = "text_logs/tools.rs"]
 mod tools;
 

@@ -93,6 +93,8 @@ pub(super) struct Choice<'a> {
     pub meta: &'a Metadata,
     /// Another file has what this one has not.
     pub partial: bool,
+    /// A rate tells the time, whatever column should.
+    pub by_rate: bool,
 }
 
 impl Choice<'_> {
@@ -125,6 +127,9 @@ impl Choice<'_> {
     }
 
     fn time(&self, options: &ReadOptions) -> Result<Option<TimeSource>> {
+        if self.by_rate {
+            return Ok(options.rate_hz.map(TimeSource::Rate));
+        }
         let map = options.map.as_ref();
         if let Some(source) = self.source(map, Quantity::Time) {
             return self.time_column(source).map(Some);

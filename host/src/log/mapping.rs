@@ -45,6 +45,13 @@ impl Mapping {
         self.sources.iter().find(|source| source.quantity == quantity)
     }
 
+    /// The mapping as it is written.
+    pub fn written(&self) -> String {
+        let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };
+        let one = |source: &Source| format!("{}={}{}", source.quantity, source.column, unit(&source.written));
+        self.sources.iter().map(one).collect::<Vec<_>>().join(",")
+    }
+
     /// Whether any angle or speed is mapped; then canonical columns of that kind are not taken on top.
     pub fn names_motion(&self) -> bool {
         self.source(Quantity::Angle).is_some() || self.source(Quantity::Speed).is_some()

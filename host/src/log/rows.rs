@@ -40,6 +40,9 @@ pub(super) struct Rows<'a> {
     pub ticks: Ticks,
     /// The first and the last number of a row, where they are numbered.
     pub numbered: Option<(f64, f64)>,
+    /// The last row's line, where lines have times, and whether it stood there a second time; the rows that did.
+    last_line: Option<(String, bool)>,
+    pub twice: Blanks,
     /// Rows so far, and the time that intervals add up to.
     count: u64,
     elapsed_s: f64,
@@ -108,6 +111,13 @@ impl<'a> Rows<'a> {
                 _ => Ticks::default(),
             },
             numbered: None,
+            // Without a time of their own equal lines are those of a motor that stands still.
+            last_line: matches!(
+                wanted.time,
+                TimeSource::Column(_) | TimeSource::Columns(..) | TimeSource::Stamps
+            )
+            .then(Default::default),
+            twice: Blanks::default(),
             count: 0,
             elapsed_s: 0.0,
             interval_s: 0.0,
@@ -131,6 +141,7 @@ impl<'a> Rows<'a> {
         }
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
         match self.numbers(number) {
+            Ok(()) if self.is_again(text) => self.twice.saw(number),
             Ok(()) => {
                 for (column, mean) in self.between.take(&self.numbers, true) {
                     self.samples.correct_last(column, mean);
@@ -147,6 +158,16 @@ impl<'a> Rows<'a> {
             Err(Unread::Bad(column, why)) => self.samples.reject(place, column, why),
         }
         Ok(())
+    }
+
+    /// Whether a line says once more what the one before it says; what stands there more often is a clock that stands still.
+    fn is_again(&mut self, text: &str) -> bool {
+        let Some((last, is_second)) = &mut self.last_line else { return false };
+        *is_second = !*is_second && last == text;
+        if !*is_second {
+            text.clone_into(last);
+        }
+        *is_second
     }
 
     /// Fills `self.numbers` from the line that was split.

@@ -8,6 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Warning;
+use super::guess::Proposal;
 use crate::error::{BadInput, Result};
 
 /// A third-order model has three numbers and three initial states; fewer rows than this cannot check a fit of it.
@@ -207,6 +208,16 @@ impl Samples {
         self.len() - begin >= FEWEST_SAMPLES && now - first < NEAR_BEGINNING * (before - first)
     }
 
+    /// Rows per second by the first and the last time, to three digits; none where too few times tell it.
+    fn rate(&self) -> Option<f64> {
+        let (first, last) = (self.columns[0].first()?, self.columns[0].last()?);
+        let rate = (self.rows - 1) as f64 / (last - first);
+        let digits = 10_f64.powf(rate.log10().floor() - 2.0);
+        let rounded = (rate / digits).round() * digits;
+        (self.len() >= FEWEST_SAMPLES && rounded.is_finite() && rounded > 0.0)
+            .then(|| if digits >= 1.0 { rounded } else { (rounded * 1e6).round() / 1e6 })
+    }
+
     /// Number of samples taken.
     pub fn len(&self) -> usize {
         self.columns[0].len()
@@ -283,14 +294,18 @@ impl Samples {
         if let Some(first) = self.first_repeat
             && self.repeats as f64 > REPEAT_SHARE * self.rows as f64
         {
-            let fault = BadInput::new(
-                &self.path,
-                format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows),
-                self.or_intervals(
-                    self.columns[0].last().copied().unwrap_or(0.0),
-                    "log the time with more digits, or log each sample once",
-                ),
+            let why = format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows);
+            let remedy = "log the time with more digits, or log each sample once";
+            let rate = self.rate();
+            let even = rate.map(|rate| {
+                format!("{remedy}; if the rows came evenly, --rate {rate} (rows per second) tells the time in the place of this column")
+            });
+            let remedy = self.or_intervals(
+                self.columns[0].last().copied().unwrap_or(0.0),
+                even.as_deref().unwrap_or(remedy),
             );
+            let proposal = rate.map(|rate| Proposal { rate: Some(rate.to_string()), ..Proposal::default() });
+            let fault = BadInput::new(&self.path, why, remedy).proposing(proposal);
             return Err(first.mark(fault).in_column(&self.headers[0]).into());
         }
         if kept < FEWEST_SAMPLES {

@@ -20,7 +20,7 @@ use super::text::cannot_read;
 use super::units::Quantity;
 use super::unsigned;
 use super::{Metadata, ReadOptions, Record, Warning};
-use crate::error::{BadInput, Result};
+use crate::error::{BadInput, Column, Error, Result};
 
 /// What is said of rows that tell no motion.
 pub(super) const BLANK_MOTION: &str = "rows with a blank here were left out";
@@ -49,7 +49,8 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
     Ok(structure.tests(record(path, super::stem(path), read, options)?))
 }
 
-/// Reads the columns; `partial` permits that some are in another file, whose clock is `clock`.
+/// Reads the columns; `partial` permits that some are in another file, whose clock is `clock`. Where a rate is given it tells the time in
+/// the place of a column that cannot.
 ///
 /// # Errors
 /// As [`read`].
@@ -59,6 +60,43 @@ pub(super) fn columns(
     options: &ReadOptions,
     clock: &mut Clock,
     partial: bool,
+) -> Result<Read> {
+    let mut of_time = String::new();
+    if options.rate_hz.is_none() {
+        return columns_by(path, input, options, clock, partial, (&mut of_time, None))
+            .map_err(|error| with_map(error, options));
+    }
+    let mut text = String::new();
+    while input.read_line(&mut text).map_err(|error| cannot_read(path, &error))? > 0 {}
+    let before = clock.clone();
+    let read = columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, None));
+    let Err(Error::BadInput(fault)) = &read else { return read };
+    if fault.column != Some(Column::Name(of_time.clone())) {
+        return read;
+    }
+    *clock = before;
+    columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, Some(&fault.why))).or(read)
+}
+
+/// The fault with the mapping that was given beside what is proposed.
+fn with_map(error: Error, options: &ReadOptions) -> Error {
+    let Error::BadInput(mut fault) = error else { return error };
+    if let (Some(proposal), Some(map)) = (&mut fault.proposal, &options.map)
+        && proposal.map.is_empty()
+    {
+        proposal.map = map.written();
+    }
+    Error::BadInput(fault)
+}
+
+/// The same; `of_time` becomes the name of what tells the time, and a rate does where a reason is given why that cannot.
+fn columns_by(
+    path: &Path,
+    mut input: impl BufRead,
+    options: &ReadOptions,
+    clock: &mut Clock,
+    partial: bool,
+    (of_time, no_time): (&mut String, Option<&str>),
 ) -> Result<Read> {
     let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
     let mut head = preamble::read(path, &mut input, by_number)?;
@@ -73,6 +111,7 @@ pub(super) fn columns(
         stamped: head.stamped,
         meta: &meta,
         partial,
+        by_rate: no_time.is_some(),
     };
     let map = options.map.as_ref().map(|map| choice.with_units(map));
     let mut wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
@@ -82,6 +121,9 @@ pub(super) fn columns(
             return Err(choice.refusal(&missing, guess));
         }
     };
+    if no_time.is_none() {
+        wanted.time.header().clone_into(of_time);
+    }
     if let TimeSource::Rate(rate) = wanted.time
         && let Some((column, per_row)) = numbered::column(&names, &head, &wanted)
     {
@@ -102,7 +144,7 @@ pub(super) fn columns(
     if let Some(fault) = rows.several.fault(path) {
         return Err(fault.into());
     }
-    let Rows { samples, mut structure, held, bracketed, ticks, numbered, .. } = rows;
+    let Rows { samples, mut structure, held, bracketed, twice, ticks, numbered, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
     let samples_read = samples.len();
     let mut blanks = wanted.values.iter().zip(&held).filter(|(_, blanks)| blanks.count > 0);
@@ -151,6 +193,20 @@ pub(super) fn columns(
                 bracketed.count
             ),
             "nothing, if they are; otherwise take the brackets away",
+        );
+    }
+    if let Some(first) = twice.first {
+        say(
+            format!("{file}, line {first}"),
+            format!("{} lines say again what the line before them says, and were left out", twice.count),
+            "nothing, if they were printed twice; else log the time with more digits",
+        );
+    }
+    if let Some(why) = no_time {
+        say(
+            format!("{file}, column {of_time}"),
+            format!("this column cannot tell the time ({why}), and --rate does"),
+            "nothing, if the rows came evenly; else log the time with more digits",
         );
     }
     if let (TimeSource::Numbered(column, per_row, _), Some((first, last))) = (&wanted.time, numbered) {
@@ -238,16 +294,22 @@ fn signs(path: &Path, column: &Wanted, values: &[f64]) -> Result<Vec<f64>> {
     Ok(signs.into_iter().map(|sign| sign * column.unit.factor.signum()).collect())
 }
 
-/// Gives what drives the motor the sign that a column of directions holds.
+/// Gives what drives the motor the sign that a column of directions holds; where it has its own and the speed has none, the speed.
 fn turn_round(values: &mut [(Quantity, Vec<f64>)]) {
     let Some((_, signs)) = values.iter().find(|(quantity, _)| *quantity == Quantity::Direction).cloned()
     else {
         return;
     };
-    for (quantity, values) in values {
-        if matches!(quantity, Quantity::Voltage | Quantity::Duty | Quantity::Target) {
-            values.iter_mut().zip(&signs).for_each(|(value, sign)| *value *= sign);
-        }
+    let drives = [Quantity::Voltage, Quantity::Duty, Quantity::Target];
+    let has_sign = |wanted: &[Quantity]| {
+        let mut of = values.iter().filter(|(quantity, _)| wanted.contains(quantity));
+        of.any(|(_, values)| values.iter().any(|value| *value < 0.0))
+    };
+    let has_speed = values.iter().any(|(quantity, _)| *quantity == Quantity::Speed);
+    let is_of_motion = has_speed && has_sign(&drives) && !has_sign(&[Quantity::Speed]);
+    let turned: &[Quantity] = if is_of_motion { &[Quantity::Speed] } else { &drives };
+    for (_, values) in values.iter_mut().filter(|(quantity, _)| turned.contains(quantity)) {
+        values.iter_mut().zip(&signs).for_each(|(value, sign)| *value *= sign);
     }
 }
 
@@ -290,7 +352,7 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
                 duty.iter().map(|duty| duty * volts).collect()
             }
             (None, None) => {
-                return Err(crate::error::Error::usage(
+                return Err(Error::usage(
                     "duty alone does not give a voltage",
                     "add --supply-volts 7.9, or map the supply: --map ...,supply=COLUMN:V",
                 ));
