@@ -75,8 +75,19 @@ pub(super) fn columns(
         return read;
     }
     *clock = before;
-    columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, Some(&fault.why))).or(read)
+    let mut why = fault.why.clone();
+    // Its first and last time may be right.
+    let even = fault.proposal.as_ref().and_then(|proposal| proposal.rate.as_ref()?.parse::<f64>().ok());
+    if let (Some(even), Some(rate)) = (even, options.rate_hz)
+        && (rate / even - 1.0).abs() > OTHER_RATE
+    {
+        why += &format!(", and from its first to its last they are {even} a second, not {rate}");
+    }
+    columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, Some(&why))).or(read)
 }
+
+/// A rate that is further off than this from the one that the times make is told.
+const OTHER_RATE: f64 = 0.05;
 
 /// The fault with the mapping that was given beside what is proposed.
 fn with_map(error: Error, options: &ReadOptions) -> Error {

@@ -63,6 +63,10 @@ fn a_rate_tells_the_time_where_its_column_cannot_and_the_refusal_proposes_it() {
         let record = read_bytes(text.as_bytes(), &options).unwrap();
         assert_same(&record, head, 0);
         assert!(record.warnings[0].what.contains("--rate does"), "{:?}", record.warnings);
+        assert!(!record.warnings[0].what.contains("a second"), "{:?}", record.warnings);
+        let options = ReadOptions { rate_hz: Some(50.0), ..options };
+        let said = read_bytes(text.as_bytes(), &options).unwrap().warnings;
+        assert!(said[0].what.contains("they are 105 a second, not 50"), "{said:?}");
     }
     // A clock that can tell the time does.
     let options = ReadOptions { rate_hz: Some(50.0), ..ReadOptions::default() };
