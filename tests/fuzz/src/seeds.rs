@@ -106,6 +106,57 @@ fn text() -> Vec<Vec<u8>> {
             format!("{:.0},{u},{},90,{:.0}", 1e3 * t, k % 2, 1e3 * x)
         }),
     ]
+    .into_iter()
+    .chain(instruments())
+    .chain(readings())
+    .collect()
+}
+
+/// What instruments and their programs print before their rows.
+fn instruments() -> Vec<Vec<u8>> {
+    let comma = |x: f64| format!("{x:.3}").replace('.', ",");
+    let labview = "LabVIEW Measurement\t\nDecimal_Separator\t,\n***End_of_Header***\t\n\nChannels\t2\t\t\nDelta_X\t0,01\t0,01\t\n\
+                   ***End_of_Header***\t\t\t\nX_Value\tVoltage\tAngle\tComment\n";
+    let tektronix = "Model,MSO54\n\nHorizontal Units,s\nSample Interval,0.01\nVertical Units,V,V\nLabel,,\n\nTIME,u,theta\n";
+    let twincat = "Name\tScope\n\nName\tVoltage\tName\tAngle\nData-Type\tREAL64\tData-Type\tREAL64\n\
+                   SampleTime[ms]\t10\tSampleTime[ms]\t10\nUnit\tV\tUnit\trad\n\n";
+    let rigol = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.0e+01,1.0e-02\n";
+    vec![
+        table(0, labview, |_, _, u, x| format!("\t{}\t{}\t", comma(u), comma(x))),
+        table(0, tektronix, |_, t, u, x| format!("{:.4e},{u},{x:.3}", t - 1.0)),
+        table(0, twincat, |_, t, u, x| format!("{0}\t{u}\t{0}\t{x:.3}", 1e3 * t)),
+        table(4, rigol, |k, _, u, x| format!("{k},{u:.2e},{x:.3e},")),
+        table(4, "CH1,CH2,t0 =-1.0e+01, tInc = 1.0e-02,\n", |_, _, u, x| format!("{u:.2e},{x:.3e},,")),
+    ]
+}
+
+/// Readings that are blank, garbled, clipped, of several motors, or have their thousands and units beside them, and times as few write them.
+fn readings() -> Vec<Vec<u8>> {
+    vec![
+        table(0, "time_s,voltage_v,speed_rad_s\n", |k, t, u, x| {
+            format!("{t:.2},{u},{}", if k % 4 == 0 { format!("{x:.3}") } else { String::new() })
+        }),
+        table(0, "time_s,voltage_v,speed_rad_s\n", |k, t, u, x| {
+            format!("{t:.2},{u},{}", if k == 11 { 1e6 } else { (400.0 * x).clamp(-128.0, 127.0).round() })
+        }),
+        table(0, "time_s,voltage_v,speed_rad_s\n", |k, t, u, x| {
+            format!("{t:.2},{u},{}", ((70.0 * x).round() as i32 + if k > 6 { 90 } else { 0 }) as i8)
+        }),
+        table(0, "time_s,motor_id,voltage_v,angle_rad\n", |k, t, u, x| {
+            format!("{t:.2},{},{u},{x:.3}", k % 2)
+        }),
+        table(1, "t,u,x\n", |_, t, u, x| format!("{:.0} ms,{u}V,{x:.2} deg", 1e3 * t)),
+        table(1, "t;u;x\n", |_, t, u, x| format!("{:.0};{u};1.{:03.0},5", 1e3 * t, 100.0 * x.abs())),
+        table(0, "Time,Millitm,u,i,rpm,dir,encA\n", |k, _, u, x| {
+            format!("{},{},{u},0.5,{:.2},{},{}", k / 10, k % 10 * 100, x.abs(), u32::from(x > 0.0), k % 2)
+        }),
+        table(1, "time,u,x\n", |_, t, u, x| format!("12:00:00:{:03.0},{u},{x:.3}", 1e3 * t)),
+        table(0, "time,u,gx,gz\n", |_, t, u, x| format!("{:.10},{u},0,{x:.3}", 45987.5 + t / 86_400.0)),
+        table(0, "time_s,voltage_v,angle_rad\n", |k, t, u, x| {
+            let line = format!("{t:.1},{u},{x:.3}");
+            if k % 3 == 0 { format!("{line}\n{line}") } else { line }
+        }),
+    ]
 }
 
 /// SysId's and BAM's JSON; their first bytes choose the format, as [`crate::way`] reads them.
@@ -125,7 +176,26 @@ fn json() -> Vec<Vec<u8>> {
     let bam =
         serde_json::json!({"kp": 8, "mass": 0.5, "length": 0.1, "trajectory": "sin", "entries": entries});
     let seed = |way: u8, text: serde_json::Value| [&[way], text.to_string().as_bytes()].concat();
-    vec![seed(SYSID, sysid.clone()), seed(SYSID, drive), seed(BAM, bam.clone()), seed(0, sysid), seed(0, bam)]
+    let split = serde_json::json!({"columns": ["t", "u", "pos"], "index": [0, 1], "data": rows.iter().map(|row| &row[..3]).collect::<Vec<_>>()});
+    let python: String = (0..24)
+        .map(|k| {
+            format!(
+                "{{'t': {}, 'u': np.float64(5.0), 'pos': {}, 'ok': True, 'x': None}}\n",
+                0.01 * f64::from(k),
+                k % 7
+            )
+        })
+        .collect();
+    let python = [&[1], python.as_bytes()].concat();
+    vec![
+        python,
+        seed(1, split),
+        seed(SYSID, sysid.clone()),
+        seed(SYSID, drive),
+        seed(BAM, bam.clone()),
+        seed(0, sysid),
+        seed(0, bam),
+    ]
 }
 
 /// Data logs with SysId's entries, with others, and written as lists.
@@ -149,7 +219,22 @@ fn wpilog() -> Vec<Vec<u8>> {
             "{t},\"voltage-m-arm\",{t}\n{t},\"position-m-arm\",{t}\n{t},\"velocity-m-arm\",1.5"
         );
     }
+    let influx: String = (0..24)
+        .flat_map(|k| ["voltage_v", "angle_rad"].map(|name| format!(",,0,{k},{},{name},motor\n", k % 5)))
+        .collect();
+    let influx = format!("#group,false,false,true\n,result,table,_time,_value,_field,_measurement\n{influx}");
+    // What drives the motor and its motion have stamps of their own, and what repeats is not written.
+    let own: String = (0..96)
+        .map(|k| match k % 4 {
+            0 => format!("{},voltage_v,{}\n", 0.005 * f64::from(k), k % 3),
+            1 if k % 12 != 1 => format!("{},angle_rad,{}\n", 0.005 * f64::from(k), k * k),
+            2 => format!("{},speed_rad_s,{k}\n", 0.005 * f64::from(k)),
+            _ => String::new(),
+        })
+        .collect();
     vec![
+        influx.into_bytes(),
+        format!("time_s,signal,value\n{own}").into_bytes(),
         log("sysid-test-state-arm", ["voltage-m-arm", "position-m-arm"], "{\"unit\":\"m\"}"),
         log("/RealOutputs/SysIdTestState", ["/Arm/AppliedVolts", "/Arm/PositionRad"], ""),
         log("note", ["voltage_v", "angle_rad"], ""),
