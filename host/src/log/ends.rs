@@ -94,9 +94,10 @@ fn wrapped(numbers: &[f64], voltage_v: &[f64]) -> Option<(Vec<usize>, f64)> {
     (found.len() >= FEWEST && reaches).then_some((found, width))
 }
 
-/// Names speeds that went beyond the ends of their type, and leaves out those that stay there.
-pub(super) fn leave_out_clipped(record: &mut Record) {
-    let Some(numbers) = written(record) else { return };
+/// Names speeds that went beyond the ends of their type, and leaves out those that stay there. Tells the times behind which the record is to
+/// be cut.
+pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
+    let Some(numbers) = written(record) else { return Vec::new() };
     let place = format!("{}, column speed_rad_s", record.path.display());
     if let Some((samples, width)) = wrapped(&numbers, &record.voltage_v) {
         record.warnings.push(Warning {
@@ -114,28 +115,34 @@ pub(super) fn leave_out_clipped(record: &mut Record) {
                 if width > 256.0 { "int32_t" } else { "int16_t" }
             ),
         });
-        return;
+        return Vec::new();
     }
     let samples = clipped(&numbers);
     if samples.is_empty() || samples.len() == record.len() {
-        return;
+        return Vec::new();
     }
+    let mut ends: Vec<f64> = samples.iter().map(|k| numbers[*k]).collect();
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
+    let ends: Vec<String> = ends.iter().map(f64::to_string).collect();
     record.warnings.push(Warning {
         place,
         what: format!(
-            "clipped_readings: {} readings stand at {:.0}, the end of a type of {} bits, while the motion goes on, and were left out: {}",
+            "clipped_readings: {} readings stand at {}, the end of a type of {} bits, while the motion goes on, and were left out: {}",
             samples.len(),
-            numbers[samples[0]],
+            ends.join(" or "),
             if numbers[samples[0]].abs() > 128.0 { 16 } else { 8 },
             named(&samples, &record.time_s)
         ),
         fix: "keep the speed in a wider type (int32_t, float), or in a larger unit".into(),
     });
-    leave_out(record, &samples);
+    leave_out(record, &samples)
 }
 
-/// Leaves out `samples`, in order; what drove the motor in them counts with the sample before them, by its time.
-fn leave_out(record: &mut Record, samples: &[usize]) {
+/// Leaves out `samples`, in order; what drove the motor in them counts with the sample before them, by its time. Where it changed
+/// meanwhile, a mean tells too little of it: the times before that are those at which to cut.
+fn leave_out(record: &mut Record, samples: &[usize]) -> Vec<f64> {
+    let mut cuts = Vec::new();
     let count = record.len();
     let is_out = |k: usize| samples.binary_search(&k).is_ok();
     let mut kept = (0..count).filter(|k| !is_out(*k)).peekable();
@@ -144,6 +151,9 @@ fn leave_out(record: &mut Record, samples: &[usize]) {
         if next > k + 1 {
             let time = &record.time_s;
             let volt_seconds: f64 = (k..next).map(|i| record.voltage_v[i] * (time[i + 1] - time[i])).sum();
+            if record.voltage_v[k..next].iter().any(|v| *v != record.voltage_v[k]) {
+                cuts.push(time[k]);
+            }
             record.voltage_v[k] = volt_seconds / (time[next] - time[k]);
         }
     }
@@ -154,6 +164,7 @@ fn leave_out(record: &mut Record, samples: &[usize]) {
             !is_out(k - 1)
         });
     }
+    cuts
 }
 
 #[cfg(test)]
@@ -192,11 +203,15 @@ mod tests {
             let mut clipped = record(steps(fastest).iter().map(|x| x.round().clamp(least, most)).collect());
             let ends =
                 clipped.speed_rad_s.as_ref().unwrap().iter().filter(|x| [least, most].contains(*x)).count();
-            clipped.voltage_v[0] = 5.0;
-            leave_out_clipped(&mut clipped);
+            assert_eq!(leave_out_clipped(&mut clipped), [0.0; 0]);
             assert!(ends > 100 && clipped.len() == 2400 - ends, "{fastest}: {ends} {:?}", clipped.warnings);
             assert!(clipped.warnings[0].what.starts_with("clipped_readings: "), "{:?}", clipped.warnings);
-            assert!(clipped.voltage_v.iter().all(|v| (v - 6.0).abs() < 1e-9 || *v == 5.0));
+            assert!(clipped.voltage_v.iter().all(|v| (v - 6.0).abs() < 1e-9));
+            // Where the drive changes in the meantime the record is cut.
+            let mut driven = record(steps(fastest).iter().map(|x| x.round().clamp(least, most)).collect());
+            driven.voltage_v = (0..2400).map(drive).collect();
+            let cuts = leave_out_clipped(&mut driven);
+            assert!(!cuts.is_empty() && cuts.iter().all(|time_s| driven.time_s.contains(time_s)), "{cuts:?}");
         }
         for fastest in [127.0, 127.4, 90.0, 1000.0] {
             let plain = record(steps(fastest).iter().map(|x| x.round().clamp(-1e4, 1e4)).collect());

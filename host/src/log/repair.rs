@@ -24,11 +24,15 @@ const NAMED: usize = 5;
 
 /// The parts of `record`, each without what no motor did.
 pub fn repaired(mut record: Record) -> Vec<Record> {
-    leave_out_clipped(&mut record);
+    let clipped = leave_out_clipped(&mut record);
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);
-    let pauses = pauses(&record);
+    let mut pauses = pauses(&record);
+    let last_before = |time_s: &f64| record.time_s.partition_point(|t| t <= time_s).checked_sub(1);
+    pauses.extend(clipped.iter().filter_map(last_before));
+    pauses.sort_unstable();
+    pauses.dedup();
     let resets = record.angle_rad.as_deref().map(far_steps).unwrap_or_default();
     cut(record, &pauses, &resets)
 }
