@@ -14,6 +14,8 @@ fn clocks_in_multiples_of_a_unit_are_read_in_them() {
         ("time_100us", 100.0, "us*100"),
         ("time [min]", 0.01 / 60.0, "s*60"),
         ("time_h", 0.01 / 3600.0, "s*3600"),
+        ("time [d]", 0.01 / 86_400.0, "s*86400"),
+        ("t_days", 0.01 / 86_400.0, "s*86400"),
     ] {
         let text =
             lines(&format!("{name},u,theta\n"), |k, _, u, x| format!("{},{u},{x}", ticks * f64::from(k)));

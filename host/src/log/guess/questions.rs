@@ -77,7 +77,7 @@ pub(super) fn taken_for(names: &[String], part: &Part, parts: &[Part], rows: &[V
     let direction = || parts.iter().find(|part| part.quantity == Quantity::Direction);
     let drive = || parts.iter().find(|part| [Quantity::Voltage, Quantity::Duty].contains(&part.quantity));
     match part.quantity {
-        Quantity::Time if part.unit == DAYS => Some(format!(
+        Quantity::Time if part.unit == DAYS && words::told(name).is_none() => Some(format!(
             "\"{name}\" is taken for days, as Excel and MATLAB number dates ({DAYS}); if it is none, put s, ms, us or ns in its place"
         )),
         Quantity::Speed if words::is_gyroscope(name) => Some(format!(

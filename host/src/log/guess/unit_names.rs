@@ -5,7 +5,7 @@ use super::super::units::Quantity;
 use Quantity::{Angle, Current, Duty, Speed, Time, Voltage};
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-pub(super) const UNITS: [(&str, Quantity, &str); 149] = [
+pub(super) const UNITS: [(&str, Quantity, &str); 152] = [
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -115,6 +115,9 @@ pub(super) const UNITS: [(&str, Quantity, &str); 149] = [
     ("min", Time, "s*60"),
     ("h", Time, "s*3600"),
     ("hours", Time, "s*3600"),
+    ("d", Time, "s*86400"),
+    ("day", Time, "s*86400"),
+    ("days", Time, "s*86400"),
     ("cs", Time, "ms*10"),
     ("10ms", Time, "ms*10"),
     ("100ms", Time, "ms*100"),

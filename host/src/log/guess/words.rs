@@ -246,7 +246,7 @@ pub fn said(name: &str) -> Said {
             // `theta_m` is a motor's angle, `position_m` a way.
             (*text != "m" || words.iter().any(|word| LINEAR.contains(&word.as_str())))
                 // `pwm_min` is the least of all, `carriage_h` a height.
-                && (!["min", "h", "cs"].contains(text) || words.iter().any(|word| CLOCKS.contains(&word.as_str())))
+                && (!["min", "h", "d", "day", "days", "cs"].contains(text) || words.iter().any(|word| CLOCKS.contains(&word.as_str())))
                 && [&lower, &snake].iter().any(|name| {
                     // `ms` is the name of a time, `v` perhaps that of a speed.
                     let ends = |before: &str| {
@@ -549,8 +549,8 @@ mod tests {
             assert!(said(name).wanted, "{name}");
         }
         assert_eq!(
-            ["colour", "n/min", "value_h", "load_min", "vbat_adc"].map(|name| said(name).quantity),
-            [None; 5]
+            ["colour", "n/min", "value_h", "load_min", "vbat_adc", "gain_d"].map(|name| said(name).quantity),
+            [None; 6]
         );
     }
 }
