@@ -5,7 +5,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::verdict::{Errors, MANY, Verdict, spoken};
+use super::verdict::{Errors, Verdict, spoken};
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::fit::uncertainty::Estimate;
@@ -97,7 +97,7 @@ impl Standing {
 
     /// The same where what the model is missing has been looked for before.
     pub fn compared(errors: &Measures, noise: f64, effects: &[String]) -> Self {
-        let enough = errors.rmse <= MANY * noise;
+        let enough = Errors::of(errors, errors, noise).is_close();
         let action = if enough { Action::Export } else { Action::Experiment };
         let next = NextStep::new(action, None);
         Self { badge: "Compared", next, ..Self::simulated(errors, noise, effects) }

@@ -11,7 +11,7 @@ use crate::select::adequacy::Adequacy;
 use crate::sentence::capital;
 
 /// Multiples of the noise level above which nothing is called explained that is not a disturbance by all that these records show.
-pub(super) const MANY: f64 = 10.0;
+const MANY: f64 = 10.0;
 /// ... and above which a fit that nobody has diagnosed is doubted.
 const CLOSE: f64 = 1.5;
 /// What a disturbance may leave of the motion within a second: a model that misses more of it than this explains part of it at most.
@@ -86,7 +86,7 @@ impl Errors {
         let few = self.left_over().is_some_and(|n| n <= MANY);
         let beside = match left {
             Adequacy::Something => false,
-            Adequacy::Noise | Adequacy::Trifle(_) => few || self.strayed <= IDEALISED,
+            Adequacy::Noise | Adequacy::Trifle(_) => few || self.is_idealised(),
             Adequacy::Disturbance(_) => few || self.strayed <= STRAYED,
         };
         if beside {
@@ -96,6 +96,16 @@ impl Errors {
         } else {
             Verdict::Unexplained
         }
+    }
+
+    /// Whether the model misses no more of what the motor does than idealised equations must.
+    fn is_idealised(&self) -> bool {
+        self.strayed <= IDEALISED
+    }
+
+    /// Whether the model leaves so little that it can be used.
+    pub(super) fn is_close(&self) -> bool {
+        self.model <= MANY * self.noise || self.is_idealised()
     }
 
     /// Said of data that must be mended first.
@@ -164,6 +174,7 @@ impl Errors {
             self.share_of(effects)
         };
         said + match self.left_over() {
+            Some(n) if n > MANY && self.is_idealised() => ": as close as the equations of a motor come",
             Some(n) if n > MANY => ": not enough",
             Some(n) if n > CLOSE => ": something may be missing",
             // Who proposes an effect does not say in one breath that there is none to find.
@@ -277,6 +288,14 @@ mod tests {
         assert!(told.ends_with(end), "{told}");
         let elsewhere = Errors { strayed: 0.02, ..errors };
         assert_eq!(elsewhere.verdict(1, left), Verdict::PartlyExplained, "records kept out show more");
+    }
+
+    #[test]
+    fn a_comparison_does_not_call_too_little_what_a_diagnosis_calls_explained() {
+        let errors = Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3 };
+        let told = errors.so_far(&["coulomb"], None);
+        assert!(told.ends_with("145 x the noise: as close as the equations of a motor come"), "{told}");
+        assert!(errors.is_close() && !Errors { strayed: 0.02, ..errors }.is_close());
     }
 
     #[test]
