@@ -120,7 +120,7 @@ fn volts(programme: &Programme, rate: u32) -> Vec<f64> {
 }
 
 /// Plays `programme` and keeps what a log would hold.
-fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run) -> Record {
+pub(crate) fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32, run: &Run) -> Record {
     let made = plant.record(&volts(programme, rate), run);
     Record {
         name: programme.name.as_str().into(),

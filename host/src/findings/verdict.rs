@@ -83,11 +83,10 @@ impl Errors {
 
     /// The verdict on `effects` accepted effects, which leave what `left` says.
     pub fn verdict(&self, effects: usize, left: Adequacy) -> Verdict {
-        let few = self.left_over().is_some_and(|n| n <= MANY);
         let beside = match left {
             Adequacy::Something => false,
-            Adequacy::Noise | Adequacy::Trifle(_) => few || self.is_idealised(),
-            Adequacy::Disturbance(_) => few || self.strayed <= STRAYED,
+            Adequacy::Noise | Adequacy::Trifle(_) => self.is_close(),
+            Adequacy::Disturbance(_) => self.is_few() || self.strayed <= STRAYED,
         };
         if beside {
             Verdict::Explained
@@ -103,9 +102,14 @@ impl Errors {
         self.strayed <= IDEALISED
     }
 
+    /// Whether the model leaves few times the noise.
+    fn is_few(&self) -> bool {
+        self.left_over().is_some_and(|n| n <= MANY)
+    }
+
     /// Whether the model leaves so little that it can be used.
     pub(super) fn is_close(&self) -> bool {
-        self.model <= MANY * self.noise || self.is_idealised()
+        self.is_few() || self.is_idealised()
     }
 
     /// Said of data that must be mended first.

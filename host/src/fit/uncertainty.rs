@@ -95,11 +95,11 @@ impl Spread {
                 let size = size + usize::from(j == coarsest && grid.mean_counts());
                 // The plain error beside the coefficients is one more sum of them, each scale alike.
                 let counts = 1.0 + (grid.even_weight() / weight).powi(2);
+                let is_few = size <= FEW;
                 let block =
                     ((BLOCK_S / grid.interval_s / 2.0_f64.powi(j as i32 + 1)).round() as usize).max(1);
                 for begin in (first..first + size).step_by(block) {
                     let mut gradient = DVector::zeros(n);
-                    let is_few = size <= FEW;
                     for k in begin..(begin + block).min(first + size) {
                         let residual = record[0][k].0[0];
                         let row = DVector::from_fn(n, |f, _| {
@@ -194,26 +194,19 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
-    use motorlens_shared::excitation::{Player, Programme};
+    use motorlens_shared::excitation::Programme;
     use motorlens_virtual_motor::{Motor, Run, VirtualMotor};
 
     use super::*;
     use crate::diagnose::discover::{Options, discover};
+    use crate::exam::case::record;
     use crate::log::Record;
     use crate::motor_file::MotorFile;
 
     fn disturbed(motor: &Motor, seed: u64) -> Vec<Record> {
         let run = Run { disturbance: 0.03, ..Run::at(200.0) };
         let play = |(k, programme): (usize, &Programme)| {
-            let volts: Vec<f64> = Player::new(programme, 200).unwrap().map(f64::from).collect();
-            let made = VirtualMotor::new(motor, &[], 31 * seed + k as u64).record(&volts, &run);
-            Record {
-                name: programme.name.as_str().into(),
-                time_s: made.time_s,
-                voltage_v: made.voltage_v,
-                angle_rad: Some(made.angle_rad),
-                ..Record::default()
-            }
+            record(&mut VirtualMotor::new(motor, &[], 31 * seed + k as u64), programme, 200, &run)
         };
         Programme::default_protocol(motor.nominal_v as f32).training.iter().enumerate().map(play).collect()
     }

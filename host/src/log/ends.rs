@@ -1,8 +1,8 @@
 //! Speeds at the ends of the type that they were kept in: readings that stay there are clipped, and those that went beyond came out at the
 //! other end.
 
-use super::motion::alignment;
-use super::repair::{columns, named};
+use super::motion::{alignment, ends};
+use super::repair::{leave_out, named};
 use super::units::{PerTurn, Quantity};
 use super::{Record, Warning};
 
@@ -37,7 +37,7 @@ fn written(record: &Record) -> Option<Vec<f64>> {
 
 /// The type at one of whose ends the numbers stop.
 fn kept_in(numbers: &[f64]) -> Option<(f64, f64)> {
-    let (low, high) = numbers.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) = ends(numbers);
     TYPES
         .into_iter()
         .find(|(least, most)| low >= *least && high <= *most && (low <= least + 1.0 || high == *most))
@@ -74,7 +74,7 @@ fn heading(before: &[f64], sign: f64) -> Option<f64> {
 /// Readings behind which the number came out at the other end of its type against what drives the motor, and its width. A motor that is
 /// reversed at once goes as far, but with its drive.
 fn wrapped(numbers: &[f64], voltage_v: &[f64]) -> Option<(Vec<usize>, f64)> {
-    let (low, high) = numbers.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) = ends(numbers);
     let (least, most) = TYPES.into_iter().find(|(least, most)| low >= *least && high <= *most)?;
     let width = most - least + 1.0;
     // What is clipped jumps from one end to the other too.
@@ -136,12 +136,12 @@ pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
         ),
         fix: "keep the speed in a wider type (int32_t, float), or in a larger unit".into(),
     });
-    leave_out(record, &samples)
+    without(record, &samples)
 }
 
 /// Leaves out `samples`, in order; what drove the motor in them counts with the sample before them, by its time. Where it changed
 /// meanwhile, a mean tells too little of it: the times before that are those at which to cut.
-fn leave_out(record: &mut Record, samples: &[usize]) -> Vec<f64> {
+fn without(record: &mut Record, samples: &[usize]) -> Vec<f64> {
     let mut cuts = Vec::new();
     let count = record.len();
     let is_out = |k: usize| samples.binary_search(&k).is_ok();
@@ -157,13 +157,7 @@ fn leave_out(record: &mut Record, samples: &[usize]) -> Vec<f64> {
             record.voltage_v[k] = volt_seconds / (time[next] - time[k]);
         }
     }
-    for column in columns(record) {
-        let mut k = 0;
-        column.retain(|_| {
-            k += 1;
-            !is_out(k - 1)
-        });
-    }
+    leave_out(record, is_out);
     cuts
 }
 

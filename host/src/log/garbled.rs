@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::motion::peak;
-use super::repair::{APART, columns, far_steps, named};
+use super::repair::{APART, far_steps, leave_out, named};
 use super::wraps::wrapped;
 use super::{Record, Warning};
 
@@ -60,11 +60,7 @@ pub(super) fn leave_out_spikes(record: &mut Record) {
     }
     let bad = |k: usize| angle.binary_search(&k).is_ok() || speed.binary_search(&k).is_ok();
     if !angle.is_empty() || !speed.is_empty() {
-        let keep: Vec<bool> = (0..record.len()).map(|k| !bad(k)).collect();
-        for column in columns(record) {
-            let mut kept = keep.iter();
-            column.retain(|_| *kept.next().unwrap_or(&true));
-        }
+        leave_out(record, bad);
     }
 }
 

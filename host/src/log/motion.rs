@@ -65,10 +65,14 @@ fn cosine(a: &[f64], b: &[f64], origin_a: f64, origin_b: f64) -> f64 {
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
+/// Smallest and largest value.
+pub fn ends(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+}
+
 /// Largest minus smallest value.
 pub fn span(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+    let (low, high) = ends(values);
     if low <= high { high - low } else { 0.0 }
 }
 

@@ -135,6 +135,17 @@ pub(super) fn columns(record: &mut Record) -> impl Iterator<Item = &mut Vec<f64>
     [time_s, voltage_v].into_iter().chain(optional).chain(target)
 }
 
+/// Takes the samples that are `out` off every column.
+pub(super) fn leave_out(record: &mut Record, out: impl Fn(usize) -> bool) {
+    for column in columns(record) {
+        let mut k = 0;
+        column.retain(|_| {
+            k += 1;
+            !out(k - 1)
+        });
+    }
+}
+
 pub(super) fn named(samples: &[usize], time_s: &[f64]) -> String {
     let some: Vec<String> =
         samples.iter().take(NAMED).map(|&k| format!("sample {} ({:.3} s)", k + 1, time_s[k])).collect();

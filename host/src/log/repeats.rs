@@ -1,6 +1,7 @@
 //! Two runs of one programme: what differs between them is noise.
 
 use super::Record;
+use super::motion::span;
 use super::timing::median_interval;
 
 /// Records of one programme may begin this many samples apart.
@@ -58,11 +59,7 @@ fn aligned(first: &Record, second: &Record) -> Option<f64> {
     {
         return None;
     }
-    let (low, high) = first
-        .voltage_v
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
-    let tolerance = SAME_VOLTAGE * (high - low);
+    let tolerance = SAME_VOLTAGE * span(&first.voltage_v);
     if tolerance <= 0.0 {
         return None;
     }

@@ -1,7 +1,7 @@
 //! Hard stops: the shaft stands at one end of its way while the voltage pushes it on.
 
 use super::Record;
-use super::motion::{peak, slope, span};
+use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 
@@ -27,7 +27,7 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     }
     let near = (SOFT * span(angle)).max(2.0 * quantum(angle).unwrap_or(0.0));
     let speed = slope(&record.time_s, angle);
-    let ends = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let ends = ends(angle);
     let found: Vec<_> = [(ends.1, 1.0), (ends.0, -1.0)]
         .into_iter()
         .filter_map(|(end, outwards)| Some((end, stays(record, angle, &speed, near, end, outwards)?)))

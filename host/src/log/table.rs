@@ -56,6 +56,16 @@ pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<V
 /// As [`read`].
 pub(super) fn columns(
     path: &Path,
+    input: impl BufRead,
+    options: &ReadOptions,
+    clock: &mut Clock,
+    partial: bool,
+) -> Result<Read> {
+    by_clock_or_rate(path, input, options, clock, partial).map_err(|error| with_map(error, options))
+}
+
+fn by_clock_or_rate(
+    path: &Path,
     mut input: impl BufRead,
     options: &ReadOptions,
     clock: &mut Clock,
@@ -63,8 +73,7 @@ pub(super) fn columns(
 ) -> Result<Read> {
     let mut of_time = String::new();
     if options.rate_hz.is_none() {
-        return columns_by(path, input, options, clock, partial, (&mut of_time, None))
-            .map_err(|error| with_map(error, options));
+        return columns_by(path, input, options, clock, partial, (&mut of_time, None));
     }
     let mut text = String::new();
     while input.read_line(&mut text).map_err(|error| cannot_read(path, &error))? > 0 {}

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::motion::ends;
 use super::quantum::quantum;
 use super::repair::far_steps;
 use super::{Record, Warning};
@@ -34,7 +35,7 @@ pub(super) fn turn_of(angle: &[f64]) -> Option<f64> {
 /// A motion of up to half a turn between two samples hides its wraps among its steps. Where the readings fill a usual turn from its begin
 /// to its end and never leave it, steps of more than half of it are wraps if the motion is much smoother without them.
 fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {
-    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = ends(angle);
     let count = quantum(angle).filter(|count| *count > 0.0);
     let bits = count.map(|count| count * ((high - low) / count).log2().ceil().exp2());
     let turn = [TAU, 360.0, 1.0].into_iter().chain(bits).find(|turn| {
@@ -63,7 +64,7 @@ fn modulus(angle: &[f64]) -> Option<f64> {
     sizes.sort_by(f64::total_cmp);
     let size = *sizes.get(sizes.len() / 2)?;
     let motion = (0..angle.len() - 1).filter(|k| !far.contains(k)).map(|k| step(k).abs()).fold(0.0, f64::max);
-    let (low, high) = angle.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = ends(angle);
     let same = |size: f64| sizes.iter().all(|s| (s - size).abs() < motion + 0.01 * size);
     // The motion always goes on in the direction opposite to the jump.
     let onwards = far.iter().filter(|&&k| step(k) * around(k) <= 0.0).count();

@@ -25,7 +25,7 @@ pub enum Adequacy {
     /// Something that depends on what was measured, or more than a disturbance.
     #[default]
     Something,
-    /// No more than noise.
+    /// No more than noise, or next to nothing of what the plain motor leaves.
     Noise,
     /// A torque that depends on nothing measured, as an rms voltage, V: a disturbance.
     Disturbance(f64),

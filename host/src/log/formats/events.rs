@@ -102,7 +102,8 @@ impl Events {
     }
 
     /// The columns that `map` names, or those of the first group that has all that a fit needs: the motion at its own stamps and what
-    /// drives the motor from its own on, or all on the clock of the one that was logged most often where no motion is named. Numbers of columns count in the table without a mapping, which is the one that a guess is made from.
+    /// drives the motor from its own on, or all on the clock of the one that was logged most often where no motion is named. Numbers of
+    /// columns count in the table without a mapping, which is the one that a guess is made from.
     ///
     /// # Errors
     /// A fault where no value was logged.
@@ -210,13 +211,8 @@ impl Events {
                 let text = |row| last(row).and_then(|k| series.texts.get(k)).cloned().unwrap_or_default();
                 Values::Texts(rows.iter().map(text).collect())
             } else if let Some(readings) = motions.get(name.as_str()) {
-                let mut values = readings.at(&times, turn_s);
-                values
-                    .iter_mut()
-                    .zip(&rows)
-                    .filter(|(_, row)| !row.1)
-                    .for_each(|(value, _)| *value = f64::NAN);
-                Values::Numbers(values)
+                let read = readings.at(&times, turn_s).into_iter().zip(&rows);
+                Values::Numbers(read.map(|(value, row)| if row.1 { value } else { f64::NAN }).collect())
             } else {
                 let number = |row| last(row).and_then(|k| series.numbers.get(k)).copied().unwrap_or(f64::NAN);
                 Values::Numbers(rows.iter().map(number).collect())

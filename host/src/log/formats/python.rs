@@ -73,13 +73,16 @@ fn word(text: &str, json: &mut String) -> usize {
         let (number, _) = number.split_once(')')?;
         kind.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_').then_some((kind, number))
     }) {
-        json.push_str(
-            WORDS.iter().find(|(python, _)| *python == number.1).map_or(number.1, |(_, json)| json),
-        );
+        json.push_str(in_json(number.1));
         return "np.".len() + number.0.len() + 2 + number.1.len();
     }
-    json.push_str(WORDS.iter().find(|(python, _)| *python == word).map_or(word, |(_, json)| json));
+    json.push_str(in_json(word));
     end
+}
+
+/// JSON's word for one of Python's; any other as it is.
+fn in_json(word: &str) -> &str {
+    WORDS.iter().find(|(python, _)| *python == word).map_or(word, |(_, json)| json)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! time in steps of 10 counts milliseconds, a voltage that never moves beside a duty is the supply.
 
 mod bridge;
+mod clocks;
 mod columns;
 mod look;
 mod preview;
@@ -11,6 +12,7 @@ mod questions;
 mod registers;
 mod sides;
 pub mod unit_names;
+mod vocabulary;
 pub mod words;
 
 use std::fmt::Write as _;
@@ -94,7 +96,7 @@ impl Proposal {
                 None => format!("put the number that is full duty in the place of {full}"),
             });
         }
-        if self.map.contains(&format!(":{}", words::ELECTRICAL)) {
+        if self.map.contains(&format!(":{}", vocabulary::ELECTRICAL)) {
             all.push("put the motor's pole pairs in the place of 7".into());
         }
         if self.map.contains(":rev/4096") {

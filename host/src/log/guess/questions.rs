@@ -1,6 +1,7 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
-use super::columns::{self, DAYS, Part, Range};
+use super::clocks::DAYS;
+use super::columns::{self, Part, Range};
 use super::{column, quoted, unit_names, words};
 use crate::log::sample::Sample;
 use crate::log::timing;

@@ -2,6 +2,12 @@
 
 use super::super::units::Quantity;
 use super::unit_names::{UNITS, unit_named};
+use super::vocabulary::{
+    ACTION, CLOCKS, COMMANDED, EFFORTS, GYROSCOPE, LINEAR, RATES, REGISTERS, SCALES, TARGETS, TELL_TURNS,
+    TURNS, WANTED, WORDS,
+};
+
+use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// What the name of one column says.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,206 +32,10 @@ pub struct Said {
     pub effort: bool,
 }
 
-use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
-
-/// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
-    (
-        Time,
-        3,
-        None,
-        &["time", "zeit", "timestamp", "ts", "tout", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"],
-    ),
-    (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems", "ms_today"]),
-    (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
-    (Time, 2, None, &["t", "tick0", "secs", "seconds", "sec", "x_value"]),
-    (Interval, 4, None, &["dt", "interval", "deltat", "looptime", "cycletime", "elapsed", "abtastzeit"]),
-    (
-        Duty,
-        3,
-        None,
-        &[
-            "pwm",
-            "duty",
-            "dutycycle",
-            "tastgrad",
-            "throttle",
-            "pwmvalue",
-            "rpwm",
-            "lpwm",
-            "pwmr",
-            "pwml",
-            "ain",
-        ],
-    ),
-    (
-        Duty,
-        2,
-        None,
-        &[
-            "cmd",
-            "command",
-            "output",
-            "out",
-            "power",
-            "control",
-            "ctrl",
-            "ena",
-            "enb",
-            "esc",
-            "pulse",
-            "stellgroesse",
-            "stellgröße",
-        ],
-    ),
-    (
-        Voltage,
-        4,
-        None,
-        &[
-            "voltage",
-            "spannung",
-            "motorspannung",
-            "tension",
-            "voltaje",
-            "tensión",
-            "vmotor",
-            "umotor",
-            "motorvoltage",
-            "appliedvolts",
-        ],
-    ),
-    (Voltage, 3, Some("V"), &["volts", "volt"]),
-    (Voltage, 2, None, &["u", "v", "vm", "um", "va", "input", "in"]),
-    // The voltage along the q axis of a field-oriented drive is what turns its motor.
-    (Voltage, 5, None, &["vq", "uq"]),
-    // The supply's voltage is no motor's.
-    (
-        Supply,
-        5,
-        None,
-        &["vbat", "vbatt", "battery", "supply", "vcc", "vin", "vbus", "bus", "vsupply", "batterie", "akku"],
-    ),
-    (
-        Angle,
-        4,
-        None,
-        &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "posición", "rotation", "shaft", "q"],
-    ),
-    (
-        Angle,
-        3,
-        Some("counts"),
-        &["enc", "encoder", "count", "counts", "ticks", "tick", "pulses", "edges", "cnt", "qei"],
-    ),
-    (Angle, 3, Some("m"), &["distance", "displacement", "travel", "weg", "carriage"]),
-    (Angle, 2, Some("deg"), &["deg", "degree", "degrees", "grad"]),
-    (Angle, 2, Some("rad"), &["rad", "radians"]),
-    (Angle, 2, Some("rev"), &["rev", "revs", "revolutions", "turns", "rotations"]),
-    (
-        Speed,
-        5,
-        None,
-        &[
-            "speed",
-            "velocity",
-            "vel",
-            "omega",
-            "geschwindigkeit",
-            "drehgeschwindigkeit",
-            "vitesse",
-            "velocidad",
-            "velocità",
-            "qd",
-            "dtheta",
-            "thetadot",
-            "posdot",
-        ],
-    ),
-    (Speed, 2, None, &["w", "y"]),
-    (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
-    // Electrical turns: pole pairs times those of the shaft. A speed of a vehicle beside it is made of it.
-    (Speed, 8, Some(ELECTRICAL), &["erpm"]),
-    (Speed, 5, Some("rpm"), &["drehzahl"]),
-    // RoboClaw's quadrature pulses a second.
-    (Speed, 5, Some("counts/s"), &["qpps"]),
-    // A gyroscope that turns with the shaft.
-    (Speed, 1, None, &GYROSCOPE),
-    (Speed, 4, Some("rev/s"), &["rps"]),
-    (Speed, 4, Some("deg/s"), &["dps"]),
-    (Speed, 4, Some("rad/s"), &["rads", "radps"]),
-    (
-        Direction,
-        4,
-        None,
-        &["dir", "direction", "richtung", "drehrichtung", "motordir", "sens", "sentido", "direzione", "sign"],
-    ),
-    (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "iq", "curr"]),
-    (Current, 3, Some("mA"), &["ma"]),
-];
-
-/// What the axes of a gyroscope are called.
-const GYROSCOPE: [&str; 10] =
-    ["gyro", "gyr", "gx", "gy", "gz", "gyrox", "gyroy", "gyroz", "gyroscope", "gyrometer"];
-
 /// Whether a name is that of a gyroscope's axis.
 pub fn is_gyroscope(name: &str) -> bool {
     of(name).iter().any(|word| GYROSCOPE.contains(&word.as_str()))
 }
-
-/// The unit of electrical turns a minute, of a motor with as many pole pairs as most.
-pub const ELECTRICAL: &str = "rpm/7";
-
-/// Drives that tell turns and turns a second where their names say nothing else (docs.odriverobotics.com, v6.docs.ctr-electronics.com,
-/// github.com/mjbots/moteus), ...
-const TELL_TURNS: [&str; 5] = ["odrive", "phoenix", "talon", "cancoder", "moteus"];
-
-/// ... and what ODrive's own values end with.
-const TURNS: [&str; 2] = ["pos_estimate", "vel_estimate"];
-
-/// A motion with one of these was commanded: `cmd_vel`, `input_pos`.
-const COMMANDED: [&str; 4] = ["cmd", "command", "commands", "input"];
-
-/// A name with one of these is that of a register of a servo, whose numbers are whole steps.
-const REGISTERS: [&str; 2] = ["present", "goal"];
-
-/// A name with one of these is of where to go, ...
-const TARGETS: [&str; 12] = [
-    "setpoint",
-    "set",
-    "sp",
-    "target",
-    "goal",
-    "ref",
-    "reference",
-    "desired",
-    "des",
-    "soll",
-    "sollwert",
-    "commanded",
-];
-
-/// ... as is one with what robot learning calls it, which may be measured all the same; ...
-const ACTION: &str = "action";
-
-/// ... and one with one of these is of what was wanted otherwise, or made of it.
-const WANTED: [&str; 10] = ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
-
-/// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
-const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
-
-/// What makes a speed of an angle's name.
-const RATES: [&str; 3] = ["dot", "rate", "derivative"];
-
-/// Names with one of these may end in metres.
-const LINEAR: [&str; 9] =
-    ["angle", "position", "pos", "x", "distance", "displacement", "travel", "weg", "carriage"];
-
-/// Names with one of these may end in minutes, hours or hundredths of a second.
-const CLOCKS: [&str; 6] = ["t", "time", "zeit", "elapsed", "dt", "timestamp"];
-
-/// Endings of the names of whole numbers that are multiples of what they tell, and what takes that away.
-const SCALES: [(&str, &str); 3] = [("x1000", "/1000"), ("x100", "/100"), ("x10", "/10")];
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`, `speed_rpm_x10`.
 pub fn said(name: &str) -> Said {

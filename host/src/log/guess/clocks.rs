@@ -1,0 +1,115 @@
+//! Which column is the clock, and in which unit it counts: seconds, parts of them in a column of their own, dates in days.
+
+use super::columns::{Part, Range};
+use super::words;
+use crate::log::timing;
+use crate::log::units::{Quantity, Unit};
+
+/// Rows from which a clock is told by its values.
+pub(super) const FEWEST_TICKS: usize = 20;
+/// What counts rows and tells no time.
+const COUNTERS: [&str; 12] =
+    ["index", "idx", "frame", "sample", "row", "id", "n", "nr", "no", "number", "count", "seq"];
+
+/// What may rise all the time and tells none either.
+const NO_CLOCKS: [&str; 14] = [
+    "hz",
+    "khz",
+    "freq",
+    "frequency",
+    "frequenz",
+    "temp",
+    "temperature",
+    "temperatur",
+    "energy",
+    "energie",
+    "charge",
+    "wh",
+    "ah",
+    "mah",
+];
+
+/// Whether the column at `index` may be a clock though its name does not say so: it always rises, and not by one a row.
+pub(super) fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
+    let value = |row: &Vec<f64>| row.get(index).copied().unwrap_or(f64::NAN);
+    let steps = || rows.windows(2).map(|pair| value(&pair[1]) - value(&pair[0]));
+    let counts = words::of(name).iter().any(|word| COUNTERS.contains(&word.as_str()));
+    let rises = rows.len() >= FEWEST_TICKS && steps().all(|step| step > 0.0);
+    let is_other = words::of(name).iter().any(|word| NO_CLOCKS.contains(&word.as_str()));
+    rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
+}
+
+/// Rows a second by the clock among `parts`.
+pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
+    let clock = parts.iter().find(|part| part.quantity == Quantity::Time)?;
+    let times: Vec<f64> = rows.iter().filter_map(|row| row.get(clock.index).copied()).collect();
+    let interval_s = timing::median_interval(&times) * Unit::parse(Quantity::Time, &clock.unit).ok()?.factor;
+    (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
+}
+
+/// Seconds that stand still for many rows have their fraction in a column of its own: `sec,nanosec`.
+pub(super) fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
+    const FRACTIONS: [(&str, &str); 10] = [
+        ("nanosec", "ns"),
+        ("nsec", "ns"),
+        ("nanos", "ns"),
+        ("_ns", "ns"),
+        ("usec", "us"),
+        ("microsec", "us"),
+        ("_us", "us"),
+        ("msec", "ms"),
+        ("millisec", "ms"),
+        // As C's ftime() calls it.
+        ("millitm", "ms"),
+    ];
+    let Some(time) = parts.iter_mut().find(|part| part.quantity == Quantity::Time) else { return };
+    let values = |k: usize| rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
+    let seconds: Vec<f64> = values(time.index).collect();
+    let whole = seconds.iter().all(|v| v.fract() == 0.0);
+    let stands = seconds.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if !whole || 2 * stands < rows.len() {
+        return;
+    }
+    let found = names.iter().enumerate().find_map(|(k, name)| {
+        let name = name.to_lowercase();
+        let ends = |(end, _): &&(&str, &str)| {
+            name.ends_with(end) || name.trim_end_matches("onds").trim_end_matches('s').ends_with(end)
+        };
+        let (_, unit) = FRACTIONS.iter().find(ends)?;
+        let second = 1.0 / Unit::parse(Quantity::Time, unit).ok()?.factor;
+        (k != time.index && values(k).all(|value| value < second)).then_some((k, *unit))
+    });
+    if let Some((k, unit)) = found {
+        (time.rest, time.guessed) = (Some(k), false);
+        unit.clone_into(&mut time.unit);
+    }
+}
+
+/// Days, as Excel counts them from 1900 and MATLAB from the year 0, of the last and the next decades, ...
+const DATES: [std::ops::Range<f64>; 2] = [30_000.0..70_000.0, 700_000.0..800_000.0];
+/// ... whose steps are too short for seconds: of an interval below a second they are.
+const SHORT_FOR_SECONDS: f64 = 1.2e-5;
+/// Their unit.
+pub(super) const DAYS: &str = "s*86400";
+
+/// Whether times in a unit of fractions begin anew with every second, so that the seconds stand in another column.
+pub(super) fn is_below_a_second(unit: Option<&str>, values: impl Iterator<Item = f64> + Clone) -> bool {
+    let second =
+        unit.and_then(|unit| Unit::parse(Quantity::Time, unit).ok()).map_or(1.0, |unit| 1.0 / unit.factor);
+    let inside = values.clone().all(|value| (0.0..second).contains(&value));
+    let falls = values.clone().zip(values.skip(1)).any(|(before, after)| after < before);
+    second > 1.0 && inside && falls
+}
+
+/// Whole steps are not seconds.
+pub(super) fn time_unit(values: &[f64], range: &Range) -> &'static str {
+    let step = timing::median_interval(values);
+    let is_date = DATES.iter().any(|dates| dates.contains(&range.low) && dates.contains(&range.high));
+    match step {
+        _ if is_date && !range.is_whole() && step < SHORT_FOR_SECONDS => DAYS,
+        _ if !range.is_whole() || step < 1.0 => "s",
+        _ if step < 500.0 => "ms",
+        _ if step < 200_000.0 => "us",
+        _ => "ns",
+    }
+}
