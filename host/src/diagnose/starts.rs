@@ -3,7 +3,8 @@
 use super::evidence::Evidence;
 use crate::fit::search::Problem;
 use crate::fit::start::Start;
-use crate::select::fitted::{Fitted, WORTH};
+use crate::select::criterion::WORTH;
+use crate::select::fitted::Fitted;
 
 /// Rounds of fitting starts and model in turn.
 const ROUNDS: usize = 4;

@@ -1,6 +1,7 @@
 //! Whether a model leaves anything that these records show.
 
-use super::fitted::{Fitted, LIKELY, SURE};
+use super::criterion::{LIKELY, SURE};
+use super::fitted::Fitted;
 use crate::compare::dependence::Dependence;
 use crate::compare::free_run::free_runs;
 use crate::compare::residual_torque::residual_torque;

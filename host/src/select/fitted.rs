@@ -1,10 +1,12 @@
 //! A model fitted to the records, with its noise and its score.
 
-use std::f64::consts::LN_2;
 use std::sync::OnceLock;
 
 use motorlens_shared::effects::Kind;
 
+use super::criterion::{
+    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_worth, sure_enough,
+};
 use super::crossed::{Fall, crossed};
 use super::gain::Gain;
 use super::score::Scored;
@@ -14,66 +16,6 @@ use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::noise::{Coefficients, Noise, Response, coefficients};
 use crate::fit::scales::{CHOOSING, KEEPING};
-
-/// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
-pub const WORTH: f64 = 10.0;
-/// ... and standard errors: beyond chance for the twenty effects that are tried at once (2.6 are 0.5 % of a normal distribution).
-pub const SURE: f64 = 2.6;
-
-/// Standard errors that `blocks` blocks have to show: those of a normal distribution as a Student t distribution has them, since so few
-/// blocks know their own scatter only roughly (first term of the Cornish-Fisher expansion).
-fn sure_enough(blocks: usize) -> f64 {
-    SURE + (SURE.powi(3) + SURE) / (4.0 * blocks.saturating_sub(1).max(1) as f64)
-}
-
-/// A gain of so many natural logarithms, and of this share of all that is explained so far, has to be only [`LIKELY`]. Of 120 plain motors,
-/// half of them disturbed by torques that last 50 ms, an effect gained 40 in one and less in all others (docs/DIAGNOSIS.md).
-const LARGE: (f64, f64) = (50.0, 0.1);
-/// Standard errors: 5 % of a normal distribution.
-pub const LIKELY: f64 = 1.64;
-
-/// Whether `gain`, the best of those at so many `places`, is so many natural logarithms, and this share of `all` that are explained with it.
-fn is_beyond(gain: Gain, (nats, share): (f64, f64), all: f64, places: usize) -> bool {
-    gain.total > (nats + (places as f64).ln()).max(share * all)
-}
-
-/// Whether it is worth mentioning.
-fn is_worth(gain: Gain, all: f64, places: usize) -> bool {
-    is_beyond(gain, (WORTH, SHARE), all, places)
-}
-
-/// Whether it is so much that it has to be only likely.
-fn is_large(gain: Gain, all: f64, places: usize) -> bool {
-    is_beyond(gain, LARGE, all, places)
-}
-
-/// What the likelihood has to gain by a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every log is late by
-/// something, which shows only where the voltage jumps: a test with one step has one block that tells. In 120 plain motors, half of them
-/// disturbed, one gained more (docs/DIAGNOSIS.md).
-const LATE: f64 = 2.0 * WORTH;
-
-/// Whether it is enough for what is only late.
-fn is_late_enough(gain: Gain, all: f64) -> bool {
-    is_beyond(gain, (LATE, SHARE), all, 1)
-}
-
-/// Standard errors that the best of so many `places` has to show where one alone has to show `sure`: each of them may pass by chance so many
-/// times less often (C. Bonferroni, 1936; the tail of a normal distribution falls like exp(-z^2 / 2)).
-fn best_of(places: usize, sure: f64) -> f64 {
-    (sure * sure + 2.0 * (places as f64).ln()).sqrt()
-}
-
-/// Standard errors that a rise of the cross-validated simulation error beyond its own standard error costs, for each factor of e: two for
-/// 1.5 %.
-pub const RISE: f64 = 130.0;
-
-/// A model does not do as well as another where its cross-validated simulation error is higher by this factor of e, a tenth, and does better
-/// where it is surely lower by it.
-pub const AS_GOOD: f64 = 0.1;
-
-/// A further law must explain this share of all that is explained so far: the laws are idealised, and what the form of one misses,
-/// another must not be called in for. Second laws that were there explained 7 % and more, others at most 2 % (proportion of deviance explained: A. Cameron and F. Windmeijer, *Journal of Econometrics* 77, 1997).
-pub const SHARE: f64 = 0.04;
 
 /// Rounds of weighing of a model that is kept, and steps of each.
 pub const SETTLED: (usize, usize) = (3, 12);
@@ -183,12 +125,6 @@ impl Fitted {
         self.score
     }
 
-    /// What a further effect must gain beside all that it explains of what `base` leaves, natural logarithms.
-    pub fn asks(&self, base: &Self) -> f64 {
-        let explained = self.gain_over(base).total.max(0.0);
-        WORTH.max(SHARE / (1.0 - SHARE) * explained)
-    }
-
     /// By how much it is better than `other`.
     pub fn gain_over(&self, other: &Self) -> Gain {
         let better = if self.score() < other.score() { other } else { self };
@@ -216,7 +152,7 @@ impl Fitted {
         let places = self.places_beyond(other);
         let sure = |blocks: usize| best_of(places, sure_enough(blocks));
         let gain = self.gain_over(other);
-        (is_worth(gain, self.gain_over(base).total, places) || self.halves(gain, places, other, data))
+        is_worth(gain, self.gain_over(base).total, places, self.fall(other, data).sure())
             && (self.is_likelier(gain, sure(self.scored.blocks()), other, data)
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
@@ -248,15 +184,9 @@ impl Fitted {
     /// logarithms are explained so far.
     pub fn would_accept(&self, kind: Kind, gain: Gain, explained: f64) -> bool {
         let (all, places) = (explained + gain.total, places(kind));
-        is_worth(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
+        is_worth(gain, all, places, 0.0) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
             || kind.spec().is_late() && is_late_enough(gain, all)
-    }
-
-    /// Whether it gains what is worth mentioning, however much is explained already, and surely halves the cross-validated simulation error:
-    /// what the form of another law misses is no half of all that is left.
-    fn halves(&self, gain: Gain, places: usize, other: &Self, data: &Evidence) -> bool {
-        is_beyond(gain, (WORTH, 0.0), 0.0, places) && self.fall(other, data).sure() > LN_2
     }
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.
@@ -281,7 +211,7 @@ impl Fitted {
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.
     fn predicts_better(&self, other: &Self, base: &Self, sure: f64) -> bool {
         let gain = self.gain_over(other);
-        gain.sure > sure && is_worth(gain, self.gain_over(base).total, 1)
+        gain.sure > sure && is_worth(gain, self.gain_over(base).total, 1, 0.0)
     }
 
     /// Whether it does as well as `other`: that does not predict better beyond doubt, and simulates records that it was not fitted to hardly

@@ -5,6 +5,7 @@ use std::cell::LazyCell;
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
+use super::criterion::WORTH;
 use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, pairs, simplest, tried};
 use crate::diagnose::contained::{covers, parts};
@@ -63,15 +64,14 @@ pub fn run(
     while steps.len() <= most && steps[steps.len() - 1].kinds().len() < MAX_EFFECTS {
         let model = &steps[steps.len() - 1];
         let depth = steps.len() - 1;
-        let asked = model.asks(&steps[0]);
-        let (mut candidates, near) = tried(data, model, library, asked, &mut |kind| tick(depth, kind));
-        candidates.extend(pairs(data, model, &came_near, asked));
+        let (mut candidates, near) = tried(data, model, library, WORTH, &mut |kind| tick(depth, kind));
+        candidates.extend(pairs(data, model, &came_near, WORTH));
         candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
         came_near = near;
         let mut next = step_up(data, &steps[0], model, &mut candidates);
         if next.is_none() && depth == 0 && most > 1 {
             // None alone explains anything: two may.
-            let mut two = pairs(data, model, &came_near, asked);
+            let mut two = pairs(data, model, &came_near, WORTH);
             next = step_up(data, &steps[0], model, &mut two);
             candidates.extend(two);
         }
@@ -93,8 +93,7 @@ pub fn run(
 /// the smallest, else the next. The one that was looked at first comes first then. `base` is what the selection began with.
 pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut [Fitted]) -> Option<Fitted> {
     // Settled, a candidate may gain a little more.
-    let asked = 0.5 * model.asks(base);
-    let promises = |c: &Fitted| c.gain_over(model).total > asked;
+    let promises = |c: &Fitted| c.gain_over(model).total > 0.5 * WORTH;
     if !candidates.iter().any(promises) {
         return None;
     }
