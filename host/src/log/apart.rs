@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use super::clock::Clock;
-use super::table::{self, Read};
+use super::table::{self, Part, Read};
 use super::units::Quantity;
 use super::{Metadata, ReadOptions, Record, Warning, guess, preamble, sample, text};
 use crate::error::{BadInput, Error, Result};
@@ -31,9 +31,9 @@ pub(super) fn both(path: &Path) -> Option<(PathBuf, PathBuf)> {
 /// Those of a table, of either file; bad input where their clocks have no time in common.
 pub(super) fn read(path: &Path, input: &Path, output: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     let mut clock = Clock::default();
-    let driven = table::columns(input, text::open(input)?, options, &mut clock, true);
+    let driven = table::columns(input, text::open(input)?, options, &mut clock, Part::Half);
     let mut clock = clock.rewound();
-    let moved = table::columns(output, text::open(output)?, options, &mut clock, true);
+    let moved = table::columns(output, text::open(output)?, options, &mut clock, Part::Half);
     let read = match (driven, moved) {
         (Ok(driven), Ok(moved)) => joined(input, output, driven, moved),
         (Err(error), _) | (_, Err(error)) => Err(error),
@@ -222,6 +222,24 @@ mod tests {
         let mut options = ReadOptions { map: Some(proposal.map.parse().unwrap()), ..ReadOptions::default() };
         options.supply_volts = Some(12.0);
         options.motor.counts_per_rev = Some(1320.0);
+        assert_eq!(read(&path, &options).unwrap()[0].len(), 119);
+    }
+
+    #[test]
+    fn what_stands_alone_beside_the_time_of_the_first_file_is_taken_for_the_voltage_and_asked_about() {
+        let stamp = |ms: u64| 1_714_557_600_000_000_000 + ms * 1_000_000;
+        let input: String = (0..60).map(|k| format!("{},{}\n", stamp(20 * k), k % 7)).collect();
+        let output: String =
+            (0..120).map(|k| format!("{},{},{}\n", stamp(10 * k), 0.07 * k as f64, 7.0)).collect();
+        let (_directory, path) = files(
+            &format!("%time,field.data\n{input}"),
+            &format!("%time,field.position0,field.velocity0\n{output}"),
+        );
+        let Err(Error::BadInput(fault)) = read(&path, &ReadOptions::default()) else { panic!("it is read") };
+        let proposal = fault.proposal.unwrap();
+        assert_eq!(proposal.options(), "--map time=time:ns,voltage=field.data:V,angle=field.position0:rad");
+        assert!(proposal.assumptions().contains("duty=field.data:255"), "{}", proposal.assumptions());
+        let options = ReadOptions { map: Some(proposal.map.parse().unwrap()), ..ReadOptions::default() };
         assert_eq!(read(&path, &options).unwrap()[0].len(), 119);
     }
 

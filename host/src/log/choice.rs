@@ -62,6 +62,11 @@ pub(super) struct Columns {
 }
 
 impl Columns {
+    /// The same with rows of this rate, Hz, whatever tells their time.
+    pub fn by_rate(&self, rate: f64) -> Columns {
+        Columns { time: TimeSource::Rate(rate), values: self.values.clone(), rate_unused: false }
+    }
+
     /// Whether column `k` of the table is one of them.
     pub fn reads(&self, k: usize) -> bool {
         let of_time = match &self.time {
@@ -93,8 +98,6 @@ pub(super) struct Choice<'a> {
     pub meta: &'a Metadata,
     /// Another file has what this one has not.
     pub partial: bool,
-    /// A rate tells the time, whatever column should.
-    pub by_rate: bool,
 }
 
 impl Choice<'_> {
@@ -127,9 +130,6 @@ impl Choice<'_> {
     }
 
     fn time(&self, options: &ReadOptions) -> Result<Option<TimeSource>> {
-        if self.by_rate {
-            return Ok(options.rate_hz.map(TimeSource::Rate));
-        }
         let map = options.map.as_ref();
         if let Some(source) = self.source(map, Quantity::Time) {
             return self.time_column(source).map(Some);

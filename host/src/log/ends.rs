@@ -1,9 +1,11 @@
 //! Speeds at the ends of the type that they were kept in: readings that stay there are clipped, and those that went beyond came out at the
-//! other end.
+//! other end, which is undone where the speed's course tells it for certain.
 
 use super::motion::{alignment, ends};
 use super::repair::{leave_out, named};
+use super::timing::median_interval;
 use super::units::{PerTurn, Quantity};
+use super::weak::Weak;
 use super::{Record, Warning};
 
 /// Types with a sign, by their lowest and highest number.
@@ -18,16 +20,28 @@ const SLOWEST: f64 = 0.97;
 /// A number beyond the end comes out within this share of the type's width of the other end, and the motion goes on through it.
 const NEAR_END: f64 = 0.35;
 const GOES_ON: f64 = 0.25;
+/// Undone, no number may be further from the one before than this share of the width, half of which tells nothing, ...
+const NEXT: f64 = 0.35;
+/// ... no two rows further apart than so many intervals, ...
+const LONGEST: f64 = 1.5;
+/// ... and the motor's equation leaves no more than this share of the voltage, and of what it leaves as the numbers stand.
+const EXPLAINED: f64 = 0.1;
+const BETTER: f64 = 0.3;
 
-/// The speed in the numbers that the log holds, where all of them are whole.
-fn written(record: &Record) -> Option<Vec<f64>> {
+/// The speed, rad/s, of one in the numbers that the log holds.
+fn factor(record: &Record) -> Option<f64> {
     let unit = record.map.as_ref().and_then(|map| map.source(Quantity::Speed)).map(|source| source.unit);
     let per_turn = match unit.and_then(|unit| unit.per_turn) {
         Some(PerTurn::Counts) => record.meta.counts_per_rev()?,
         Some(PerTurn::Metres) => record.meta.metres_per_rev()?,
         None => 1.0,
     };
-    let factor = unit.map_or(1.0, |unit| unit.factor / per_turn);
+    Some(unit.map_or(1.0, |unit| unit.factor / per_turn))
+}
+
+/// The speed in the numbers that the log holds, where all of them are whole.
+fn written(record: &Record) -> Option<Vec<f64>> {
+    let factor = factor(record)?;
     let numbers = record.speed_rad_s.as_ref()?.iter().map(|speed| speed / factor);
     let whole = |number: f64| {
         ((number - number.round()).abs() < 1e-6 * number.abs().max(1.0)).then_some(number.round())
@@ -71,51 +85,111 @@ fn heading(before: &[f64], sign: f64) -> Option<f64> {
     (second >= FEWEST as f64).then(|| sign * before[2 * STRETCH] + second * share / (1.0 - share))
 }
 
-/// Readings behind which the number came out at the other end of its type against what drives the motor, and its width. A motor that is
-/// reversed at once goes as far, but with its drive.
-fn wrapped(numbers: &[f64], voltage_v: &[f64]) -> Option<(Vec<usize>, f64)> {
+/// Readings behind which the number came out at the other end of its type, and its width.
+fn jumps(numbers: &[f64]) -> Option<(Vec<usize>, f64)> {
     let (low, high) = ends(numbers);
     let (least, most) = TYPES.into_iter().find(|(least, most)| low >= *least && high <= *most)?;
     let width = most - least + 1.0;
     // What is clipped jumps from one end to the other too.
     let is_end = |x: f64| x == most || x <= least + 1.0;
-    let forth = alignment(numbers, voltage_v).signum();
-    let jumps = |k: &usize| {
+    let is_jump = |k: &usize| {
         let (one, other) = (numbers[*k], numbers[*k + 1]);
         let is_far = one.abs().min(other.abs()) > (0.5 - NEAR_END) * width && one * other < 0.0;
-        let is_against = [voltage_v[*k], voltage_v[*k + 1]].iter().all(|v| v * forth * other < 0.0);
-        is_far
-            && is_against
-            && !(is_end(one) && is_end(other))
-            && width - (other - one).abs() < GOES_ON * width
+        is_far && !(is_end(one) && is_end(other)) && width - (other - one).abs() < GOES_ON * width
     };
-    let found: Vec<usize> = (0..numbers.len().saturating_sub(1)).filter(jumps).collect();
+    let found: Vec<usize> = (0..numbers.len().saturating_sub(1)).filter(is_jump).collect();
     let reaches = low <= least + 0.1 * width && high >= most - 0.1 * width;
     (found.len() >= FEWEST && reaches).then_some((found, width))
 }
 
-/// Names speeds that went beyond the ends of their type, and leaves out those that stay there. Tells the times behind which the record is to
-/// be cut.
+/// Those of `jumps` that go against what drives the motor. A motor that is reversed at once goes as far, but with its drive.
+fn against_drive(jumps: &[usize], numbers: &[f64], voltage_v: &[f64]) -> Vec<usize> {
+    let forth = alignment(numbers, voltage_v).signum();
+    let is_against = |k: usize| {
+        let drives = [voltage_v[k], voltage_v[k + 1]];
+        drives.iter().all(|v| v * forth * numbers[k + 1] < 0.0)
+    };
+    jumps.iter().copied().filter(|k| is_against(*k)).collect()
+}
+
+/// The speed, rad/s, of numbers that went beyond the ends of a type of this width: each is the one that is nearest to the one before, and all
+/// of them those at which the motor stands still without a voltage. None where that is not certain.
+fn unwrapped(record: &Record, numbers: &[f64], width: f64) -> Option<Vec<f64>> {
+    let longest = LONGEST * median_interval(&record.time_s);
+    if record.time_s.windows(2).any(|pair| pair[1] - pair[0] > longest) {
+        return None;
+    }
+    let mut turns = 0.0;
+    let mut course = vec![numbers[0]];
+    for pair in numbers.windows(2) {
+        let step = pair[1] - pair[0];
+        turns -= (step / width).round();
+        if (step - width * (step / width).round()).abs() > NEXT * width {
+            return None;
+        }
+        course.push(pair[1] + width * turns);
+    }
+    let factor = factor(record)?;
+    let as_speed = |numbers: &[f64]| Record {
+        speed_rad_s: Some(numbers.iter().map(|number| number * factor).collect()),
+        angle_rad: None,
+        ..record.clone()
+    };
+    let mut undone = as_speed(&course);
+    let found = Weak::new(&undone)?.under_any_latency()?;
+    // A speed that is off by whole widths looks like one that turns without a voltage.
+    let off = -found.gain * found.load_v / (width * factor);
+    if (off - off.round()).abs() > NEXT || found.gain <= 0.0 || found.left > EXPLAINED {
+        return None;
+    }
+    let before = as_speed(numbers);
+    let left = Weak::new(&before).and_then(|weak| Some(weak.under_any_latency()?.left)).unwrap_or(1.0);
+    let speed = undone.speed_rad_s.as_mut()?;
+    speed.iter_mut().for_each(|speed| *speed -= off.round() * width * factor);
+    (found.left < BETTER * left).then(|| std::mem::take(speed))
+}
+
+/// Undoes or names speeds that went beyond the ends of their type, and leaves out those that stay there. Tells the times behind which the
+/// record is to be cut.
 pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
     let Some(numbers) = written(record) else { return Vec::new() };
     let place = format!("{}, column speed_rad_s", record.path.display());
-    if let Some((samples, width)) = wrapped(&numbers, &record.voltage_v) {
-        record.warnings.push(Warning {
-            place,
-            what: format!(
-                "wrapped_numbers: the numbers jump by about {width} {} times, as {:.0} does that is kept as {:.0}: {}",
-                samples.len(),
-                0.6 * width,
-                -0.4 * width,
-                named(&samples, &record.time_s)
-            ),
-            fix: format!(
-                "keep them in a wider type ({}), or log the count itself, of which differences can be taken afterwards; until then leave these \
-                 parts out (--skip)",
-                if width > 256.0 { "int32_t" } else { "int16_t" }
-            ),
-        });
-        return Vec::new();
+    if let Some((samples, width)) = jumps(&numbers) {
+        let bits = width.log2();
+        if let Some(speed) = unwrapped(record, &numbers, width) {
+            let most = speed.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
+            record.warnings.push(Warning {
+                place,
+                what: format!(
+                    "wrapped_numbers: the numbers went beyond the ends of {bits:.0} bits {} times, and were put back by the speed's course, \
+                     which reaches {most:.4} rad/s: {}",
+                    samples.len(),
+                    named(&samples, &record.time_s)
+                ),
+                fix: "nothing, if the motor is that fast; otherwise keep them in a wider type".into(),
+            });
+            record.speed_rad_s = Some(speed);
+            return Vec::new();
+        }
+        let samples = against_drive(&samples, &numbers, &record.voltage_v);
+        if samples.len() >= FEWEST {
+            record.warnings.push(Warning {
+                place,
+                what: format!(
+                    "wrapped_numbers: the numbers jump by about {width} {} times, as {:.0} does that is kept as {:.0}: {}",
+                    samples.len(),
+                    0.6 * width,
+                    -0.4 * width,
+                    named(&samples, &record.time_s)
+                ),
+                fix: format!(
+                    "keep them in a wider type ({}), or log the count itself, of which differences can be taken afterwards; until then leave \
+                     these parts out (--skip)",
+                    if width > 256.0 { "int32_t" } else { "int16_t" }
+                ),
+            });
+            return Vec::new();
+        }
     }
     let samples = clipped(&numbers);
     if samples.is_empty() || samples.len() == record.len() {
@@ -216,14 +290,27 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_went_over_the_end_of_a_type_are_named_and_a_reversal_is_not() {
-        for (fastest, width) in [(170.0, 256.0), (45_000.0, 65_536.0)] {
+    fn numbers_that_went_over_the_end_of_a_type_are_put_back_or_asked_about_and_a_reversal_is_neither() {
+        for (fastest, width, every) in
+            [(170.0, 256.0, 1), (45_000.0, 65_536.0, 1), (230.0, 256.0, 1), (170.0, 256.0, 8)]
+        {
             let wrap = |x: &f64| (x.round() + 0.5 * width).rem_euclid(width) - 0.5 * width;
-            let mut wrapped = record(steps(fastest).iter().map(wrap).collect());
-            wrapped.voltage_v = (0..2400).map(drive).collect();
+            let course: Vec<f64> = steps(fastest).into_iter().step_by(every).collect();
+            let mut wrapped = record(course.iter().map(wrap).collect());
+            wrapped.time_s = (0..course.len()).map(|k| 0.01 * (k * every) as f64).collect();
+            wrapped.voltage_v = (0..2400).step_by(every).map(drive).collect();
+            let plain = wrapped.clone();
             leave_out_clipped(&mut wrapped);
-            assert_eq!((wrapped.len(), wrapped.warnings.len()), (2400, 1), "{fastest}");
+            assert_eq!((wrapped.len(), wrapped.warnings.len()), (course.len(), 1), "{fastest}");
             assert!(wrapped.warnings[0].what.starts_with("wrapped_numbers: "), "{:?}", wrapped.warnings);
+            let found = wrapped.speed_rad_s.unwrap();
+            if every == 1 {
+                assert!(found.iter().zip(&course).all(|(a, b)| (a - b).abs() < 0.6), "{fastest}");
+            } else {
+                // From row to row the speed changes by half the width: nothing tells the way.
+                assert_eq!(Some(found), plain.speed_rad_s);
+                assert!(wrapped.warnings[0].fix.contains("--skip"));
+            }
         }
         // A motor that answers at once.
         let levels = |k: usize| [110.0, -115.0, 60.0, -120.0, 0.0, 118.0][k / 40 % 6] + (k % 3) as f64;

@@ -10,6 +10,8 @@ use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::clock;
 use super::guess::unit_names;
+use super::numbers::number;
+use super::stamped::stamped;
 
 /// What separates the fields of a row.
 #[derive(Debug, Clone, PartialEq)]
@@ -265,46 +267,6 @@ fn unwrapped(line: &str) -> &str {
     }
 }
 
-/// The stamp before a line, and the line: that of a serial monitor, `12:34:56.789 -> 1,2,3`, with a single `>`, or `[12:34:56.789] 1,2`;
-/// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started; that of ROS, `[INFO] [1700000000.25] [motor]: 1,2`, in s.
-pub fn stamped(line: &str) -> Option<(&str, &str)> {
-    let is_stamp = |stamp: &str| clock::moment(stamp).is_some();
-    if let Some(found) = logged(line).or_else(|| logged_by_ros(line)) {
-        return Some(found);
-    }
-    if let Some((stamp, rest)) = line.strip_prefix('[').and_then(|inside| inside.split_once(']')) {
-        return is_stamp(stamp.trim()).then_some((stamp.trim(), rest.trim()));
-    }
-    let (stamp, rest) = line.split_once("->").or_else(|| line.split_once(" > "))?;
-    let stamp = stamp.trim();
-    is_stamp(stamp).then_some((stamp, rest.trim()))
-}
-
-/// A line of ESP-IDF's log, perhaps in colour: its level, the stamp in brackets, its tag, and what was said.
-fn logged(line: &str) -> Option<(&str, &str)> {
-    let mut line = line;
-    if let Some(coloured) = line.strip_prefix('\u{1b}') {
-        line = coloured.split_once('m')?.1;
-    }
-    let line = line.split('\u{1b}').next()?;
-    let (stamp, rest) = line.strip_prefix(['I', 'W', 'E', 'D', 'V'])?.strip_prefix(" (")?.split_once(')')?;
-    let (_, said) = rest.split_once(": ")?;
-    let is_stamp =
-        !stamp.is_empty() && stamp.bytes().all(|b| b.is_ascii_digit()) || clock::moment(stamp).is_some();
-    is_stamp.then_some((stamp, said.trim()))
-}
-
-/// A line of ROS's console: level, stamp and perhaps the node, each in brackets, and what was said.
-fn logged_by_ros(line: &str) -> Option<(&str, &str)> {
-    let (level, rest) = line.strip_prefix('[')?.split_once(']')?;
-    let (stamp, rest) = rest.trim_start().strip_prefix('[')?.split_once(']')?;
-    let is_level = !level.is_empty() && level.bytes().all(|b| b.is_ascii_alphabetic() || b == b' ');
-    let is_stamp = stamp.contains('.') && stamp.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    let rest = rest.trim_start();
-    let said = rest.strip_prefix('[').and_then(|node| node.split_once(']')).map_or(rest, |(_, said)| said);
-    (is_level && is_stamp).then(|| (stamp, said.trim_start_matches(':').trim()))
-}
-
 /// Words between blanks; a word in quotes may hold some, and a date and the time behind it are one.
 fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
     let mut rest = 0;
@@ -323,9 +285,12 @@ fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
     }
 }
 
-/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`; empty where it is no such line. What stands in brackets before
+/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`, `t 12 pwm 80`; empty where it is no such line. What stands in brackets before
 /// them, and a name whose value would be another name, as in `[7] motor: t:12 pwm:80`, is none of them.
 pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
+    if !line.contains([':', '=']) {
+        return words_and_numbers(line);
+    }
     const BETWEEN: [char; 5] = [',', ';', '|', '\t', ' '];
     let mut pairs = Vec::new();
     let mut rest = 0;
@@ -342,6 +307,10 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
             rest = colon + 1;
             continue;
         }
+        // A remark behind the values, as where a program said it: `(motor src/main.rs:42)`.
+        if name.starts_with('(') && !pairs.is_empty() {
+            break;
+        }
         if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
             return Vec::new();
         }
@@ -357,12 +326,26 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     pairs
 }
 
+/// Names and values of a line in which words and numbers take turns.
+fn words_and_numbers(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
+    let mut fields = Vec::new();
+    split_blanks(line, &mut fields);
+    let value = |field: &Range<usize>| {
+        field.start..field.start + line[field.clone()].trim_end_matches([',', ';']).len()
+    };
+    let pair = |pair: &[Range<usize>]| {
+        let (name, value) = (pair.first()?.clone(), value(pair.get(1)?));
+        (is_word(&line[name.clone()]) && number(&line[value.clone()]).is_some()).then_some((name, value))
+    };
+    fields.chunks(2).map(pair).collect::<Option<Vec<_>>>().unwrap_or_default()
+}
+
 /// Whether a text begins with a name and the sign between it and its value.
-fn is_name_first(text: &str) -> bool {
+pub(super) fn is_name_first(text: &str) -> bool {
     text.trim_start().find([':', '=']).is_some_and(|at| is_word(&text.trim_start()[..at]))
 }
 
-fn is_word(text: &str) -> bool {
+pub(super) fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && text.chars().all(|c| c.is_alphanumeric() || ['_', '.', '/', '-'].contains(&c))
 }
@@ -419,6 +402,7 @@ mod tests {
             ("t:12\tpwm:80\tmotor enc:-3", "12"),
             ("t: 12 s pwm: 80 motor enc: -3", "12 s"),
             ("t: 12 pwm: 80 motor enc: -3 m: 7", "12"),
+            ("t: 12 pwm: 80 motor enc: -3 (drive main.rs:42)", "12"),
             ("echo: t:12 pwm:80 motor enc:-3", "12"),
             ("[7] t: 12 pwm: 80 motor enc: -3", "12"),
             ("[INFO] [drive] left.motor: t=12 pwm=80, motor enc=-3", "12"),
@@ -427,6 +411,9 @@ mod tests {
         }
         assert_eq!(split("t:12", names()), ["12", "", ""]);
         assert_eq!(split("hello", names()), [""]);
+        let names = || Separator::Names(vec!["t".into(), "pwm".into()]);
+        assert_eq!(split("pwm 80, t 12", names()), ["12", "80"]);
+        assert_eq!(split("pwm 80 t", names()), [""]);
     }
 
     #[test]
@@ -462,9 +449,6 @@ mod tests {
                 (splitter.stamp(), splitter.get(0), splitter.get(1)),
                 (Some(stamp), Some("1"), Some("2"))
             );
-        }
-        for line in ["[1, 2]", "[a] 1,2", "I (x) motor: 1,2", "In (12) of: 3"] {
-            assert_eq!(stamped(line), None, "{line}");
         }
     }
 }

@@ -3,10 +3,11 @@
 
 use super::beside;
 use super::clock;
-use super::fields::{Separator, Splitter, pairs, stamped};
+use super::fields::{Separator, Splitter, pairs};
 use super::guess::unit_names;
 use super::heads::{scope, tag_of};
 use super::numbers::number;
+use super::stamped::stamped;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
 pub(super) const MOST_CHATTER: usize = 60;

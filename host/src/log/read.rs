@@ -96,7 +96,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         (Format::WpilibSysid, None) => Err(no_list(path, input)?),
         (Format::Csv, Some(Json::Own)) => Err(Json::Own.refused(path)),
         (Format::Csv, Some(Json::Other)) => formats::json(path, input)?.records(path, options),
-        (Format::Csv, None) => Ok(finished(table::read(path, input, options)?)),
+        (Format::Csv, None) => Ok(finished(table::read(path, input, options, table::Part::Whole)?)),
     }
 }
 

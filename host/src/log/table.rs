@@ -3,27 +3,31 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::choice::{Choice, TimeSource, Wanted};
+use super::choice::{Choice, Columns, TimeSource};
 use super::clock::Clock;
-use super::direction;
 use super::mapping::Mapping;
 use super::metadata::BEHIND_DUTY;
 use super::numbered;
-use super::preamble;
-use super::rows::{Blanks, Rows, is_held};
+use super::preamble::{self, Preamble};
 use super::sample::proposal;
-use super::samples::Place;
 use super::servo::Servo;
-use super::several::Several;
-use super::structure::{self, Structure};
+use super::structure::Structure;
+use super::taken::{About, Taken};
 use super::text::cannot_read;
 use super::units::Quantity;
-use super::unsigned;
 use super::{Metadata, ReadOptions, Record, Warning};
-use crate::error::{BadInput, Column, Error, Result};
+use crate::error::{Column, Error, Result};
 
-/// What is said of rows that tell no motion.
-pub(super) const BLANK_MOTION: &str = "rows with a blank here were left out";
+/// What a table is to its log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// All of it, a sample a row.
+    Whole,
+    /// All of it, but what drives the motor has rows of its own, which have no motion.
+    OwnStamps,
+    /// One of two files that make a record.
+    Half,
+}
 
 /// The columns of a table that are wanted.
 #[derive(Debug)]
@@ -39,17 +43,17 @@ pub(super) struct Read {
     pub warnings: Vec<Warning>,
 }
 
-/// Reads the record (or the tests) from `input`, which stands at the beginning of the file at `path`.
+/// Reads the record (or the tests) from `input`, which stands at the beginning of the file at `path` and is all of its log.
 ///
 /// # Errors
 /// Bad input, with line and column; wrong usage where an option is missing to make sense of the mapping.
-pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions) -> Result<Vec<Record>> {
-    let read = columns(path, input, options, &mut Clock::default(), false)?;
+pub fn read(path: &Path, input: impl BufRead, options: &ReadOptions, part: Part) -> Result<Vec<Record>> {
+    let read = columns(path, input, options, &mut Clock::default(), part)?;
     let structure = read.structure.clone();
     Ok(structure.tests(record(path, super::stem(path), read, options)?))
 }
 
-/// Reads the columns; `partial` permits that some are in another file, whose clock is `clock`. Where a rate is given it tells the time in
+/// Reads the columns; those of a [`Part::Half`] are in another file too, whose clock is `clock`. Where a rate is given it tells the time in
 /// the place of a column that cannot.
 ///
 /// # Errors
@@ -59,9 +63,9 @@ pub(super) fn columns(
     input: impl BufRead,
     options: &ReadOptions,
     clock: &mut Clock,
-    partial: bool,
+    part: Part,
 ) -> Result<Read> {
-    by_clock_or_rate(path, input, options, clock, partial).map_err(|error| with_map(error, options))
+    by_clock_or_rate(path, input, options, clock, part).map_err(|error| with_map(error, options))
 }
 
 fn by_clock_or_rate(
@@ -69,30 +73,82 @@ fn by_clock_or_rate(
     mut input: impl BufRead,
     options: &ReadOptions,
     clock: &mut Clock,
-    partial: bool,
+    part: Part,
 ) -> Result<Read> {
-    let mut of_time = String::new();
-    if options.rate_hz.is_none() {
-        return columns_by(path, input, options, clock, partial, (&mut of_time, None));
+    let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
+    let mut head = preamble::read(path, &mut input, by_number)?;
+    let mut meta = std::mem::take(&mut head.meta);
+    options.complete(path, &mut meta)?;
+    let names = head.headers.clone().unwrap_or_default();
+    let choice = Choice {
+        path,
+        line: head.line,
+        names: &names,
+        units: &head.units,
+        stamped: head.stamped,
+        meta: &meta,
+        partial: part == Part::Half,
+    };
+    let map = options.map.as_ref().map(|map| choice.with_units(map));
+    let mut wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
+        Ok(wanted) => wanted,
+        Err(missing) => {
+            let guess = proposal(path, input, &head)?.with_known(options.known(&meta));
+            return Err(choice.refusal(&missing, guess));
+        }
+    };
+    let rate = options.rate_hz.filter(|_| !matches!(wanted.time, TimeSource::Rate(_)));
+    let mut even = rate.map(|rate| wanted.by_rate(rate));
+    for wanted in [Some(&mut wanted), even.as_mut()].into_iter().flatten() {
+        number_rows(wanted, &names, &head);
     }
-    let mut text = String::new();
-    while input.read_line(&mut text).map_err(|error| cannot_read(path, &error))? > 0 {}
     let before = clock.clone();
-    let read = columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, None));
-    let Err(Error::BadInput(fault)) = &read else { return read };
-    if fault.column != Some(Column::Name(of_time.clone())) {
+    // The rows by the log's own time, and by the rate in case that cannot tell it.
+    let mut taken = Taken::new(path, &wanted, &names, &head, clock);
+    let mut clock_of_even = Clock::default();
+    let mut evenly = even.as_ref().map(|even| Taken::new(path, even, &names, &head, &mut clock_of_even));
+    let mut take = |number: u64, line: &str| {
+        let fails = taken.take(number, line);
+        let fail = evenly.as_mut().is_none_or(|evenly| evenly.take(number, line));
+        fails && fail
+    };
+    let mut failed = false;
+    for (number, line) in std::mem::take(&mut head.rows) {
+        failed = failed || take(number, &line);
+    }
+    let (mut number, mut line) = (head.read, String::new());
+    while !failed && input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
+        number += 1;
+        failed = take(number, &line);
+        line.clear();
+    }
+    let about = About { path, head: &head, meta, map, part };
+    let read = taken.finish(&about, None);
+    let (Err(Error::BadInput(fault)), Some(evenly), Some(rate)) = (&read, evenly, rate) else { return read };
+    let header = wanted.time.header();
+    if fault.column != Some(Column::Name(header.to_owned())) {
         return read;
     }
-    *clock = before;
     let mut why = fault.why.clone();
     // Its first and last time may be right.
     let even = fault.proposal.as_ref().and_then(|proposal| proposal.rate.as_ref()?.parse::<f64>().ok());
-    if let (Some(even), Some(rate)) = (even, options.rate_hz)
-        && (rate / even - 1.0).abs() > OTHER_RATE
-    {
+    if let Some(even) = even.filter(|even| (rate / even - 1.0).abs() > OTHER_RATE) {
         why += &format!(", and from its first to its last they are {even} a second, not {rate}");
     }
-    columns_by(path, text.as_bytes(), options, clock, partial, (&mut of_time, Some(&why))).or(read)
+    let by_rate = evenly.finish(&about, Some((header, &why)));
+    if by_rate.is_ok() {
+        *clock = before;
+    }
+    by_rate.or(read)
+}
+
+/// Lets a column of row numbers tell the time of rows that come at a rate.
+fn number_rows(wanted: &mut Columns, names: &[String], head: &Preamble) {
+    if let TimeSource::Rate(rate) = wanted.time
+        && let Some((column, per_row)) = numbered::column(names, head, wanted)
+    {
+        wanted.time = TimeSource::Numbered(column, per_row, rate);
+    }
 }
 
 /// A rate that is further off than this from the one that the times make is told.
@@ -107,211 +163,6 @@ fn with_map(error: Error, options: &ReadOptions) -> Error {
         proposal.map = map.written();
     }
     Error::BadInput(fault)
-}
-
-/// The same; `of_time` becomes the name of what tells the time, and a rate does where a reason is given why that cannot.
-fn columns_by(
-    path: &Path,
-    mut input: impl BufRead,
-    options: &ReadOptions,
-    clock: &mut Clock,
-    partial: bool,
-    (of_time, no_time): (&mut String, Option<&str>),
-) -> Result<Read> {
-    let by_number = options.map.as_ref().is_some_and(Mapping::is_by_number);
-    let mut head = preamble::read(path, &mut input, by_number)?;
-    let mut meta = std::mem::take(&mut head.meta);
-    options.complete(path, &mut meta)?;
-    let names = head.headers.clone().unwrap_or_default();
-    let choice = Choice {
-        path,
-        line: head.line,
-        names: &names,
-        units: &head.units,
-        stamped: head.stamped,
-        meta: &meta,
-        partial,
-        by_rate: no_time.is_some(),
-    };
-    let map = options.map.as_ref().map(|map| choice.with_units(map));
-    let mut wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
-        Ok(wanted) => wanted,
-        Err(missing) => {
-            let guess = proposal(path, input, &head)?.with_known(options.known(&meta));
-            return Err(choice.refusal(&missing, guess));
-        }
-    };
-    if no_time.is_none() {
-        wanted.time.header().clone_into(of_time);
-    }
-    if let TimeSource::Rate(rate) = wanted.time
-        && let Some((column, per_row)) = numbered::column(&names, &head, &wanted)
-    {
-        wanted.time = TimeSource::Numbered(column, per_row, rate);
-    }
-    let state = structure::state_column(&names).filter(|k| !wanted.reads(*k));
-    let mut rows = Rows::new(path, &wanted, &head, clock);
-    rows.several = Several::new(&names, |k| wanted.reads(k));
-    for (number, line) in std::mem::take(&mut head.rows) {
-        rows.take(number, &line, state)?;
-    }
-    let (mut number, mut line) = (head.read, String::new());
-    while input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
-        number += 1;
-        rows.take(number, &line, state)?;
-        line.clear();
-    }
-    if let Some(fault) = rows.several.fault(path) {
-        return Err(fault.into());
-    }
-    let Rows { samples, mut structure, held, bracketed, twice, ticks, numbered, .. } = rows;
-    structure.restarts = samples.restarts().to_vec();
-    let samples_read = samples.len();
-    let mut blanks = wanted.values.iter().zip(&held).filter(|(_, blanks)| blanks.count > 0);
-    let first = blanks.clone().next();
-    let blank = blanks.find(|(column, _)| !is_held(column.quantity)).or(first);
-    if samples.len() == 0
-        && let Some((column, _)) = blank
-    {
-        let why = "no row has a value here together with the others";
-        let fix = "say with --map which columns are to be read, without this one where it is empty";
-        return Err(BadInput::new(path, why, fix).in_column(&column.header).into());
-    }
-    let (mut columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
-    let file = path.display();
-    let mut say =
-        |place: String, what: String, fix: &str| warnings.push(Warning { place, what, fix: fix.into() });
-    if head.skipped > 0 {
-        say(
-            format!("{file}, line {}", head.line),
-            format!("{} lines of text before the header were left out", head.skipped),
-            "nothing, if the header is right",
-        );
-    }
-    for (column, Blanks { count, first }) in wanted.values.iter().zip(held) {
-        let Some(first) = first else { continue };
-        let (what, fix) = if is_held(column.quantity) {
-            (
-                format!("{count} blank fields hold the value before them, first in line {first}"),
-                "nothing, if this is logged when it changes or less often",
-            )
-        } else {
-            (
-                format!(
-                    "{count} {BLANK_MOTION}, first in line {first}; what drives the motor in them counts until the next row with its mean"
-                ),
-                "nothing, if this is logged less often",
-            )
-        };
-        say(format!("{file}, column {}", column.header), what, fix);
-    }
-    if let Some(first) = bracketed.first {
-        say(
-            format!("{file}, line {first}"),
-            format!(
-                "{} numbers in brackets were read as negative ones, as spreadsheets write them",
-                bracketed.count
-            ),
-            "nothing, if they are; otherwise take the brackets away",
-        );
-    }
-    if let Some(first) = twice.first {
-        say(
-            format!("{file}, line {first}"),
-            format!("{} lines say again what the line before them says, and were left out", twice.count),
-            "nothing, if they were printed twice; else log the time with more digits",
-        );
-    }
-    if let Some(why) = no_time {
-        say(
-            format!("{file}, column {of_time}"),
-            format!("this column cannot tell the time ({why}), and --rate does"),
-            "nothing, if the rows came evenly; else log the time with more digits",
-        );
-    }
-    if let (TimeSource::Numbered(column, per_row, _), Some((first, last))) = (&wanted.time, numbered) {
-        let missing = (last - first) / per_row + 1.0 - samples_read as f64;
-        if missing >= 1.0 {
-            say(
-                format!("{file}, column {}", column.header),
-                format!(
-                    "the rows are numbered here, and {missing:.0} numbers are missing: their time passes"
-                ),
-                "nothing, if they were lost; otherwise remove this column",
-            );
-        }
-    } else if let Some((width, times)) = ticks.wrapped() {
-        say(
-            format!("{file}, column {}", wanted.time.header()),
-            format!("the clock begins anew at {width}, {times} times, and its times go on there"),
-            "log the time in 32 bits or more (uint32_t), if a pause may be longer than that",
-        );
-    }
-    if matches!(wanted.time, TimeSource::Stamps) {
-        say(
-            file.to_string(),
-            "the times are those at which the serial monitor received the lines, or the board printed them, some ms late and uneven"
-                .into(),
-            "print millis() or micros() in every line",
-        );
-    }
-    if wanted.rate_unused {
-        say(
-            format!("{file}, column {}", wanted.time.header()),
-            "--rate is not used, because this tells the time".into(),
-            "leave --rate out, or remove the column if it is wrong",
-        );
-    }
-    let time_s = columns.remove(0);
-    let mut values: Vec<(Quantity, Vec<f64>)> =
-        wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
-    for (column, (quantity, values)) in wanted.values.iter().zip(&mut values) {
-        if let Some(width) = give_signs(column, values) {
-            warnings.push(Warning {
-                place: format!("{file}, column {}", column.header),
-                what: format!(
-                    "unsigned_numbers: there are numbers near 0 and near {width} and none between, as negative ones are printed without \
-                     their sign; {} was read as -1",
-                    width - 1.0
-                ),
-                fix: "print the number as one with a sign (int16_t, int32_t, %d)".into(),
-            });
-        }
-        if *quantity == Quantity::Direction {
-            *values = signs(path, column, values)?;
-        }
-    }
-    Ok(Read { time_s, values, meta, map, structure, warnings })
-}
-
-/// Gives a column of whole numbers the signs that its type took away, and tells the width of the type; an angle wraps there, which is
-/// undone anyway. Where such a number is said to be full duty, the type has none.
-fn give_signs(column: &Wanted, values: &mut [f64]) -> Option<f64> {
-    if [Quantity::Angle, Quantity::Direction].contains(&column.quantity) {
-        return None;
-    }
-    let unit = column.unit;
-    let written = |value: f64| (value / unit.factor + unit.zero).round();
-    let all = || values.iter().map(|value| value / unit.factor + unit.zero);
-    if all().any(|value| (value - value.round()).abs() > 1e-6 * value.abs().max(1.0)) {
-        return None;
-    }
-    let width = unsigned::width_of(values.iter().map(|value| written(*value)))
-        .filter(|width| column.quantity != Quantity::Duty || 1.0 / unit.factor.abs() <= 0.5 * width)?;
-    for value in values {
-        *value = unit.to_si(unsigned::signed(written(*value), width));
-    }
-    Some(width)
-}
-
-/// The signs of a column of directions, all of them turned round where the mapping says `*-1`.
-fn signs(path: &Path, column: &Wanted, values: &[f64]) -> Result<Vec<f64>> {
-    let signs = direction::signs(values).map_err(|odd| {
-        let why = format!("{odd} is no direction");
-        let fix = "a direction is 1 and -1, 1 and 0, 1 and 2, or two words such as FWD and REV: map the column that has these";
-        BadInput::new(path, why, fix).in_column(&column.header)
-    })?;
-    Ok(signs.into_iter().map(|sign| sign * column.unit.factor.signum()).collect())
 }
 
 /// Gives what drives the motor the sign that a column of directions holds; where it has its own and the speed has none, the speed.

@@ -142,7 +142,10 @@ fn agreement(record: &Record) -> Option<Fault> {
         Some([angle, speed]) if is_plain => {
             format!("if so, say {}", remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]))
         }
-        _ => "give the units of both, for example --map angle=angle_rad:deg,speed=speed_rad_s:rpm".into(),
+        _ => format!(
+            "give the units of both, for example {}",
+            remapped(record, &[(Angle, Angle, "deg"), (Speed, Speed, "rpm")])
+        ),
     };
     Some(fault("speed_rad_s", why, fix))
 }

@@ -47,6 +47,42 @@ fn a_wrap_tells_the_unit_of_an_angle_and_a_guess_is_called_one() {
 }
 
 #[test]
+fn names_and_units_of_other_languages_are_known() {
+    for (names, units) in [
+        ("Tempo [s],Tensione [V],Posizione [rad]", ["s", "V", "rad"]),
+        ("tempo,tensao,posicao_rad", ["s", "V", "rad"]),
+        ("czas [s],napięcie [V],kąt [rad]", ["s", "V", "rad"]),
+        ("tijd [s],spanning [V],hoek [rad]", ["s", "V", "rad"]),
+        ("时间(s),电压(V),角度(rad)", ["s", "V", "rad"]),
+    ] {
+        let text = lines(&format!("{names}\n"), |_, t, u, x| format!("{t},{u},{x}"));
+        let map = refusal(&text).proposal.unwrap().map;
+        let columns: Vec<&str> = names.split(',').collect();
+        let [t, u, x] = units;
+        assert_eq!(
+            map,
+            format!("time={}:{t},voltage={}:{u},angle={}:{x}", columns[0], columns[1], columns[2])
+        );
+        assert_same(&read_bytes(text.as_bytes(), &mapped(&map)).unwrap(), names, 0);
+    }
+    let text = lines("Время, с;Напряжение, В;Угол, рад\n", |_, t, u, x| {
+        format!("{t};{u};{x}")
+    });
+    assert_eq!(refusal(&text).proposal.unwrap().map, "time=0:s,voltage=1:V,angle=2:rad");
+}
+
+#[test]
+fn a_controllers_input_is_what_it_measures_and_asked_about() {
+    let text = lines("time,setpoint,input,output\n", |k, _, u, x| {
+        format!("{},{},{},{}", 10 * k, 60, (1e3 * x).round(), (50.0 * u).round())
+    });
+    let asked = refusal(&text).to_string();
+    assert!(asked.contains("time=time:ms,duty=output:255,speed=input:rpm"), "{asked}");
+    assert!(asked.contains("time=time:ms,duty=output:255,angle=input:counts"), "{asked}");
+    assert!(!asked.contains("voltage=input"), "{asked}");
+}
+
+#[test]
 fn two_sides_of_a_bridge_are_read_as_their_difference() {
     for (forth, back) in [("in1", "in2"), ("rpwm", "lpwm"), ("pwm_fwd", "pwm_rev"), ("IN1-PWM", "IN2-PWM")] {
         let text = lines(&format!("t_ms,{forth},{back},theta\n"), |k, _, u, x| {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use motorlens::log::ReadOptions;
 
-use super::{ROWS, assert_same, lines, mapped, read_bytes, refusal, row};
+use super::{ROWS, assert_same, clock, lines, mapped, read_bytes, refusal, row};
 
 /// What a tool writes, the options that are proposed (empty: none are needed), and what reads the whole motion (where the log keeps all
 /// of it; empty: the proposal does not).
@@ -20,6 +20,10 @@ fn one_a_line() -> Vec<Case> {
         let (t, u, x) = row(k);
         let _ = writeln!(list, "{t},voltage,{u}\n{t},theta,{x}");
     }
+    let metrics = lines("Time,Metric,Value\n", |k, _, u, x| {
+        let moment = format!("2024-05-01T{}Z", clock(45_000, 10 * k));
+        format!("{moment},voltage,{u}\n{moment},theta,{x}")
+    });
     vec![
         (
             "Teleplot with stamps",
@@ -46,6 +50,12 @@ fn one_a_line() -> Vec<Case> {
             "time=millis,voltage=Volts,angle=Angle",
         ),
         (
+            "Grafana",
+            metrics,
+            "--map time=time_s:s,voltage=voltage:V,angle=theta:rad",
+            "time=time_s,voltage=voltage,angle=theta",
+        ),
+        (
             "a list of signals",
             list,
             "--map time=time_s:s,voltage=voltage:V,angle=theta:rad",
@@ -59,7 +69,7 @@ fn logged() -> Vec<Case> {
     let rows = |k: u32, u: f64, x: f64| format!("{},{u},{x}", 10 * k);
     let map = "time=t_ms,voltage=u,angle=theta";
     let options = "--map time=t_ms:ms,voltage=u:V,angle=theta:rad";
-    let clock = |k: u32| format!("12:34:{:02}.{:03}", k / 100, 10 * (k % 100));
+    let stamp = |k: u32| format!("12:34:{:02}.{:03}", k / 100, 10 * (k % 100));
     let lvm = "LabVIEW Measurement\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nMulti_Headings\tNo\n\
                X_Columns\tOne\nTime_Pref\tRelative\nOperator\tsomebody\nDate\t2024/05/01\nTime\t12:00:00.5\n***End_of_Header***\n\t\n\
                Channels\t2\t\t\nSamples\t200\t200\t\nDate\t2024/05/01\t2024/05/01\t\nTime\t12:00:00.5\t12:00:00.5\t\n\
@@ -68,7 +78,39 @@ fn logged() -> Vec<Case> {
     vec![
         (
             "stamps in brackets",
-            lines("", |k, _, u, x| format!("[{}] u:{u} theta:{x}", clock(k))),
+            lines("", |k, _, u, x| format!("[{}] u:{u} theta:{x}", stamp(k))),
+            "--map voltage=u:V,angle=theta:rad",
+            "voltage=u,angle=theta",
+        ),
+        (
+            "Tera Term",
+            lines("", |k, _, u, x| format!("[Wed May 01 {} 2024] u:{u} theta:{x}", stamp(k))),
+            "--map voltage=u:V,angle=theta:rad",
+            "voltage=u,angle=theta",
+        ),
+        (
+            "CoolTerm",
+            lines("", |k, _, u, x| format!("2024-05-01 {} u:{u},theta:{x}", stamp(k))),
+            "--map voltage=u:V,angle=theta:rad",
+            "voltage=u,angle=theta",
+        ),
+        (
+            "Python's logging",
+            lines("", |k, _, u, x| {
+                format!("2024-05-01 {} - motor - INFO - u={u} theta={x}", stamp(k).replace('.', ","))
+            }),
+            "--map voltage=u:V,angle=theta:rad",
+            "voltage=u,angle=theta",
+        ),
+        (
+            "Zephyr",
+            lines("", |k, _, u, x| format!("[{},000] <inf> motor: u: {u}, theta: {x}", stamp(k))),
+            "--map voltage=u:V,angle=theta:rad",
+            "voltage=u,angle=theta",
+        ),
+        (
+            "defmt",
+            lines("", |_, t, u, x| format!("{t:.6} [INFO ] u={u} theta={x} (motor src/main.rs:42)")),
             "--map voltage=u:V,angle=theta:rad",
             "voltage=u,angle=theta",
         ),

@@ -1,5 +1,5 @@
 //! A data log written as a list, one value a line: `Timestamp,Name,Value` (or `Key` for `Name`), times in seconds; or
-//! `time_s,signal,value`.
+//! `time_s,signal,value`, or Grafana's `Time,Metric,Value` with dates or counts of ms, us or ns.
 //!
 //! InfluxDB's answers are lists too, annotated or not. DataLogTool and AdvantageScope write WPILib's data logs so. Each entry has its own
 //! times, as in the data log itself.
@@ -13,9 +13,13 @@ use crate::log::clock::Clock;
 use crate::log::fields::{Separator, Splitter};
 use crate::log::preamble::is_nothing;
 use crate::log::text::TextReader;
+use crate::log::timing::median_interval;
 
-/// What the column of the names is called beside one of times in seconds, in small letters.
-const NAMES: [&str; 7] = ["name", "key", "signal", "topic", "channel", "variable", "field"];
+/// What the column of the names is called beside one of times, in small letters.
+const NAMES: [&str; 9] =
+    ["name", "key", "signal", "topic", "channel", "variable", "field", "metric", "series"];
+/// Whole times are seconds, ms or us up to these intervals of the series that was logged most often, and ns beyond.
+const UNITS: [(f64, f64); 3] = [(1.0, 1.0), (500.0, 1e-3), (200_000.0, 1e-6)];
 
 /// How a list is written.
 #[derive(Debug, Clone)]
@@ -24,6 +28,8 @@ struct Shape {
     time: usize,
     name: usize,
     value: usize,
+    /// Times are seconds, whatever they look like.
+    in_seconds: bool,
     /// Columns that tell values of one name apart: InfluxDB's measurement and tags.
     tags: Vec<usize>,
 }
@@ -43,8 +49,11 @@ impl Shape {
                     names.get(k).is_some_and(|name| words.contains(&name.as_str()))
                 };
                 let wpilib = is(0, &["timestamp"]) && is(1, &["name", "key"]);
-                let is_list = (wpilib || is(0, &["time_s"]) && is(1, &NAMES)) && is(2, &["value"]);
-                is_list.then(|| Shape { separator, time: 0, name: 1, value: 2, tags: Vec::new() })
+                let in_seconds = wpilib || is(0, &["time_s"]);
+                let is_list = (wpilib
+                    || is(0, &["time_s", "time", "timestamp", "date", "zeit"]) && is(1, &NAMES))
+                    && is(2, &["value"]);
+                is_list.then(|| Shape { separator, time: 0, name: 1, value: 2, in_seconds, tags: Vec::new() })
             })
         })
     }
@@ -59,6 +68,7 @@ impl Shape {
             time: place("_time")?,
             name: place("_field")?,
             value: place("_value")?,
+            in_seconds: true,
             tags,
         })
     }
@@ -88,7 +98,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let mut found: Option<(Shape, Splitter)> = None;
     let mut series: BTreeMap<String, Series> = BTreeMap::new();
     let mut clock = Clock::default();
-    let (mut line, mut number, mut of_influx) = (String::new(), 0_u64, false);
+    let (mut line, mut number, mut of_influx, mut in_seconds) = (String::new(), 0_u64, false, false);
     while lines.read_line(&mut line).map_err(unreadable)? > 0 {
         number += 1;
         // InfluxDB begins every table of an answer with a header of its own.
@@ -114,6 +124,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
             continue;
         }
         let plain = time.parse().ok().filter(|time: &f64| time.is_finite());
+        in_seconds |= shape.in_seconds || plain.is_none_or(|time| time.fract() != 0.0);
         let Some(time_s) = plain.or_else(|| clock.read(time, 1.0, None)) else {
             return Err(Fault::new(format!("line {number}: \"{time}\" is not a time"), again));
         };
@@ -133,8 +144,19 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         }
         series.times.push(time_s);
     }
+    if !in_seconds {
+        to_seconds(&mut series);
+    }
     let series = if of_influx { without_what_all_have(series) } else { series };
     Ok(Content::Events(Events::new(series, BTreeSet::new())))
+}
+
+/// Makes seconds of times that are whole counts.
+fn to_seconds(series: &mut BTreeMap<String, Series>) {
+    let longest = series.values().map(|series| series.times.as_slice()).max_by_key(|times| times.len());
+    let interval = longest.map_or(0.0, median_interval);
+    let unit = UNITS.iter().find(|(most, _)| interval < *most).map_or(1e-9, |(_, unit)| *unit);
+    series.values_mut().flat_map(|series| &mut series.times).for_each(|time| *time *= unit);
 }
 
 /// The same names without the measurement and the tags that all of InfluxDB's have.
@@ -204,6 +226,23 @@ mod tests {
         let text = text.replace("dynamic-reverse", "teleop");
         let refused = exported(&text).unwrap_err().to_string();
         assert!(refused.contains("--map time=time_s:s,voltage=/arm/voltage-left:V"), "{refused}");
+    }
+
+    #[test]
+    fn a_list_of_dates_or_counts_is_read_in_seconds() {
+        let moment = |k: u32| format!("2024-05-01 12:00:{:06.3}", 0.02 * f64::from(k));
+        let millis = |k: u32| format!("{}", 1_714_557_600_000_u64 + 20 * u64::from(k));
+        for (time, head) in
+            [(&moment as &dyn Fn(u32) -> String, "Time,Metric,Value"), (&millis, "timestamp,series,value")]
+        {
+            let row = |k| format!("{0},voltage,{1}\n{0},theta,{k}\n", time(k), k % 7);
+            let text = format!("{head}\n{}", (0..100).map(row).collect::<String>());
+            let (_directory, path) = file(text.as_bytes());
+            let map = Some("time=time_s,voltage=voltage,angle=theta".parse().unwrap());
+            let record = read(&path, &ReadOptions { map, ..ReadOptions::default() }).unwrap().remove(0);
+            assert_eq!(record.len(), 100, "{head}");
+            assert!((record.time_s[99] - record.time_s[0] - 1.98).abs() < 1e-6, "{head}");
+        }
     }
 
     /// As the page of InfluxDB exports it: a table with its annotations for each field.

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::Fault;
 use crate::error::{Error, Result};
-use crate::log::table::BLANK_MOTION;
+use crate::log::table::Part;
 use crate::log::{ReadOptions, Record, Warning, read, table};
 
 /// More columns than this are never looked through.
@@ -122,11 +122,10 @@ impl Table {
     /// # Errors
     /// Those of a CSV with these columns; places are rows, from 1.
     pub fn records(self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
-        let mut records = table::read(path, self.text(), options).map_err(|error| self.in_rows(error))?;
+        let part = if self.own_stamps { Part::OwnStamps } else { Part::Whole };
+        let read = table::read(path, self.text(), options, part);
+        let mut records = read.map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
-        if self.own_stamps {
-            records.iter_mut().for_each(|record| say_own_stamps(path, record));
-        }
         Ok(read::finished(records))
     }
 
@@ -155,17 +154,6 @@ fn listed(all: &[String]) -> String {
         let _ = write!(text, " and {} more", all.len() - SHOWN);
     }
     text
-}
-
-/// Says once that what drives the motor has stamps of its own, in place of the blanks that this makes.
-fn say_own_stamps(path: &Path, record: &mut Record) {
-    record.warnings.retain(|warning| !warning.what.contains(BLANK_MOTION));
-    record.warnings.push(Warning {
-        place: path.display().to_string(),
-        what: "what drives the motor was logged between the readings of its motion too: it holds from its own stamps on, and counts by its time"
-            .into(),
-        fix: "nothing, if the stamps of both are of one clock".into(),
-    });
 }
 
 /// `x.mat, line 12` becomes `x.mat, row 11`.

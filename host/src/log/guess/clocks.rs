@@ -39,11 +39,14 @@ pub(super) fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
-/// Rows a second by the clock among `parts`.
+/// Rows a second by the clock among `parts`, or by the intervals.
 pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
-    let clock = parts.iter().find(|part| part.quantity == Quantity::Time)?;
-    let times: Vec<f64> = rows.iter().filter_map(|row| row.get(clock.index).copied()).collect();
-    let interval_s = timing::median_interval(&times) * Unit::parse(Quantity::Time, &clock.unit).ok()?.factor;
+    let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
+    let (part, is_clock) =
+        of(Quantity::Time).map(|clock| (clock, true)).or(of(Quantity::Interval).map(|part| (part, false)))?;
+    let mut values: Vec<f64> = rows.iter().filter_map(|row| row.get(part.index).copied()).collect();
+    let interval = if is_clock { timing::median_interval(&values) } else { timing::median(&mut values) };
+    let interval_s = interval * Unit::parse(part.quantity, &part.unit).ok()?.factor;
     (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
 }
 

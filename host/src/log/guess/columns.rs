@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::clocks::{FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
 use super::{bridge, registers, sides, words};
 use crate::log::direction;
-use crate::log::units::Quantity;
+use crate::log::units::{Quantity, Unit};
 use crate::log::wraps;
 
 /// One column of the proposal.
@@ -22,6 +22,8 @@ pub struct Part {
     pub unit: String,
     /// Neither a name nor the values tell the unit.
     pub guessed: bool,
+    /// Of an angle in counts, those of a turn by the speed beside it.
+    pub turn: Option<f64>,
 }
 
 impl Part {
@@ -55,6 +57,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
         let range = Range::of(values(index));
+        // Times in us that stay within those of a servo's pulses are its pulses, and no clock.
+        if quantity == Quantity::Time && range.pulse_of_no_duty().is_some() && falls(values(index)) {
+            *guess = Some((Quantity::Duty, plain));
+            continue;
+        }
         if said[index].unit == Some("counts") && is_level(rows.len(), &range) {
             *guess = None;
             continue;
@@ -139,7 +146,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         // Whole numbers may be of any unit; those with a fraction are of seconds, or their interval tells.
         let of_time = || quantity == Quantity::Time && all.iter().all(|value| value.fract() == 0.0);
         let guessed = !told && ([Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time());
-        parts.push(Part { quantity, index, rest: None, unit, guessed });
+        parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     }
     let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
     if parts.iter().all(|part| ![Quantity::Angle, Quantity::Speed].contains(&part.quantity))
@@ -147,7 +154,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         && let Some(rate) = rate_of(&parts, rows)
     {
         let unit = format!("counts/s*{rate}");
-        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit, guessed: false });
+        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit, guessed: false, turn: None });
     }
     let unit_at = |quantity: Quantity, index: usize| {
         unit_of(quantity, said[index].unit, &values(index).collect::<Vec<_>>())
@@ -166,7 +173,10 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         angle.unit = unit;
     }
     add_fractions(&mut parts, names, rows);
-    agree(&mut parts, &said, rows);
+    let turn = agree(&mut parts, &said, rows);
+    if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
+        angle.turn = turn;
+    }
     bridge::join(&mut parts, names, rows);
     // A direction is one only beside a drive, or a speed, that has no sign of its own.
     let unsigned = parts.iter().any(|part| {
@@ -204,6 +214,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// Whether values go down on their way.
+fn falls(values: impl Iterator<Item = f64> + Clone) -> bool {
+    values.clone().zip(values.skip(1)).any(|(before, after)| after < before)
 }
 
 /// Whether a column that is called one of counts holds an encoder's levels, which are high or low and count nothing.
@@ -245,36 +260,51 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
     }
 }
 
-/// Where no name tells the unit of angle or speed, that in which the speed is the change of the angle: a log of turns beside rpm is one of
-/// neither rad nor rad/s.
-fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) {
-    const SECONDS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-    // Times that the speed is the change of the angle, and the units of both that this speaks for.
-    const RATIOS: [(f64, &str, &str); 6] = [
-        (60.0, "rev", "rpm"),
-        (60.0 / TAU, "rad", "rpm"),
-        (1.0 / 6.0, "deg", "rpm"),
-        (360.0 / TAU, "rad", "deg/s"),
-        (TAU / 360.0, "deg", "rad/s"),
-        (TAU, "rev", "rad/s"),
-    ];
+/// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
+/// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
+fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<f64> {
+    // Units of a turn, by the size of one.
+    const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
+    const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
-    let (Some(time), Some(angle), Some(speed)) =
-        (place(Quantity::Time), place(Quantity::Angle), place(Quantity::Speed))
-    else {
-        return;
-    };
-    let own = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
-    let unit = SECONDS.iter().find(|(name, _)| *name == parts[time].unit);
-    let (true, true, Some((_, seconds)), None) =
-        (own(&parts[angle]), own(&parts[speed]), unit, parts[time].rest)
-    else {
-        return;
-    };
-    let at = |row: &[f64], part: usize| row.get(parts[part].index).copied().unwrap_or(f64::NAN);
+    let (angle, speed) = (place(Quantity::Angle)?, place(Quantity::Speed)?);
+    let ratio = ratio(parts, rows)?;
+    let is_open = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
+    let (of_angle, of_speed) = (parts[angle].unit.clone(), parts[speed].unit.clone());
+    if of_angle == "counts" {
+        if is_open(&parts[speed]) && (ratio - 1.0).abs() < NEAR {
+            "counts/s".clone_into(&mut parts[speed].unit);
+            parts[speed].guessed = false;
+        }
+        let turn = SPEEDS.iter().find(|(unit, _)| *unit == of_speed && !is_open(&parts[speed]));
+        return turn.map(|(_, turn)| turn / ratio);
+    }
+    let angles = ANGLES.iter().filter(|(unit, _)| is_open(&parts[angle]) || *unit == of_angle);
+    let pairs = angles.flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
+    let mut pairs = pairs
+        .filter(|(_, (unit, _))| is_open(&parts[speed]) || *unit == of_speed)
+        .filter(|((_, angle), (_, speed))| (ratio * angle / speed - 1.0).abs() < NEAR);
+    // Of equal numbers nothing tells the units.
+    if let (Some(((one, _), (other, _))), None) = (pairs.next(), pairs.next()) {
+        let told = [(angle, *one), (speed, *other)];
+        for (k, unit) in told {
+            unit.clone_into(&mut parts[k].unit);
+            parts[k].guessed = false;
+        }
+    }
+    None
+}
+
+/// How many times the change of the angle a second the speed is, where they are one motion.
+fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
+    let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
+    let time = of(Quantity::Time).filter(|time| time.rest.is_none())?;
+    let (angle, speed) = (of(Quantity::Angle)?.index, of(Quantity::Speed)?.index);
+    let second = Unit::parse(Quantity::Time, &time.unit).ok()?.factor;
+    let at = |row: &[f64], k: usize| row.get(k).copied().unwrap_or(f64::NAN);
     let whole: Vec<[f64; 3]> = rows
         .iter()
-        .map(|row| [at(row, time) * seconds, at(row, angle), at(row, speed)])
+        .map(|row| [at(row, time.index) * second, at(row, angle), at(row, speed)])
         .filter(|row| row.iter().all(|value| value.is_finite()))
         .collect();
     let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
@@ -287,16 +317,7 @@ fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) {
         }
     }
     // Readings that jump tell no ratio.
-    if product < ONE_MOTION * (changes * speeds).sqrt() {
-        return;
-    }
-    let ratio = product / changes;
-    let near = |(wanted, ..): &&(f64, &str, &str)| (ratio / wanted - 1.0).abs() < NEAR;
-    if let Some((_, of_angle, of_speed)) = RATIOS.iter().find(near) {
-        parts[angle].unit = (*of_angle).to_owned();
-        parts[speed].unit = (*of_speed).to_owned();
-        (parts[angle].guessed, parts[speed].guessed) = (false, false);
-    }
+    (product > ONE_MOTION * (changes * speeds).sqrt()).then_some(product / changes)
 }
 
 /// Correlation of an angle's change with the speed of the same motion, and how near the ratio of both must come to that of two units: 60 and
@@ -357,7 +378,7 @@ fn unit_of_wrap(values: &[f64]) -> Option<&'static str> {
 fn full_duty(range: &Range, said: Option<&'static str>) -> String {
     let peak = range.peak();
     let full = [255.0, 400.0, 511.0, 512.0, 1000.0, 1023.0, 2047.0, 4095.0, 10_000.0, 32_767.0, 65_535.0];
-    if let Some(unit) = said {
+    if let Some(unit) = said.filter(|unit| *unit != "us") {
         unit.to_owned()
     } else if let Some(none) = range.pulse_of_no_duty() {
         format!("{none}..2000")

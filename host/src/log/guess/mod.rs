@@ -21,7 +21,7 @@ pub use columns::{Part, parts};
 pub use look::{Look, look};
 use preview::preview;
 use questions::{given_sign, guessed_unit, lost_sign, other_clock, taken_for, unknown_unit};
-pub(super) use questions::{levels_question, sampled_question};
+pub(super) use questions::{levels_question, loop_question, sampled_question};
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
@@ -196,6 +196,8 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
         return None;
     }
     drives.retain(|part| ![Angle, Speed, Current, Interval].contains(&part.quantity));
+    let taken = questions::drive_alone(input, &drives);
+    drives.extend(taken.as_ref().map(|(part, _)| part.clone()));
     moves.retain(|part| [Angle, Speed, Current].contains(&part.quantity));
     let driven = drives.iter().any(|part| [Voltage, Duty, Target].contains(&part.quantity));
     if !driven || !moves.iter().any(|part| [Angle, Speed].contains(&part.quantity)) {
@@ -208,7 +210,12 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
         counts_per_rev: second.counts_per_rev.or(first.counts_per_rev),
         metres_per_rev: second.metres_per_rev.or(first.metres_per_rev),
         preview: [first.preview, second.preview].concat(),
-        unknown_units: [first.unknown_units, second.unknown_units].concat(),
+        unknown_units: [
+            first.unknown_units,
+            second.unknown_units,
+            taken.into_iter().map(|(_, said)| said).collect(),
+        ]
+        .concat(),
         ..first
     })
 }
@@ -229,6 +236,7 @@ fn proposal(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) 
 fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> Proposal {
     let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
     let needs = |per_turn| parts.iter().any(|part| per_turn_of(part) == Some(per_turn));
+    let turn = parts.iter().find_map(|part| part.turn);
     let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
         .iter()
@@ -241,7 +249,8 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
-        counts_per_rev: needs(PerTurn::Counts).then(|| "1320".into()),
+        counts_per_rev: needs(PerTurn::Counts)
+            .then(|| turn.map_or("1320".into(), |turn| turn.round().to_string())),
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
@@ -250,6 +259,9 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .filter_map(|part| unknown_unit(&names[part.index], part))
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
+            .chain(turn.map(|turn| {
+                format!("by the speed beside them {turn:.0} counts are a turn, if both are of one shaft")
+            }))
             .chain(bridge::question(parts, names, rows))
             .collect(),
     }
@@ -262,7 +274,8 @@ fn per_turn_of(part: &Part) -> Option<PerTurn> {
 /// A mapping of the first columns, for an example where nothing tells what they are.
 pub(super) fn example(names: &[String]) -> String {
     let part = |(quantity, unit): (Quantity, &str), index: usize| {
-        format!("{quantity}={}:{unit}", column(names, index))
+        let told = words::told(&names[index]).filter(|(of, _)| *of == quantity).map(|(_, unit)| unit);
+        format!("{quantity}={}:{}", column(names, index), told.unwrap_or(unit))
     };
     let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
     // The one that is called so, else the next; a column without a name is none, and what somebody wanted comes last.
@@ -418,6 +431,69 @@ mod tests {
         let proposal = propose(&names("dt_ms;voltage_v;speed_rad_s"), &rows).unwrap();
         assert_eq!(proposal.rate, None);
         assert!(proposal.map.starts_with("interval=dt_ms:ms,"), "{}", proposal.map);
+    }
+
+    #[test]
+    fn angle_and_speed_that_are_one_motion_tell_each_others_units() {
+        let wave = |k: f64| 40.0 * (0.02 * k).sin();
+        let change = |k: f64| 0.8 * (0.02 * k).cos() * 100.0;
+        for (table, [of_angle, of_speed], map, counts) in [
+            (
+                "ms;pwm;position;velocity",
+                [60.0, 60.0],
+                "angle=position:counts,speed=velocity:counts/s",
+                "1320",
+            ),
+            ("ms;pwm;enc;rpm", [500.0, 60.0], "angle=enc:counts,speed=rpm:rpm", "500"),
+            ("ms;pwm;pos_deg;speed", [360.0, 60.0], "angle=pos_deg:deg,speed=speed:rpm", ""),
+            ("ms;pwm;pos;speed [rpm]", [1.0, 60.0], "angle=pos:rev,speed=speed [rpm]:rpm", ""),
+            ("ms;pwm;pos;speed", [1.0, 1.0], "angle=pos:rad,speed=speed:rad/s", ""),
+        ] {
+            let row = |k: f64| {
+                let turns = of_angle * wave(k);
+                let angle = if of_angle > 400.0 || of_angle == of_speed && of_angle > 1.0 {
+                    turns.round()
+                } else {
+                    turns
+                };
+                vec![10.0 * k, (200.0 * (0.1 * k).sin()).round(), angle, of_speed * change(k)]
+            };
+            let proposal = propose(&names(table), &rows(row)).unwrap();
+            assert!(proposal.map.ends_with(map), "{}", proposal.map);
+            let told = proposal.counts_per_rev.as_deref().unwrap_or_default();
+            let near = |a: &str, b: &str| {
+                a == b
+                    || a.parse::<f64>()
+                        .is_ok_and(|a| b.parse::<f64>().is_ok_and(|b| (a / b - 1.0).abs() < 0.01))
+            };
+            assert!(near(told, counts), "{told} {counts}");
+        }
+    }
+
+    #[test]
+    fn pulses_of_a_servo_are_no_clock_and_the_output_is_what_turns() {
+        let swing = |k: f64| (0.1 * k).sin();
+        let pulses = rows(|k| vec![10.0 * k, 1500.0 + (400.0 * swing(k)).round(), 60.0 * swing(k)]);
+        let proposal = propose(&names("ms;servo_us;rpm"), &pulses).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=servo_us:1500..2000,speed=rpm:rpm");
+        let geared = rows(|k| vec![0.01 * k, 9.0 * swing(k), 1800.0 * swing(k), 60.0 * swing(k)]);
+        let proposal = propose(&names("t;V;motor_rpm;output_rpm"), &geared).unwrap();
+        assert_eq!(proposal.map, "time=t:s,voltage=V:V,speed=output_rpm:rpm");
+        let counted = rows(|k| vec![10.0 * k, (200.0 * swing(k)).round(), (50.0 * swing(k)).round()]);
+        let proposal = propose(&names("ms;pwm;ticks_per_loop"), &counted).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=ticks_per_loop:counts/s*100");
+    }
+
+    #[test]
+    fn what_was_counted_since_the_row_before_is_a_speed_with_an_interval_too() {
+        let rows = rows(|k| vec![10.0, (200.0 * (0.1 * k).sin()).round(), (5.0 * (0.1 * k).sin()).round()]);
+        let proposal = propose(&names("dt_ms;pwm;delta_ticks"), &rows).unwrap();
+        assert_eq!(proposal.map, "interval=dt_ms:ms,duty=pwm:255,speed=delta_ticks:counts/s*100");
+    }
+
+    #[test]
+    fn an_example_keeps_the_units_that_names_tell() {
+        assert_eq!(example(&names("czas_ms;x;y_rpm")), "time=czas_ms:ms,voltage=x:V,speed=y_rpm:rpm");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::clocks::DAYS;
 use super::columns::{self, Part, Range};
-use super::{column, quoted, unit_names, words};
+use super::{column, proposal, quoted, unit_names, words};
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -121,6 +121,49 @@ pub(in crate::log) fn levels_question(sample: &Sample) -> Option<String> {
     })
 }
 
+/// What is asked of a controller's own log, `setpoint,input,output`: its input is what it measures and its output what it commands, as
+/// Arduino's PID library has them, the other way round than those of a motor.
+pub(in crate::log) fn loop_question(sample: &Sample) -> Option<String> {
+    let called = |word: &str| sample.names.iter().position(|name| words::of(name) == [word]);
+    let (input, output) = (called("input")?, called("output")?);
+    if !sample.names.iter().any(|name| words::said(name).target) {
+        return None;
+    }
+    let meaning = |motion: &str| {
+        let mut with_units = sample.with_units.clone();
+        with_units[input] = motion.to_owned();
+        with_units[output] = "duty".to_owned();
+        let parts = columns::parts(&with_units, &sample.rows);
+        proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
+    };
+    Some(format!(
+        "beside a setpoint the input of a controller is what it measures, and its output what it commands: if they are a speed and a duty, say \
+         {}, and with the other units where it is none of turns a minute; if they are a position in counts and a duty, {}",
+        meaning("speed [rpm]")?,
+        meaning("encoder count")?
+    ))
+}
+
+/// Of the first of two files, which is that of what drives the motor, the only column beside the time, and what is said of it.
+pub(super) fn drive_alone(input: &Sample, parts: &[Part]) -> Option<(Part, String)> {
+    use Quantity::{Duty, Target, Time, Voltage};
+    let clock = parts.iter().find(|part| part.quantity == Time)?.index;
+    let values =
+        |k: usize| input.rows.iter().filter_map(move |row| row.get(k)).copied().filter(|v| v.is_finite());
+    let mut others = (0..input.names.len()).filter(|k| *k != clock && values(*k).next().is_some());
+    let (index, None) = (others.next()?, others.next()) else { return None };
+    if parts.iter().any(|part| [Duty, Target, Voltage].contains(&part.quantity)) {
+        return None;
+    }
+    let part = Part { quantity: Voltage, index, rest: None, unit: "V".into(), guessed: true, turn: None };
+    let said = format!(
+        "\"{0}\" is taken for the motor's voltage, because it is all that this file holds; where it is a duty, write duty={1}:255 --supply-volts 12",
+        input.names[index],
+        column(&input.names, index)
+    );
+    Some((part, said))
+}
+
 /// What is asked of a table that an oscilloscope sampled, whose rate is known and whose channels are not.
 pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
     let rate = sample.rate?;
@@ -154,6 +197,7 @@ pub(super) fn guessed_unit(name: &str, part: &Part) -> Option<String> {
         (Quantity::Time, _) => "s or ms (or --rate for it, where it numbers the rows)",
         _ => "rpm, deg/s, rev/s or counts/s",
     };
-    let asked = part.guessed && unknown_unit(name, part).is_none();
+    let of_motion = matches!(part.quantity, Quantity::Angle | Quantity::Speed | Quantity::Time);
+    let asked = part.guessed && of_motion && unknown_unit(name, part).is_none();
     asked.then(|| format!("nothing tells the unit of \"{name}\": {taken} is a guess; put {others} in its place where it is that"))
 }

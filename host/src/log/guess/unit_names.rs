@@ -5,7 +5,7 @@ use super::super::units::Quantity;
 use Quantity::{Angle, Current, Duty, Speed, Time, Voltage};
 
 /// Units as people write them, within brackets or behind an underscore, longest first.
-pub(super) const UNITS: [(&str, Quantity, &str); 152] = [
+pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("milliseconds", Time, "ms"),
     ("microseconds", Time, "us"),
     ("seconds", Time, "s"),
@@ -62,6 +62,14 @@ pub(super) const UNITS: [(&str, Quantity, &str); 152] = [
     ("r/min", Speed, "rpm"),
     ("rev/min", Speed, "rpm"),
     ("tr/min", Speed, "rpm"),
+    ("giri/min", Speed, "rpm"),
+    ("obr/min", Speed, "rpm"),
+    ("ot/min", Speed, "rpm"),
+    ("omw/min", Speed, "rpm"),
+    ("varv/min", Speed, "rpm"),
+    ("rot/min", Speed, "rpm"),
+    ("об/мин", Speed, "rpm"),
+    ("转/分", Speed, "rpm"),
     ("min-1", Speed, "rpm"),
     ("min^-1", Speed, "rpm"),
     ("rps", Speed, "rev/s"),
@@ -127,8 +135,14 @@ pub(super) const UNITS: [(&str, Quantity, &str); 152] = [
     ("50us", Time, "us*50"),
     ("100ns", Time, "ns*100"),
     ("counts/s", Speed, "counts/s"),
-    ("ticks/s", Speed, "counts/s"),
+    ("counts/sec", Speed, "counts/s"),
     ("counts_s", Speed, "counts/s"),
+    ("counts/ms", Speed, "counts/s*1000"),
+    ("counts/10ms", Speed, "counts/s*100"),
+    ("counts/20ms", Speed, "counts/s*50"),
+    ("counts/50ms", Speed, "counts/s*20"),
+    ("counts/100ms", Speed, "counts/s*10"),
+    ("counts/min", Speed, "counts/s/60"),
     ("rad", Angle, "rad"),
     ("radians", Angle, "rad"),
     ("deg", Angle, "deg"),
@@ -158,11 +172,31 @@ pub(super) const UNITS: [(&str, Quantity, &str); 152] = [
     ("metres", Angle, "m"),
     ("ma", Current, "mA"),
     ("a", Current, "A"),
+    ("с", Time, "s"),
+    ("мс", Time, "ms"),
+    ("мкс", Time, "us"),
+    ("в", Voltage, "V"),
+    ("мв", Voltage, "mV"),
+    ("рад/с", Speed, "rad/s"),
+    ("град/с", Speed, "deg/s"),
+    ("об/с", Speed, "rev/s"),
+    ("рад", Angle, "rad"),
+    ("град", Angle, "deg"),
+    ("об", Angle, "rev"),
+    ("а", Current, "A"),
+    ("ма", Current, "mA"),
 ];
+
+/// What people call the counts of an encoder before a stroke: `ticks/100ms`.
+const COUNTS: [&str; 8] = ["counts/", "ticks/", "pulses/", "edges/", "units/", "inc/", "imp/", "cnt/"];
 
 /// The quantity and the unit, as `--map` writes it, that a text such as `ms` or `1/min` names.
 pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
-    let lower = text.to_lowercase();
+    let mut lower = text.to_lowercase();
+    let tight = lower.replace(' ', "");
+    if let Some(rest) = COUNTS.iter().find_map(|counts| tight.strip_prefix(counts)) {
+        lower = format!("counts/{rest}");
+    }
     UNITS.iter().find(|(known, ..)| *known == lower).map(|(_, quantity, unit)| (*quantity, *unit))
 }
 

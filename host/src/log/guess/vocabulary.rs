@@ -9,7 +9,26 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
         Time,
         3,
         None,
-        &["time", "zeit", "timestamp", "ts", "tout", "temps", "tiempo", "tempo", "clock", "stamp", "uhrzeit"],
+        &[
+            "time",
+            "zeit",
+            "timestamp",
+            "ts",
+            "tout",
+            "temps",
+            "tiempo",
+            "tempo",
+            "clock",
+            "stamp",
+            "uhrzeit",
+            "tijd",
+            "czas",
+            "čas",
+            "tid",
+            "zaman",
+            "время",
+            "时间",
+        ],
     ),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems", "ms_today"]),
     (Time, 3, Some("us"), &["micros", "microseconds", "tus", "timeus"]),
@@ -64,6 +83,17 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "tension",
             "voltaje",
             "tensión",
+            "tensione",
+            "tensao",
+            "tensão",
+            "spanning",
+            "spänning",
+            "napięcie",
+            "napiecie",
+            "napětí",
+            "gerilim",
+            "напряжение",
+            "电压",
             "vmotor",
             "umotor",
             "motorvoltage",
@@ -85,7 +115,35 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
         Angle,
         4,
         None,
-        &["angle", "position", "pos", "theta", "winkel", "phi", "lage", "posición", "rotation", "shaft", "q"],
+        &[
+            "angle",
+            "position",
+            "pos",
+            "theta",
+            "θ",
+            "φ",
+            "winkel",
+            "phi",
+            "lage",
+            "posición",
+            "posicion",
+            "posizione",
+            "posição",
+            "posicao",
+            "ángulo",
+            "angulo",
+            "ângulo",
+            "angolo",
+            "hoek",
+            "kąt",
+            "угол",
+            "положение",
+            "角度",
+            "位置",
+            "rotation",
+            "shaft",
+            "q",
+        ],
     ),
     (
         Angle,
@@ -106,11 +164,22 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "velocity",
             "vel",
             "omega",
+            "ω",
             "geschwindigkeit",
             "drehgeschwindigkeit",
             "vitesse",
             "velocidad",
             "velocità",
+            "velocita",
+            "velocidade",
+            "snelheid",
+            "hastighet",
+            "prędkość",
+            "predkosc",
+            "rychlost",
+            "hız",
+            "скорость",
+            "速度",
             "qd",
             "dtheta",
             "thetadot",
@@ -121,7 +190,7 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
     (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
     // Electrical turns: pole pairs times those of the shaft. A speed of a vehicle beside it is made of it.
     (Speed, 8, Some(ELECTRICAL), &["erpm"]),
-    (Speed, 5, Some("rpm"), &["drehzahl"]),
+    (Speed, 5, Some("rpm"), &TURNING),
     // RoboClaw's quadrature pulses a second.
     (Speed, 5, Some("counts/s"), &["qpps"]),
     // A gyroscope that turns with the shaft.
@@ -135,9 +204,34 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
         None,
         &["dir", "direction", "richtung", "drehrichtung", "motordir", "sens", "sentido", "direzione", "sign"],
     ),
-    (Current, 3, None, &["current", "strom", "courant", "amps", "amp", "i", "imotor", "ia", "iq", "curr"]),
+    (
+        Current,
+        3,
+        None,
+        &[
+            "current",
+            "strom",
+            "courant",
+            "corriente",
+            "corrente",
+            "stroom",
+            "prąd",
+            "ток",
+            "电流",
+            "amps",
+            "amp",
+            "i",
+            "imotor",
+            "ia",
+            "iq",
+            "curr",
+        ],
+    ),
     (Current, 3, Some("mA"), &["ma"]),
 ];
+
+/// Words for the turns a minute of machines, which are kept in other units too.
+pub(super) const TURNING: [&str; 6] = ["drehzahl", "toerental", "obroty", "otáčky", "обороты", "转速"];
 
 /// What the axes of a gyroscope are called.
 pub(super) const GYROSCOPE: [&str; 10] =
@@ -185,8 +279,11 @@ pub(super) const WANTED: [&str; 10] =
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
 pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
 
+/// Counts per one of these are those since the row before.
+pub(super) const ROWS: [&str; 6] = ["loop", "sample", "cycle", "period", "interval", "row"];
+
 /// What makes a speed of an angle's name.
-pub(super) const RATES: [&str; 3] = ["dot", "rate", "derivative"];
+pub(super) const RATES: [&str; 6] = ["dot", "rate", "derivative", "hz", "freq", "frequency"];
 
 /// Names with one of these may end in metres.
 pub(super) const LINEAR: [&str; 9] =

@@ -3,8 +3,8 @@
 use super::super::units::Quantity;
 use super::unit_names::{UNITS, unit_named};
 use super::vocabulary::{
-    ACTION, CLOCKS, COMMANDED, EFFORTS, GYROSCOPE, LINEAR, RATES, REGISTERS, SCALES, TARGETS, TELL_TURNS,
-    TURNS, WANTED, WORDS,
+    ACTION, CLOCKS, COMMANDED, EFFORTS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES, TARGETS,
+    TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -60,7 +60,7 @@ pub fn said(name: &str) -> Said {
                 && [&lower, &snake].iter().any(|name| {
                     // `ms` is the name of a time, `v` perhaps that of a speed.
                     let ends = |before: &str| {
-                        before.is_empty() && text.len() > 1 || before.ends_with(['_', ' ', '-', '.'])
+                        before.is_empty() && text.chars().count() > 1 || before.ends_with(['_', ' ', '-', '.'])
                     };
                     name.strip_suffix(text).is_some_and(ends)
                 })
@@ -99,15 +99,17 @@ pub fn said(name: &str) -> Said {
         best = Some((Speed, plain, implied.filter(|unit| *unit == "counts")));
     }
     // What an encoder counted since the row before is no angle.
-    let since_before = any_of(&["delta", "diff", "increment", "increments"])
-        && unit.is_none()
+    let per_row = words.windows(2).any(|pair| pair[0] == "per" && ROWS.contains(&pair[1].as_str()));
+    let since_before = (per_row || any_of(&["delta", "diff", "increment", "increments"]))
+        && unit.is_none_or(|(_, unit)| unit == "counts")
         && best.is_none_or(|(of, ..)| of == Angle);
+    let unit = unit.filter(|_| !since_before);
     if since_before {
         best = None;
     }
     // The motion of what is driven, as the sensor saw it.
     if let Some((Angle | Speed, plain, _)) = &mut best {
-        *plain += u8::from(any_of(&["wheel", "joint", "gearbox", "load", "raw"]));
+        *plain += u8::from(any_of(&["wheel", "joint", "gearbox", "load", "output", "raw"]));
         *plain = plain
             .saturating_sub(u8::from(any_of(&["filtered", "filt", "smooth", "smoothed", "avg", "mean"])));
     }
@@ -150,7 +152,7 @@ pub fn said(name: &str) -> Said {
     };
     // Names of the unit itself, and not of what is usually measured in it.
     const SUGGESTED: [&str; 3] = ["counts", "counts/s", "m"];
-    let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&["drehzahl"]);
+    let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&TURNING);
     let told = unit.is_some() || by_itself;
     let in_turns = any_of(&TELL_TURNS) || TURNS.iter().any(|end| snake.ends_with(end));
     let implied = implied.or(match quantity {
@@ -334,6 +336,16 @@ mod tests {
             ("qpps", Speed, Some("counts/s")),
             ("gyro_z", Speed, None),
             ("gz [dps]", Speed, Some("deg/s")),
+            ("Velocità [giri/min]", Speed, Some("rpm")),
+            ("Скорость, об/мин", Speed, Some("rpm")),
+            ("prędkość [obr/min]", Speed, Some("rpm")),
+            ("speed [ticks/10ms]", Speed, Some("counts/s*100")),
+            ("velocity (units / 100 ms)", Speed, Some("counts/s*10")),
+            ("encoder_hz", Speed, Some("counts/s")),
+            ("tempo_ms", Time, Some("ms")),
+            ("tensao", Voltage, None),
+            ("ω", Speed, None),
+            ("θ [°]", Angle, Some("deg")),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");

@@ -1,0 +1,148 @@
+//! What stands before a line: when a serial monitor received it, or a board or a program said it, and with which level.
+
+use super::clock;
+use super::fields::{is_name_first, is_word};
+
+/// Levels of loggers, in small letters.
+const LEVELS: [&str; 14] = [
+    "trace", "debug", "info", "notice", "warn", "warning", "error", "critical", "fatal", "inf", "dbg", "wrn",
+    "err", "log",
+];
+
+/// The stamp before a line, and the line: that of a serial monitor, `12:34:56.789 -> 1,2,3`, with a single `>`, or `[12:34:56.789] 1,2`;
+/// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started; that of ROS, `[INFO] [1700000000.25] [motor]: 1,2`, in s;
+/// that of a program's logger, `2024-05-01 12:34:56,789 - motor - INFO - u=1 w=2`; that of a terminal, `2024-05-01 12:34:56.789 1,2`.
+pub fn stamped(line: &str) -> Option<(&str, &str)> {
+    if let Some(found) = logged(line).or_else(|| logged_by_ros(line)) {
+        return Some(found);
+    }
+    if let Some((stamp, rest)) = line.strip_prefix('[').and_then(|inside| inside.split_once(']')) {
+        let rest = rest.trim();
+        return Some((moment_in(stamp.trim())?, behind_level(rest).unwrap_or(rest)));
+    }
+    let by_monitor = line.split_once("->").or_else(|| line.split_once(" > "));
+    let by_monitor = by_monitor.map(|(stamp, rest)| (stamp.trim(), rest.trim()));
+    by_monitor.filter(|(stamp, _)| clock::moment(stamp).is_some()).or_else(|| logged_by_program(line))
+}
+
+/// A line of ESP-IDF's log, perhaps in colour: its level, the stamp in brackets, its tag, and what was said.
+fn logged(line: &str) -> Option<(&str, &str)> {
+    let mut line = line;
+    if let Some(coloured) = line.strip_prefix('\u{1b}') {
+        line = coloured.split_once('m')?.1;
+    }
+    let line = line.split('\u{1b}').next()?;
+    let (stamp, rest) = line.strip_prefix(['I', 'W', 'E', 'D', 'V'])?.strip_prefix(" (")?.split_once(')')?;
+    let (_, said) = rest.split_once(": ")?;
+    let is_stamp =
+        !stamp.is_empty() && stamp.bytes().all(|b| b.is_ascii_digit()) || clock::moment(stamp).is_some();
+    is_stamp.then_some((stamp, said.trim()))
+}
+
+/// A line of ROS's console: level, stamp and perhaps the node, each in brackets, and what was said.
+fn logged_by_ros(line: &str) -> Option<(&str, &str)> {
+    let (level, rest) = line.strip_prefix('[')?.split_once(']')?;
+    let (stamp, rest) = rest.trim_start().strip_prefix('[')?.split_once(']')?;
+    let is_level = !level.is_empty() && level.bytes().all(|b| b.is_ascii_alphabetic() || b == b' ');
+    let is_stamp = stamp.contains('.') && stamp.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let rest = rest.trim_start();
+    let said = rest.strip_prefix('[').and_then(|node| node.split_once(']')).map_or(rest, |(_, said)| said);
+    (is_level && is_stamp).then(|| (stamp, said.trim_start_matches(':').trim()))
+}
+
+/// The clock time in what brackets hold: `12:34:56.789`, Zephyr's `00:00:01.234,567`, Tera Term's `Wed May 01 12:34:56.789 2024`.
+fn moment_in(text: &str) -> Option<&str> {
+    let is_moment = |text: &&str| clock::moment(text).is_some();
+    let plain = Some(text).filter(is_moment);
+    plain.or_else(|| {
+        text.split_whitespace().find_map(|word| {
+            let shorter = || word.rsplit_once(',').map(|(before, _)| before).filter(is_moment);
+            Some(word).filter(is_moment).or_else(shorter)
+        })
+    })
+}
+
+/// A line whose time stands bare before it: behind the time there is a level, or values with names, or a row that something other than
+/// blanks separates. Seconds without a clock's colons are a time only before a level.
+fn logged_by_program(line: &str) -> Option<(&str, &str)> {
+    let blanks = line.match_indices(' ').map(|(at, _)| at);
+    let is_count =
+        |stamp: &str| stamp.contains('.') && stamp.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let ends: Vec<usize> = blanks.take(2).collect();
+    let stamp = ends.iter().rev().map(|end| &line[..*end]).find(|stamp| clock::moment(stamp).is_some());
+    let stamp = stamp.or_else(|| ends.first().map(|end| &line[..*end]).filter(|stamp| is_count(stamp)))?;
+    let rest = line[stamp.len()..].trim_start();
+    if let Some(said) = behind_level(rest) {
+        return Some((stamp, said));
+    }
+    let separated = rest.contains([',', ';', '\t']) && !rest.replace(", ", ",").contains(' ');
+    let first = line.split([',', ';', '\t']).next().unwrap_or_default();
+    let is_row = separated && clock::moment(first).is_none();
+    (!is_count(stamp) && (is_name_first(rest) || is_row)).then_some((stamp, rest))
+}
+
+/// What was said behind the level of a logger's line: `- motor - INFO - u=1`, `[INFO ] u=1`, `<inf> motor: u=1`.
+fn behind_level(line: &str) -> Option<&str> {
+    let mut rest = line;
+    loop {
+        rest = rest.trim_start();
+        rest = rest.strip_prefix("- ").or_else(|| rest.strip_prefix("| ")).unwrap_or(rest).trim_start();
+        let close = match rest.chars().next()? {
+            '[' => rest.find(']').map(|at| at + 1),
+            '<' => rest.find('>').map(|at| at + 1),
+            _ => rest.find([' ', '\t']),
+        };
+        let (word, behind) = rest.split_at(close?);
+        let word = word.trim_matches(['[', ']', '<', '>', ':', ' ']);
+        let behind = behind.trim_start();
+        if LEVELS.contains(&word.to_lowercase().as_str()) {
+            let said = behind.trim_start_matches(':').trim_start();
+            return Some(said.strip_prefix("- ").or_else(|| said.strip_prefix("| ")).unwrap_or(said).trim());
+        }
+        // The name of who said it.
+        if !(is_word(word) && (behind.starts_with("- ") || behind.starts_with("| "))) {
+            return None;
+        }
+        rest = behind;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_of_monitors_boards_terminals_and_loggers_are_told_from_what_was_said() {
+        for (line, stamp, said) in [
+            ("12:34:56.789 -> 1,2", "12:34:56.789", "1,2"),
+            ("[12:34:56.789] 1,2", "12:34:56.789", "1,2"),
+            ("I (1234) motor: 1,2", "1234", "1,2"),
+            ("[INFO] [1700000000.25] [motor]: 1,2", "1700000000.25", "1,2"),
+            ("[Wed May 01 12:34:56.789 2024] u:1 w:2", "12:34:56.789", "u:1 w:2"),
+            ("[00:00:01.234,567] <inf> motor: u: 1, w: 2", "00:00:01.234", "motor: u: 1, w: 2"),
+            ("2024-05-01 12:34:56,789 - motor - INFO - u=1 w=2", "2024-05-01 12:34:56,789", "u=1 w=2"),
+            ("2024-05-01 12:34:56,789 INFO u: 1, w: 2", "2024-05-01 12:34:56,789", "u: 1, w: 2"),
+            ("2024-05-01 12:34:56.789 | INFO | 1,2", "2024-05-01 12:34:56.789", "1,2"),
+            ("2024-05-01 12:34:56.789 1,2", "2024-05-01 12:34:56.789", "1,2"),
+            ("12:34:56.789 u:1,w:2", "12:34:56.789", "u:1,w:2"),
+            ("0.010000 [INFO ] u=1 w=2", "0.010000", "u=1 w=2"),
+        ] {
+            assert_eq!(stamped(line), Some((stamp, said)), "{line}");
+        }
+        for line in [
+            "[1, 2]",
+            "[a] 1,2",
+            "I (x) motor: 1,2",
+            "In (12) of: 3",
+            "12:34:56.789 1 2",
+            "12:34:56.789 1,5 2,5",
+            "2024-05-01 12:34:56,1,2",
+            "2024-05-01 12:34:56 +0200,1,2",
+            "1:02:03 PM,1,2",
+            "0.01 1,2",
+            "0.01 u=1 w=2",
+        ] {
+            assert_eq!(stamped(line), None, "{line}");
+        }
+    }
+}
