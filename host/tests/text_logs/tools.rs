@@ -164,7 +164,7 @@ fn logged() -> Vec<Case> {
                 let sign = if u < 0.0 { "-" } else { "" };
                 format!(
                     "01.05.2024 {};{sign}{grouped};{}",
-                    clock(k).replace('.', ","),
+                    clock(45_000, 10 * k).replace('.', ","),
                     x.to_string().replace('.', ",")
                 )
             }),
