@@ -10,13 +10,14 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use exported::{OPTIONS, model, truth};
+use motorlens::estimate;
 use motorlens::export::cost::cost;
 use motorlens::export::{Format, Options, export};
 use motorlens::log::{self, ReadOptions, Record};
 use motorlens::model_file::Model;
 use motorlens::motor_file::{self, MotorFile};
 use motorlens_shared::effects::Kind;
-use tools::{HELD_MODELICA, TARGETS, python, run, volts};
+use tools::{HELD_MODELICA, TARGETS, Target, python, run, volts};
 
 /// Effects with their parameters.
 type Effects = &'static [(Kind, &'static [f64])];
@@ -37,10 +38,17 @@ impl Measured {
     }
 }
 
-/// Runs every target that takes `model`, and says which. `own` is the model's error on the record.
-fn targets_that_take(python: &str, name: &str, model: &Model, measured: &Measured, own: f64) -> Vec<Format> {
+/// Runs each of `targets` that takes `model`, and says which. `own` is the model's error on the record.
+fn targets_that_take(
+    python: &str,
+    targets: &[Target],
+    name: &str,
+    model: &Model,
+    measured: &Measured,
+    own: f64,
+) -> Vec<Format> {
     let (mut taken, mut worse) = (Vec::new(), Vec::new());
-    for (format, file, script, tool) in &TARGETS {
+    for (format, file, script, tool) in targets {
         let step_s = if *format == Format::Mujoco { None } else { OPTIONS.step_s };
         let options = Options { step_s, torque_per_volt: Some(0.1), ..OPTIONS };
         let exported = export(model, *format, &options).unwrap();
@@ -68,10 +76,7 @@ fn targets_that_take(python: &str, name: &str, model: &Model, measured: &Measure
         let there = measured.error(&run(python, script, &path, &measured.volts));
         println!("{name:<10} {format:?}: {there:.5} rad in {tool}, {own:.5} rad by the model");
         taken.push(*format);
-        // Between two bodies MuJoCo's contact and shaft are stepped otherwise than the model's: shorter steps bring them no nearer.
-        let two_bodies = effects.iter().any(|(kind, _)| kind.is_transmission()) && *format == Format::Mujoco;
-        let allowed = if two_bodies { 1.03 } else { 1.01 };
-        if there > allowed * own {
+        if there > 1.01 * own {
             worse.push(format!("{name} in {format:?}: {there} rad, {own} rad by the model"));
         }
     }
@@ -110,38 +115,80 @@ fn every_target_has_the_models_own_error_on_a_record_or_is_refused() {
         let readings = angles.into_iter().enumerate().collect();
         let measured = Measured { record, motor: MotorFile::default(), volts: volts.clone(), readings };
         let own = measured.error(&truth(&fitted, &volts));
-        taken.extend(targets_that_take(&python, name, &fitted, &measured, own));
+        taken.extend(targets_that_take(&python, &TARGETS, name, &fitted, &measured, own));
     }
     let times = |format: Format| taken.iter().filter(|other| **other == format).count();
     assert!(TARGETS[..5].iter().all(|(format, ..)| times(*format) == cases.len()), "{taken:?}");
     assert!(TARGETS.iter().all(|(format, ..)| times(*format) > 0), "{taken:?}");
 }
 
-/// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it.
-#[test]
-fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
-    let (Some(python), Some(rig)) = (python(), real("undcmotor-angle")) else { return };
+/// The logs of a teaching rig: two to fit, and a step that is kept out.
+struct Rig {
+    motor: MotorFile,
+    training: Vec<Record>,
+    kept_out: Record,
+}
+
+fn rig() -> Option<Rig> {
+    let rig = real("undcmotor-angle")?;
     let motor = motor_file::read(&rig.join("motor.toml")).unwrap();
     let options = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
     let read = |file: &str| log::read(&rig.join(file), &options).unwrap();
     let training = [read("train/profile.csv"), read("train/stairs.csv")].concat();
-    let record = read("validation/step.csv").remove(0);
-    let how = motorlens::Options { motor: motor.clone(), ..motorlens::Options::default() };
-    let found =
-        motorlens::discover_records(&training, &how, &mut |_| ControlFlow::Continue(())).unwrap().model;
+    Some(Rig { motor, training, kept_out: read("validation/step.csv").remove(0) })
+}
 
+/// `record` as the targets are driven.
+fn on_the_rig(record: &Record, motor: &MotorFile) -> Measured {
     let steps: Vec<usize> =
         record.time_s.iter().map(|t| ((t - record.time_s[0]) * 1e3).round() as usize).collect();
-    let held = steps.windows(2).zip(&record.voltage_v).flat_map(|(w, v)| vec![*v; w[1] - w[0]]).collect();
+    let volts = steps.windows(2).zip(&record.voltage_v).flat_map(|(w, v)| vec![*v; w[1] - w[0]]).collect();
     let angle = record.angle_rad.clone().expect("the rig measures its angle");
     let readings = steps.iter().zip(&angle).skip(1).map(|(step, x)| (step - 1, x - angle[0])).collect();
-    let simulated = found.simulate(&record.time_s, &record.voltage_v, 0.0).unwrap();
-    let missed = simulated.iter().zip(&angle).skip(1).map(|(a, b)| (a - (b - angle[0])).powi(2)).sum::<f64>();
-    let own = (missed / (angle.len() - 1) as f64).sqrt();
-    let measured = Measured { record, motor, volts: held, readings };
+    Measured { record: record.clone(), motor: motor.clone(), volts, readings }
+}
+
+/// The model's own error where it is simulated as `compare` does, from sample to sample.
+fn error_between_samples(model: &Model, record: &Record) -> f64 {
+    let simulated = model.simulate(&record.time_s, &record.voltage_v, 0.0).unwrap();
+    let angle = record.angle_rad.as_deref().expect("the rig measures its angle");
+    let missed = simulated.iter().zip(angle).skip(1).map(|(a, b)| (a - (b - angle[0])).powi(2)).sum::<f64>();
+    (missed / (angle.len() - 1) as f64).sqrt()
+}
+
+/// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it.
+#[test]
+fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
+    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let how = motorlens::Options { motor: rig.motor.clone(), ..motorlens::Options::default() };
+    let found =
+        motorlens::discover_records(&rig.training, &how, &mut |_| ControlFlow::Continue(())).unwrap().model;
+    let measured = on_the_rig(&rig.kept_out, &rig.motor);
+    let own = error_between_samples(&found, &rig.kept_out);
     println!("{:?}", found.values());
-    let taken = targets_that_take(&python, "real", &found, &measured, own);
+    let taken = targets_that_take(&python, &TARGETS, "real", &found, &measured, own);
     assert!(TARGETS[..5].iter().all(|(format, ..)| taken.contains(format)), "{taken:?}");
+}
+
+/// Two bodies in MuJoCo, with what a fit makes of gap and shaft on the logs of a rig, on each of its logs. The model's own error is that in
+/// steps of a millisecond, as every export's: where the rig creeps and sticks, a motor with a gap goes another way with each rounding.
+#[test]
+fn mujoco_errs_as_the_model_does_with_two_bodies_on_every_log_of_a_rig() {
+    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let mujoco = TARGETS.map(|target| (target.0 == Format::Mujoco).then_some(target));
+    let mujoco: Vec<_> = mujoco.into_iter().flatten().collect();
+    for between in [Kind::Backlash, Kind::Compliance] {
+        let how = estimate::Options { effects: vec![Kind::Coulomb, between], ..estimate::Options::default() };
+        let fitted = estimate::fit(&rig.training, &[], &rig.motor, &how, &mut |_, _| {}).unwrap().model;
+        for record in rig.training.iter().chain([&rig.kept_out]) {
+            let measured = on_the_rig(record, &rig.motor);
+            let mut motor = fitted.start(1e-3, 0.0);
+            let run: Vec<f64> = measured.volts.iter().map(|v| motor.step(*v)).collect();
+            let own = measured.error(&run);
+            let taken = targets_that_take(&python, &mujoco, between.name(), &fitted, &measured, own);
+            assert_eq!(taken, [Format::Mujoco]);
+        }
+    }
 }
 
 /// Where a real rig's logs are; says so where they are absent.

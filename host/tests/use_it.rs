@@ -43,6 +43,58 @@ fn an_export_that_would_lose_an_effect_is_refused_with_its_cost_and_allowed_on_r
     assert!(scale.err.contains("--torque-per-volt"), "{}", scale.err);
 }
 
+/// A weight that the robot must have, a delay in a comment, a program beside the file, steps that are too long.
+#[test]
+fn what_an_export_leaves_to_its_user_is_told_with_what_its_absence_costs() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let weight = r#"{"effect":"gravity","parameters":[{"name":"sine","value":0.8,"unit":"V"},
+        {"name":"cosine","value":0.0,"unit":"V"}]}"#;
+    let late = r#"{"effect":"delay","parameters":[{"name":"time","value":0.03,"unit":"s"}]}"#;
+    for (effects, format, effect, word) in [
+        (weight, "urdf", "gravity", "robot"),
+        (late, "isaac", "delay", "comment"),
+        (late, "bam", "delay", "rollout"),
+        (late, "wpilib", "delay", "controller"),
+        (DEAD, "mujoco", "dead_zone", "Python file"),
+    ] {
+        model(here, "m.json", 0.9, &format!("{DRY},{effects}"));
+        let words = format!("export m.json -f {format} -o out --torque-per-volt 0.1 --json");
+        let told = run(here, &words).ends(0).json();
+        assert_eq!(told["left"][0]["effect"], effect, "{told}");
+        let said = told["left_out"].to_string();
+        assert!(
+            said.contains(word) && said.contains("its absence costs") && said.contains(" rad (rms"),
+            "{said}"
+        );
+    }
+    let slow = run(here, "export m.json -f c -o m.c --step 0.01 --json").ends(0).json();
+    let said = slow["left_out"].to_string();
+    assert!(said.contains("Steps of 0.01 s instead of 0.001 s cost"), "{said}");
+    let shaft = r#"{"effect":"compliance","parameters":[{"name":"frequency","value":20.0,"unit":"Hz"},
+        {"name":"load_share","value":0.4,"unit":"1"},{"name":"damping","value":0.1,"unit":"1"},
+        {"name":"load_damping","value":0.3,"unit":"1"}]}"#;
+    model(here, "m.json", 0.9, shaft);
+    let unstable = run(here, "export m.json -f mujoco -o m.xml --step 0.01").ends(2);
+    assert!(unstable.err.contains("shorter --step"), "{}", unstable.err);
+}
+
+/// Friction that is rougher than the target's one level keeps its level there.
+#[test]
+fn a_urdf_keeps_the_level_of_friction_whose_break_away_it_loses() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let stribeck = r#"{"effect":"stribeck","parameters":[{"name":"level","value":0.5,"unit":"V"},
+        {"name":"excess","value":0.3,"unit":"V"},{"name":"speed","value":0.2,"unit":"rad/s"},
+        {"name":"tail","value":0.0,"unit":"1"}]}"#;
+    model(here, "m.json", 0.9, stribeck);
+    let refused = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1").ends(2);
+    assert!(refused.err.contains("its level stays"), "{}", refused.err);
+    run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1 --allow-missing").ends(0);
+    let text = std::fs::read_to_string(here.join("m.urdf")).unwrap();
+    assert!(text.contains(r#"friction="0.05"#), "{text}");
+}
+
 #[test]
 fn the_cost_on_a_record_holds_the_errors_against_the_measurement_with_and_without() {
     let directory = tempfile::tempdir().unwrap();

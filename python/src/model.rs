@@ -90,21 +90,20 @@ impl NativeModel {
             refused(format!("there is no format \"{format}\""), "motorlens export --help lists them")
         })?;
         let options = export::Options { step_s, torque_per_volt, name, bam_model: None };
-        let (done, cost) = py
+        let (done, told) = py
             .detach(|| {
                 let done = export::export(&self.0, format, &options)?;
                 let cost = export::cost::cost(&self.0, &done, &[], &MotorFile::default())?;
-                Ok((done, cost))
+                let told = export::told::told(&done, &self.0, format, &options, Some(&cost));
+                Ok((done, told))
             })
             .map_err(|e: Error| failed(&e))?;
-        let lost = done
-            .lost
-            .iter()
-            .map(|lost| format!("{} has no place for {}: {}", format.title(), lost.effect, lost.why));
-        let costs = (!done.lost.is_empty()).then(|| format!("together {}", cost.clause()));
-        let lost = lost.chain(costs).collect();
+        // What is simplified alone is no reason to refuse.
+        let (lost, simplified) =
+            if done.lost.is_empty() { (Vec::new(), told.lacking) } else { (told.lacking, Vec::new()) };
+        let notes = simplified.into_iter().chain(told.to_know).collect();
         let beside = done.beside.map(|(ending, text)| (ending.to_owned(), text));
-        Ok((PyBytes::new(py, &done.content), beside, done.notes, lost))
+        Ok((PyBytes::new(py, &done.content), beside, notes, lost))
     }
 }
 

@@ -8,12 +8,12 @@ use super::{Console, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
-use crate::export::{Exported, Format, Lost, Options, export};
+use crate::export::told::{Told, is_simplified, told};
+use crate::export::{Format, Lost, Options, export};
 use crate::log::mapping::Mapping;
 use crate::log::{self, ReadOptions};
 use crate::model_file::Model;
 use crate::motor_file::{self, MotorFile};
-use crate::sentence::capital;
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -30,7 +30,7 @@ pub struct Args {
     /// Write it here
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Step of a program or of MuJoCo's simulation, in seconds [default: 0.001, MuJoCo 0.00005]
+    /// Step of a program or of MuJoCo's simulation, in seconds [default: 0.001; MuJoCo 0.00005, with backlash 0.000025]
     #[arg(long, value_name = "SECONDS", value_parser = step)]
     step: Option<f64>,
     /// Stall torque per volt at the output shaft in N m/V [default: unknown; MuJoCo then has torques in volts]
@@ -64,9 +64,11 @@ struct Document<'a> {
     /// The second file.
     beside: Option<PathBuf>,
     notes: &'a [String],
-    /// Sentences for what is lacking.
+    /// Sentences for what is lacking, what is left to others, and what else is to be known.
     left_out: Vec<String>,
     lost: &'a [Lost],
+    /// Effects that need somebody's doing.
+    left: &'a [Lost],
     cost: Option<&'a Cost>,
 }
 
@@ -82,8 +84,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let format = args.format;
     let exported = export(&model, format, &options)?;
     // A target of a few numbers may have less of the model than all of it, though it names no effect as lost.
-    let whole = exported.carried == model.values();
-    let price = if whole && args.on.is_empty() {
+    let price = if !is_simplified(&exported, &model) && args.on.is_empty() {
         None
     } else {
         let motor = args.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
@@ -94,10 +95,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         }
         Some(cost(&model, &exported, &records, &motor)?)
     };
-    let missing = sentences(&exported, whole, format, price.as_ref());
+    let Told { lacking, to_know } = told(&exported, &model, format, &options, price.as_ref());
     let too_high = price.as_ref().is_some_and(Cost::is_too_high);
     if (!exported.lost.is_empty() || too_high) && !args.allow_missing {
-        let why = missing.join("\n  ");
+        let why = lacking.join("\n  ");
         return Err(Error::usage(
             why,
             "give --allow-missing to write it all the same, or take another format",
@@ -114,40 +115,25 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         out: &args.out,
         beside: beside.clone(),
         notes: &exported.notes,
-        left_out: missing.iter().chain(&exported.notes).cloned().collect(),
+        left_out: lacking.iter().chain(&to_know).cloned().collect(),
         lost: &exported.lost,
+        left: &exported.left,
         cost: price.as_ref(),
     };
     console.answer(&document, || {
         let files = [Some(&args.out), beside.as_ref()].into_iter().flatten();
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
-        let said: String = missing.iter().chain(&exported.notes).map(|s| format!("  {s}\n")).collect();
+        let said: String = lacking.iter().chain(&to_know).map(|s| format!("  {s}\n")).collect();
         let kept = match &price {
-            Some(price) if whole => format!("  Nothing is lost: {}.\n", price.clause()),
+            Some(price) if !args.on.is_empty() && exported.carried == model.values() => {
+                format!("  Nothing is lost: {}.\n", price.clause())
+            }
             _ => String::new(),
         };
         format!("{}\n{said}{kept}", files.join(", "))
     });
     console.next("get gains for a controller", &format!("motorlens tune {}", prose::shell(&args.model)));
     Ok(())
-}
-
-/// What is lacking and what it costs, a sentence each.
-fn sentences(exported: &Exported, whole: bool, format: Format, price: Option<&Cost>) -> Vec<String> {
-    let each = exported.lost.iter().map(|lost| {
-        let own = price.and_then(|price| price.each.iter().find(|of| of.effect == lost.effect));
-        let cost = own.map_or(String::new(), |of| {
-            let unit = price.map_or("rad", |price| price.unit);
-            format!(", which costs {:.3e} {unit} (rms; at most {:.3e})", of.apart.rms, of.apart.worst)
-        });
-        format!("{} has no place for {}: {}{cost}.", capital(format.title()), lost.effect, lost.why)
-    });
-    let all = price.filter(|_| !whole).map(|price| {
-        let what = if exported.lost.is_empty() { "What it simplifies costs" } else { "Together:" };
-        let much = if price.is_too_high() { ", which is more than a hundredth above it" } else { "" };
-        format!("{what} {}{much}.", price.clause())
-    });
-    each.chain(all).collect()
 }
 
 fn positive(text: &str) -> Result<f64, String> {

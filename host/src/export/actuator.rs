@@ -42,8 +42,14 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
     carried.base.tau_e = NO_INDUCTANCE_S;
     for (kind, p) in effects(model) {
         if !kinds.contains(&kind) {
-            lost.push(Lost::new(kind, why));
             carried = carried.without(kind);
+            let has_level = matches!(kind, Kind::CoulombAsymmetric | Kind::Stribeck);
+            if has_level && kinds.contains(&Kind::Coulomb) {
+                a.friction += p[0];
+                lost.push(Lost::new(kind, format!("{why}; its level stays as dry friction")));
+            } else {
+                lost.push(Lost::new(kind, why));
+            }
             continue;
         }
         match kind {
@@ -66,6 +72,17 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
     }
     (a, lost, carried)
 }
+
+/// Those of `kinds` that the model has, as left to others for the reason that `why` gives.
+pub(super) fn leave(model: &Model, kinds: &[Kind], why: &str) -> Vec<Lost> {
+    let effects = effects(model);
+    let there = effects.iter().filter(|(kind, _)| kinds.contains(kind));
+    there.map(|(kind, _)| Lost::new(*kind, why)).collect()
+}
+
+/// What loads are to a joint's actuator.
+pub(super) const LOADS: [Kind; 3] = [Kind::ConstantLoad, Kind::Gravity, Kind::Spring];
+pub(super) const OF_THE_ROBOT: &str = "belongs to the robot that the joint moves";
 
 /// `values` with all dry friction as one level, and without `gone`.
 pub(super) fn one_level(values: Values, level: f64, gone: &[Kind]) -> Values {

@@ -8,7 +8,7 @@
 use motorlens_shared::effects::Kind;
 use serde_json::{Map, Value, json};
 
-use super::actuator::take;
+use super::actuator::{self, take};
 use super::{Exported, Format, Options};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
@@ -27,7 +27,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     if a.load != 0.0 {
         let why = "BAM's friction is the same in both directions";
         lost.push(super::Lost::new(Kind::CoulombAsymmetric, why));
-        carried = super::actuator::one_level(carried, a.friction, &[]);
+        carried = actuator::one_level(carried, a.friction, &[]);
     }
     // BAM's friction by load begins with the load; this model's may begin above a knee, and what that costs is told.
     let knees = carried.effects.iter_mut().filter(|(kind, _)| *kind == Kind::LoadFriction);
@@ -90,10 +90,8 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     if options.name.is_none() {
         notes.push("\"actuator\" is the name of BAM's actuator class; give it by --name.".into());
     }
-    if a.delay_s > 0.0 {
-        notes
-            .push("BAM 1.0 does not act on \"command_delay\": shift the commands of a rollout by it.".into());
-    }
+    let why = "is in \"command_delay\", on which BAM 1.0 does not act: shift the commands of a rollout by it";
+    let left = actuator::leave(model, &[Kind::Delay], why);
     let content = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
-    Ok(Exported { content: content.into_bytes(), beside: None, notes, lost, carried })
+    Ok(Exported { content: content.into_bytes(), beside: None, notes, lost, left, carried })
 }

@@ -21,7 +21,7 @@ pub struct Apart {
     pub worst: f64,
 }
 
-/// The cost of one effect.
+/// The cost of one effect that is lacking, or would be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Of {
     /// The effect that is lacking.
@@ -106,7 +106,25 @@ pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &Moto
 
 fn each(model: &Model, exported: &Exported, against: &dyn Fn(&Values) -> Result<Apart>) -> Result<Vec<Of>> {
     let without = |effect: Kind| against(&model.values().without(effect));
-    exported.lost.iter().map(|lost| Ok(Of { effect: lost.effect, apart: without(lost.effect)? })).collect()
+    exported
+        .lost
+        .iter()
+        .chain(&exported.left)
+        .map(|lost| Ok(Of { effect: lost.effect, apart: without(lost.effect)? }))
+        .collect()
+}
+
+/// What longer steps than a millisecond cost, on the standard programme with a voltage held for each step.
+pub fn of_steps(model: &Model, step_s: f64) -> Apart {
+    let (_, volts) = standard(model.rig.nominal_v);
+    let held: Vec<f64> =
+        (0..).map_while(|k| volts.get((f64::from(k) * step_s * 1e3).round() as usize)).copied().collect();
+    let run = |parts: u32| -> Vec<f64> {
+        let mut motor = model.start(step_s / f64::from(parts), 0.0);
+        held.iter().map(|v| (0..parts).fold(0.0, |_, _| motor.step(*v))).collect()
+    };
+    let short = run((step_s * 1e3).ceil().max(1.0) as u32);
+    apart(short.iter().zip(&run(1)))
 }
 
 fn as_model(model: &Model, values: &Values) -> Model {

@@ -2,7 +2,8 @@
 //!
 //! The simulator integrates winding, rotor and load; before a step the effects say what voltage, torques and friction act in it,
 //! and after it what they remember and what the sensor shows. All of it is written down by the effects themselves, see
-//! [`super::record`]: the gear contact of `backlash` too, whose change of the load's speed in a step is a torque over it.
+//! [`super::record`]: the gear contact of `backlash` too, which is met on the model's own time grid ([`contact_grid`]). A stiff contact that
+//! is met at other times is another contact: on a finer grid the error of a motor with a gap is another by 3 %.
 
 use motorlens_shared::base::Base;
 use motorlens_shared::effects::together::{Effects, MAX_EFFECTS, Several};
@@ -47,7 +48,7 @@ struct Traced {
     reading: Recorded,
 }
 
-fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
+fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig, grid_s: f64) -> Traced {
     let (traced, tape) = record(|| {
         let (base, numbers) = constants(base, effects);
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
@@ -93,7 +94,7 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
                 d.voltage,
                 d.torque,
                 d.load_torque,
-                contact(&numbers, &setting, seen),
+                contact(&numbers, &Setting::new(&base, &Rig { step_s: grid_s, ..*rig }, 1), seen),
                 d.friction_forward,
                 d.friction_backward,
                 d.meshing,
@@ -113,8 +114,14 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Traced {
     Traced { tape, ..traced }
 }
 
-/// What the transmission among `effects` does to the load in a step from `seen`, as a torque in V; the load's own friction is the
-/// simulator's.
+/// Time between two looks of the model at its gear contact where it is simulated in steps of a millisecond, s; none without a transmission.
+pub(super) fn contact_grid(effects: &[(Kind, Vec<f64>)]) -> Option<f64> {
+    let (kind, _) = effects.iter().find(|(kind, _)| kind.is_transmission())?;
+    Some(1e-3 / kind.spec().laws.parts as f64)
+}
+
+/// What the transmission among `effects` does to the load where it is `seen` on the grid, as a torque over one of its times, in V; the
+/// load's own friction is the simulator's.
 fn contact(
     effects: &[(Kind, Vec<Recorded>)],
     setting: &Setting<Recorded>,
@@ -126,8 +133,8 @@ fn contact(
     if let Some(place) = spec.load_damping() {
         p[place] = lit(0.0);
     }
-    // The contact is met where the rotor arrives, as the load does within.
-    let before = State { angle: setting.step * seen.speed + seen.angle, ..seen };
+    // The simulator has moved the load on already.
+    let before = State { load_angle: seen.load_angle - setting.step * seen.load_speed, ..seen };
     let mut after = before;
     Active::new(*kind, &p, setting).couple(setting.step, &mut after);
     (after.load_speed - before.load_speed) * (p[share] / (setting.acceleration * setting.step))
@@ -143,13 +150,16 @@ pub(super) struct Beside {
     pub friction: f64,
     /// s.
     pub step_s: f64,
+    /// Steps from one look at the gear contact to the next.
+    pub contact_steps: u32,
     /// The joint that the motor turns.
     pub rotor: &'static str,
 }
 
 /// The program for `effects`.
 pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Beside) -> String {
-    let traced = trace(&model.base.base(), effects, &model.rig(beside.step_s));
+    let grid_s = f64::from(beside.contact_steps) * beside.step_s;
+    let traced = trace(&model.base.base(), effects, &model.rig(beside.step_s), grid_s);
     let names = |input: Input| name(effects, input);
     let printer = Printer::new(&traced.tape, &PYTHON.syntax, effects, &names);
     let kept: Vec<String> = traced.remembered.iter().map(|m| names(m.input)).collect();
@@ -200,6 +210,7 @@ pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Besi
         ("RESISTANCE", format!("{:?}", beside.resistance)),
         ("FRICTION", format!("{:?}", beside.friction)),
         ("STEP", format!("{:?}", beside.step_s)),
+        ("CONTACT_STEPS", beside.contact_steps.to_string()),
         ("ROTOR", beside.rotor.to_owned()),
     ];
     for (place, word) in words {

@@ -7,7 +7,7 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::actuator::{one_level, take};
+use super::actuator::{LOADS, OF_THE_ROBOT, leave, one_level, take};
 use super::{Exported, Format, Options};
 use crate::error::Result;
 use crate::model_file::Model;
@@ -23,17 +23,16 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let b = &model.base;
     let volts = model.rig.nominal_v;
     let excess = a.stribeck.map_or(0.0, |[excess, ..]| excess);
-    let mut notes =
-        vec!["Weight, spring and constant load belong to the robot that the joint moves.".to_owned()];
+    let mut notes = Vec::new();
+    let mut left = leave(model, &LOADS, OF_THE_ROBOT);
     if excess > 0.0 {
         notes.push(
             "The break-away level falls at once when the joint moves, not over a range of speeds.".into(),
         );
     }
     let delay = if a.delay_s > 0.0 {
-        notes.push(
-            "The delay is in the comment: DelayedPDActuatorCfg takes it in steps of the simulation.".into(),
-        );
+        let why = "is in a comment alone: DelayedPDActuatorCfg takes it in steps of the simulation";
+        left.extend(leave(model, &[Kind::Delay], why));
         format!(
             "# The command acts {:.4} s late: that many seconds / sim.dt are min_delay and max_delay.\n",
             a.delay_s
@@ -70,5 +69,5 @@ from isaaclab.actuators import DCMotorCfg
         viscous = scale * b.viscous_share / b.gain,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, carried })
+    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried })
 }

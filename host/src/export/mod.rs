@@ -2,7 +2,8 @@
 //!
 //! C, Python, Modelica and FMU get the exact step of the model itself, written down by the model while it runs on numbers that
 //! record what is computed with them; MuJoCo its own motor, and beside it the laws that it lacks. The others take a few numbers.
-//! What a target cannot express is never dropped in silence: [`Exported::lost`] names it, and [`cost`] says what it costs in rad.
+//! What a target cannot express is never dropped in silence: [`Exported::lost`] names it, [`Exported::left`] what it has only where somebody
+//! sees to it, and [`cost`] says what either costs in rad.
 
 mod actuator;
 mod bam;
@@ -16,6 +17,8 @@ mod mujoco;
 mod program;
 mod record;
 mod step;
+pub mod told;
+mod two_bodies;
 mod urdf;
 mod wpilib;
 
@@ -64,6 +67,11 @@ impl Format {
             Self::Urdf => "URDF",
         }
     }
+
+    /// Whether it steps as the model itself does.
+    fn steps(self) -> bool {
+        matches!(self, Self::C | Self::Python | Self::Modelica | Self::Fmu)
+    }
 }
 
 /// What a target cannot know from voltage and motion.
@@ -100,7 +108,7 @@ impl Options {
     }
 }
 
-/// An effect that a target does not have.
+/// An effect that a target does not have, or not by itself.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Lost {
     /// Which.
@@ -126,6 +134,8 @@ pub struct Exported {
     pub notes: Vec<String>,
     /// Effects that it does not have.
     pub lost: Vec<Lost>,
+    /// Effects that it has only where somebody sees to it: a load that belongs to the robot, a program that runs beside.
+    pub left: Vec<Lost>,
     /// The model that it does have.
     pub carried: Values,
 }
@@ -134,7 +144,14 @@ impl Exported {
     /// With everything that `model` has.
     fn whole(text: String, model: &Model) -> Self {
         let carried = model.values();
-        Self { content: text.into_bytes(), beside: None, notes: Vec::new(), lost: Vec::new(), carried }
+        Self {
+            content: text.into_bytes(),
+            beside: None,
+            notes: Vec::new(),
+            lost: Vec::new(),
+            left: Vec::new(),
+            carried,
+        }
     }
 
     /// The file as text.
@@ -148,16 +165,17 @@ impl Exported {
 /// # Errors
 /// A target that needs a number which `options` do not have.
 ///
-/// ```no_run
+/// ```
 /// use motorlens::export::{Format, Options, export};
-/// let model = motorlens::Model::read("model.json".as_ref())?;
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// let model = motorlens::Model::read(path.as_ref())?;
 /// let exported = export(&model, Format::Python, &Options::default())?;
-/// std::fs::write("motor.py", exported.content).expect("written");
+/// assert!(exported.lost.is_empty() && exported.text().contains("class Motor"));
 /// # Ok::<(), motorlens::Error>(())
 /// ```
 pub fn export(model: &Model, format: Format, options: &Options) -> Result<Exported> {
     Ok(match format {
-        Format::Mujoco => mujoco::export(model, options),
+        Format::Mujoco => mujoco::export(model, options)?,
         Format::Modelica => modelica::export(model, options),
         Format::Python => program::export(model, options, &program::PYTHON),
         Format::C => program::export(model, options, &program::C),

@@ -8,12 +8,15 @@
 
 use motorlens_shared::effects::{Kind, Port};
 
-use super::hook::{Beside, program};
-use super::{Exported, Options, effects};
+use super::hook::{Beside, contact_grid, program};
+use super::two_bodies::{Between, OUTPUT, ROTOR};
+use super::{Exported, Lost, Options, effects};
+use crate::error::{Error, Result};
 use crate::model_file::Model;
+use crate::sentence::capital;
 
 /// Step of the simulation where none is asked for, s: friction and loads then add less than a hundredth to a good model's error.
-pub(super) const STEP_S: f64 = 5e-5;
+const STEP_S: f64 = 5e-5;
 /// Temperature coefficient of copper's resistance, 1/K: heating is a share of resistance, and any number gives the same share.
 const COPPER: f64 = 0.0039;
 const AMBIENT_C: f64 = 20.0;
@@ -36,11 +39,14 @@ struct Parts {
 }
 
 /// Writes both files.
-pub(super) fn export(model: &Model, options: &Options) -> Exported {
+///
+/// # Errors
+/// A step that is too long for what lies between rotor and load.
+pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let b = &model.base;
     let all = effects(model);
     let between = Between::of(&all);
-    let step_s = options.step_s.unwrap_or(STEP_S);
+    let step_s = step(between.as_ref(), options)?;
     let scale = options.torque_per_volt.unwrap_or(1.0);
     // V s/rad is N m/A, so that the resistance follows from the stall torque per volt.
     let constant = b.base().back_emf();
@@ -67,60 +73,46 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
                 .to_owned(),
         );
     }
-    if !own.is_empty() {
-        let names: Vec<&str> = own.iter().map(|(kind, _)| kind.name()).collect();
-        notes.push(format!(
-            "MJCF has no place for {}: the Python file beside it applies them.",
-            names.join(", ")
-        ));
-    }
+    let left: Vec<Lost> = own
+        .iter()
+        .map(|(kind, _)| Lost::new(*kind, "has no place in MJCF: the Python file beside it applies it"))
+        .collect();
     let scales = Scales { driven, scale, step_s, constant, resistance };
-    let text = mjcf(model, &parts, &scales, between.as_ref(), &notes);
+    if step_s > between.as_ref().and_then(Between::usual_step_s).unwrap_or(STEP_S) {
+        notes.push(format!("With steps of {step_s:e} s MuJoCo may err by more than a hundredth of a good model's error; leave out the step."));
+    }
+    // For whoever opens the file without having read what was said when it was written.
+    let beside_it = left.iter().map(|left| format!("{} {}.", capital(left.effect.name()), left.why));
+    let comment: Vec<String> = notes.iter().cloned().chain(beside_it).collect();
+    let text = mjcf(model, &parts, &scales, between.as_ref(), &comment);
     let beside = (!own.is_empty()).then(|| {
         let friction = parts.friction;
-        let beside = Beside { torque_per_volt: scale, resistance, friction, step_s, rotor: driven };
+        let contact_steps = contact_grid(&own).map_or(1, |grid_s| (grid_s / step_s).round() as u32);
+        let beside =
+            Beside { torque_per_volt: scale, resistance, friction, step_s, contact_steps, rotor: driven };
         ("py", program(model, &own, &beside))
     });
-    Exported { content: text.into_bytes(), beside, notes, lost: Vec::new(), carried: model.values() }
+    Ok(Exported {
+        content: text.into_bytes(),
+        beside,
+        notes,
+        lost: Vec::new(),
+        left,
+        carried: model.values(),
+    })
 }
 
-/// The joint of the load, and that of the rotor where something lies between them.
-const OUTPUT: &str = "output";
-const ROTOR: &str = "rotor";
-
-/// What lies between rotor and load.
-struct Between {
-    kind: Kind,
-    /// The load's shares of inertia and of viscous friction.
-    share: f64,
-    damping: f64,
-    /// Natural frequency (rad/s) and damping ratio of the load while the rotor is held, for a tendon.
-    swing: Option<[f64; 2]>,
-}
-
-impl Between {
-    fn of(effects: &[(Kind, Vec<f64>)]) -> Option<Self> {
-        let (kind, p) = effects.iter().find(|(kind, _)| kind.is_transmission())?;
-        let spec = kind.spec();
-        let swing = (*kind == Kind::Compliance).then(|| [std::f64::consts::TAU * p[0], p[2]]);
-        Some(Self { kind: *kind, share: p[spec.load_share()?], damping: p[spec.load_damping()?], swing })
-    }
-
-    /// The tendon that turns with the rotor against the load; its spring and damper act on the load's `inertia`, kg m^2.
-    fn tendon(&self, inertia: f64) -> String {
-        self.swing.map_or(String::new(), |[rate, ratio]| {
-            format!(
-                r#"
-  <tendon>
-    <fixed name="transmission" stiffness="{:e}" damping="{:e}" springlength="0">
-      <joint joint="{ROTOR}" coef="1"/>
-      <joint joint="{OUTPUT}" coef="-1"/>
-    </fixed>
-  </tendon>"#,
-                inertia * rate * rate,
-                2.0 * inertia * ratio * rate
-            )
-        })
+/// Step of the simulation, s.
+fn step(between: Option<&Between>, options: &Options) -> Result<f64> {
+    let Some(between) = between else { return Ok(options.step_s.unwrap_or(STEP_S)) };
+    let longest = between.longest_step_s();
+    match options.step_s {
+        None => Ok(between.usual_step_s().unwrap_or(STEP_S).min(longest)),
+        Some(step_s) if step_s <= longest => Ok(step_s),
+        Some(_) => Err(Error::usage(
+            format!("{} is stable in MuJoCo with steps of {longest:.1e} s or shorter", between.kind),
+            "give a shorter --step, or none",
+        )),
     }
 }
 
@@ -264,7 +256,7 @@ fn mjcf(
         r#"<mujoco model="motorlens">
   <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; joint "output": the output shaft.{comment} -->
   <compiler angle="radian"/>
-  <option timestep="{step_s:e}" gravity="0 -9.81 0" integrator="implicitfast"/>
+  <option timestep="{step_s:e}" gravity="0 -9.81 0" integrator="{integrator}"/>
   <worldbody>{bodies}
   </worldbody>{tendon}
   <actuator>
@@ -273,6 +265,8 @@ fn mjcf(
   </actuator>
 </mujoco>
 "#,
+        // Bodies on joints of their own share no implicit damping: the tendon's would hold their common motion back too.
+        integrator = if tendon.is_empty() { "implicitfast" } else { "Euler" },
         tau_e = b.tau_e,
         motor = parts.motor,
         supply = model.rig.supply_v,

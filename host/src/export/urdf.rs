@@ -5,7 +5,7 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::actuator::{one_level, take};
+use super::actuator::{LOADS, OF_THE_ROBOT, leave, one_level, take};
 use super::{Exported, Format, Options};
 use crate::error::Result;
 use crate::model_file::Model;
@@ -18,13 +18,11 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let (a, lost, carried) = take(model, &TAKEN, "a URDF joint has limits, damping and one friction only");
     let b = &model.base;
     let volts = model.rig.nominal_v;
-    let notes = vec![
-        format!(
-            "URDF has no armature: give the link {:.4e} kg m^2 about the joint's axis.",
-            scale * b.tau_m / b.gain
-        ),
-        "Weight, spring and constant load belong to the robot that the joint moves.".to_owned(),
-    ];
+    let notes = vec![format!(
+        "URDF has no armature: give the link {:.4e} kg m^2 about the joint's axis.",
+        scale * b.tau_m / b.gain
+    )];
+    let left = leave(model, &LOADS, OF_THE_ROBOT);
     let text = format!(
         r#"<robot name="motorlens">
   <!-- Written by motorlens. Output shaft at {volts} V; rotor and gear seen there: {armature:.6e} kg m^2. -->
@@ -61,5 +59,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         friction = scale * a.friction,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, carried })
+    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried })
 }

@@ -7,7 +7,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::Exported;
-use super::actuator::{one_level, take};
+use super::actuator::{leave, one_level, take};
 use crate::model_file::Model;
 
 const TAKEN: [Kind; 7] = [
@@ -41,25 +41,29 @@ pub(super) fn export(model: &Model) -> Exported {
             2.0 * speed
         ));
     }
-    if a.delay_s > 0.0 {
-        notes.push(format!(
-            "The command acts {:.1} ms late: give that to the controller's delay compensation.",
-            1e3 * a.delay_s
-        ));
-    }
+    let why = format!("of {:.1} ms is for the controller's delay compensation", 1e3 * a.delay_s);
+    let mut left = leave(model, &[Kind::Delay], &why);
     let (kg, arm) = match a.weight {
         // Forward torque is -(s sin x + c cos x) = -kG cos(x - x0).
         Some([sine, cosine]) => (sine.hypot(cosine), Some(sine.atan2(cosine))),
         None => (a.load, None),
     };
     if let (Some(zero), true) = (arm, a.load != 0.0) {
-        notes.push(format!(
-            "A constant load of {:.4} V comes beside kG; zero of the arm at {zero:.4} rad.",
+        let why = format!(
+            "of {:.4} V comes beside kG, and is for you to add; zero of the arm at {zero:.4} rad",
             a.load
-        ));
+        );
+        left.extend(leave(model, &[Kind::ConstantLoad, Kind::CoulombAsymmetric], &why));
     }
     let carried = one_level(carried, ks, &[Kind::DeadZone]);
-    Exported { content: text([ks, kv, ka, kg], arm, &notes).into_bytes(), beside: None, notes, lost, carried }
+    Exported {
+        content: text([ks, kv, ka, kg], arm, &notes).into_bytes(),
+        beside: None,
+        notes,
+        lost,
+        left,
+        carried,
+    }
 }
 
 fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String]) -> String {

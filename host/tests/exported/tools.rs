@@ -116,9 +116,12 @@ pub fn run(python: &str, script: &str, file: &Path, volts: &[f64]) -> Vec<f64> {
     String::from_utf8(output.stdout).expect("text").lines().map(|l| l.parse().expect("a number")).collect()
 }
 
+/// A format, the file that it is written to, the program that runs it, and the tool in which.
+pub type Target = (Format, &'static str, &'static str, &'static str);
+
 /// What each target is run by, in the order of the table below: the tool itself, or for Isaac Lab, whose simulator needs a graphics
 /// card, the equations of its documentation. Volts a line a millisecond in, the reading after each out.
-pub const TARGETS: [(Format, &str, &str, &str); 9] = [
+pub const TARGETS: [Target; 9] = [
     (
         Format::C,
         "motor.c",

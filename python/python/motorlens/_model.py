@@ -131,7 +131,7 @@ def export(
     """
     content, beside, notes, lost = model._native.export(format, step_s, torque_per_volt, name)
     if lost and not allow_missing:
-        raise MotorlensError("; ".join(lost) + "\n  do: give allow_missing=True to write it all the same")
+        raise MotorlensError(" ".join(lost) + "\n  do: give allow_missing=True to write it all the same")
     out = pathlib.Path(out)
     out.write_bytes(content)
     if beside is not None:

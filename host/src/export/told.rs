@@ -1,0 +1,62 @@
+//! What a target lacks, leaves to others or simplifies, in sentences with the cost in rad.
+
+use super::cost::{Apart, Cost, of_steps};
+use super::{Exported, Format, Options};
+use crate::model_file::Model;
+use crate::sentence::capital;
+
+/// Sentences on an export.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Told {
+    /// What the target does not have of the model, and what that costs together.
+    pub lacking: Vec<String>,
+    /// What is in the target only where somebody sees to it, and what else is to be known.
+    pub to_know: Vec<String>,
+}
+
+/// Whether there is anything that a [`Cost`] would tell of.
+pub fn is_simplified(exported: &Exported, model: &Model) -> bool {
+    exported.carried != model.values() || !exported.left.is_empty()
+}
+
+/// Puts into words what `exported` is beside `model`, at this price where it was worked out.
+pub fn told(
+    exported: &Exported,
+    model: &Model,
+    format: Format,
+    options: &Options,
+    price: Option<&Cost>,
+) -> Told {
+    let costing = |effect| {
+        let own = price.and_then(|price| price.each.iter().find(|of| of.effect == effect));
+        let unit = price.map_or("rad", |price| price.unit);
+        own.map(|of| much(of.apart, unit))
+    };
+    let lost = exported.lost.iter().map(|lost| {
+        let cost = costing(lost.effect).map_or(String::new(), |cost| format!(", which costs {cost}"));
+        format!("{} has no place for {}: {}{cost}.", capital(format.title()), lost.effect, lost.why)
+    });
+    let whole = exported.carried == model.values();
+    let all = price.filter(|_| !whole).map(|price| {
+        let what = if exported.lost.is_empty() { "What it simplifies costs" } else { "Together:" };
+        let above = if price.is_too_high() { ", which is more than a hundredth above it" } else { "" };
+        format!("{what} {}{above}.", price.clause())
+    });
+    let left = exported.left.iter().map(|left| {
+        let cost = costing(left.effect).map_or(String::new(), |cost| format!("; its absence costs {cost}"));
+        format!("{} {}{cost}.", capital(left.effect.name()), left.why)
+    });
+    let step_s = options.step_s.filter(|step_s| format.steps() && *step_s > 1e-3);
+    let steps = step_s.map(|step_s| {
+        let cost = much(of_steps(model, step_s), "rad");
+        format!("Steps of {step_s} s instead of 0.001 s cost {cost} on a standard programme of 8 s.")
+    });
+    Told {
+        lacking: lost.chain(all).collect(),
+        to_know: left.chain(steps).chain(exported.notes.iter().cloned()).collect(),
+    }
+}
+
+fn much(apart: Apart, unit: &str) -> String {
+    format!("{:.3e} {unit} (rms; at most {:.3e})", apart.rms, apart.worst)
+}
