@@ -26,11 +26,13 @@ impl Model {
     /// # Errors
     /// Slices of different length, numbers that are not finite, times that do not rise.
     ///
-    /// ```no_run
-    /// let model = motorlens::Model::read("model.json".as_ref())?;
+    /// ```
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+    /// let model = motorlens::Model::read(path.as_ref())?;
     /// let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
     /// let angle = model.simulate(&time, &[6.0; 1000], 0.0)?;
     /// println!("{} rad after a second of 6 V", angle[999]);
+    /// assert!((4.0..5.0).contains(&angle[999]));
     /// # Ok::<(), motorlens::Error>(())
     /// ```
     pub fn simulate(&self, time_s: &[f64], voltage_v: &[f64], angle_rad: f64) -> Result<Vec<f64>> {
@@ -51,13 +53,15 @@ impl Model {
 
     /// The model at rest at `angle_rad`, to be advanced in steps of `step_s` (s, at most 0.01).
     ///
-    /// ```no_run
-    /// let model = motorlens::Model::read("model.json".as_ref())?;
+    /// ```
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+    /// let model = motorlens::Model::read(path.as_ref())?;
     /// let mut motor = model.start(1e-3, 0.0);
     /// while motor.time_s() < 1.0 {
     ///     let error = 1.0 - motor.angle_rad();
     ///     motor.step(20.0 * error);
     /// }
+    /// assert!((motor.angle_rad() - 1.0).abs() < 0.05);
     /// # Ok::<(), motorlens::Error>(())
     /// ```
     pub fn start(&self, step_s: f64, angle_rad: f64) -> Running {

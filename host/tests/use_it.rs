@@ -263,6 +263,11 @@ fn records_of_one_motor_are_the_same_and_of_another_are_not() {
     let two = ask("c");
     assert_eq!(two["verdict"], "different", "{two}");
     assert_eq!(two["parameters"][0]["name"], "coulomb.level", "{two}");
+    // What it proposes reads the logs as it did.
+    let told =
+        run(here, &format!("same --effects coulomb -m a/motor.toml {} -- {}", set("a"), set("b"))).ends(0);
+    let all = format!("{}{}", told.out, told.err);
+    assert!(all.contains("-m a/motor.toml") && all.contains("\u{b1}"), "{all}");
     run(here, &format!("same {}", set("a"))).ends(2);
     let misplaced = run(here, &format!("same {} -- {} --motor a/motor.toml", set("a"), set("b"))).ends(2);
     assert!(misplaced.err.contains("before --"), "{}", misplaced.err);

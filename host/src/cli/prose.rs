@@ -193,6 +193,11 @@ fn keeping(words: impl Iterator<Item = String>) -> Option<String> {
     (text.len() <= 2 * LONGEST).then_some(text)
 }
 
+/// The options of this command that say how its logs are read, each with a blank before it.
+pub fn as_read() -> String {
+    reading_again(std::env::args().skip(1))
+}
+
 /// Those of the words of a command that say how logs are read and judged, as a shell takes them, each with a blank before it: the next verb
 /// needs them again.
 fn reading_again(mut words: impl Iterator<Item = String>) -> String {

@@ -64,18 +64,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
     console.answer(&document, || text(&document.comparison));
     let list = |paths: &[PathBuf]| paths.iter().map(|path| prose::shell(path)).collect::<Vec<_>>().join(" ");
-    let (first, second) = (list(&args.first), list(&args.second));
+    let (first, second, read) = (list(&args.first), list(&args.second), prose::as_read());
     match document.comparison.verdict {
         Verdict::Same => {
-            let all = format!("motorlens discover {first} {second} --out model.json");
+            let all = format!("motorlens discover {first} {second}{read} --out model.json");
             console.next("fit one model to both sets", &all);
         }
         Verdict::Different => {
-            let other = format!("motorlens discover {second} --out second.json");
+            let other = format!("motorlens discover {second}{read} --out second.json");
             console.next("find what the second motor is", &other);
         }
         Verdict::Open => {
-            let plan = format!("motorlens plan {first} --out programme.json");
+            let plan = format!("motorlens plan {first}{read} --out programme.json");
             console.next("choose an experiment to repeat on both", &plan);
         }
     }
@@ -101,14 +101,17 @@ fn text(c: &Comparison) -> String {
     for (name, e) in ["first set", "second set"].iter().zip(&c.errors) {
         text += &format!("{name:<12} {:>12} {:>14} {:>14}\n", figure(e.own), figure(e.both), figure(e.other));
     }
-    text += &format!("\n{:<28} {:>12} {:>12} {:>11}\n", "parameter", "first", "second", "deviations");
+    text += &format!("\n{:<24} {:>20} {:>20} {:>11}\n", "parameter", "first", "second", "deviations");
+    // A 95 % interval, as half its width.
+    let cell =
+        |[value, low, high]: [f64; 3]| format!("{} \u{b1} {}", figure(value), figure(0.5 * (high - low)));
     for p in &c.parameters {
         let mark = if p.differs { "  differs" } else { "" };
         text += &format!(
-            "{:<28} {:>12} {:>12} {:>11.1}{mark}\n",
+            "{:<24} {:>20} {:>20} {:>11.1}{mark}\n",
             format!("{} / {}", p.name, p.unit),
-            figure(p.first[0]),
-            figure(p.second[0]),
+            cell(p.first),
+            cell(p.second),
             p.deviations
         );
     }

@@ -80,10 +80,12 @@ pub struct Tuned {
 /// # Errors
 /// A period that no loop can hold.
 ///
-/// ```no_run
-/// let model = motorlens::Model::read("model.json".as_ref())?;
+/// ```
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// let model = motorlens::Model::read(path.as_ref())?;
 /// let tuned = motorlens::tune::tune(&model, &motorlens::tune::Options::default())?;
 /// println!("kp = {} V/rad, kd = {} V s/rad", tuned.position.kp, tuned.position.kd);
+/// assert!(tuned.position.kp > 0.0);
 /// # Ok::<(), motorlens::Error>(())
 /// ```
 pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
