@@ -155,7 +155,8 @@ fn mujoco_gets_the_motors_constants_in_one_scale_shared_between_rotor_and_load()
     let gap: (Kind, &[f64]) = (Kind::Backlash, &[0.01, 0.3, 0.3, 150.0, 0.3]);
     let model = model(&[(Kind::Coulomb, &[0.2]), (Kind::Stribeck, &[0.1, 0.2, 0.2, 0.4]), gap]);
     let exported =
-        export(&model, Format::Mujoco, &Options { torque_per_volt: Some(0.5), ..OPTIONS }).unwrap();
+        export(&model, Format::Mujoco, &Options { torque_per_volt: Some(0.5), step_s: None, ..OPTIONS })
+            .unwrap();
     let text = exported.text();
     let value = |name: &str| -> f64 {
         let (_, rest) = text.split_once(&format!(" {name}=\"")).expect(name);

@@ -1,6 +1,6 @@
 //! Whether a model leaves anything that these records show.
 
-use super::criterion::{LIKELY, SURE};
+use super::criterion::{KNOWN_VOLTAGE, LIKELY, SURE};
 use super::fitted::Fitted;
 use crate::compare::dependence::Dependence;
 use crate::compare::free_run::free_runs;
@@ -16,9 +16,6 @@ const NEXT_TO_NOTHING: f64 = 0.01;
 const MUCH: f64 = 0.2;
 /// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows.
 const MOST_DISTURBANCE: f64 = 0.1;
-/// A smaller torque than this, of the same, is a trifle whatever it depends on: a converter of ten bits knows no voltage better, and no
-/// equation of a motor is as exact.
-const KNOWN_VOLTAGE: f64 = 1e-3;
 
 /// What a model leaves of the records.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

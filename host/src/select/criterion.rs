@@ -2,6 +2,8 @@
 
 use std::f64::consts::LN_2;
 
+use motorlens_shared::effects::Kind;
+
 use super::gain::Gain;
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
@@ -58,6 +60,18 @@ pub(super) fn best_of(places: usize, sure: f64) -> f64 {
 /// tenth.
 pub(super) const RISE: f64 = 20.0;
 
+/// A torque or a voltage below this share of the highest voltage is a trifle, whatever it depends on: a converter of ten bits knows no voltage
+/// better, and no equation of a motor is as exact.
+pub(crate) const KNOWN_VOLTAGE: f64 = 1e-3;
+
+/// Whether all that `kind` adds with `parameters` are voltages that are a trifle beside the `highest`, V. A reading rounded to a hundredth of a
+/// degree gave plain motors dead zones of 40 microvolts, beyond doubt.
+pub(super) fn is_trifle(kind: Kind, parameters: &[f64], highest: f64) -> bool {
+    let mut sizes = kind.spec().parameters.iter().zip(parameters).filter(|(of, _)| of.strength).peekable();
+    // What has no size is something.
+    sizes.peek().is_some() && sizes.all(|(of, size)| of.unit == "V" && size.abs() < KNOWN_VOLTAGE * highest)
+}
+
 /// A model does not do as well as another where its cross-validated simulation error is higher by this factor of e, a tenth, and does better
 /// where it is surely lower by it.
 pub(super) const AS_GOOD: f64 = 0.1;
@@ -86,6 +100,16 @@ mod tests {
         let gain = Gain { total: WORTH + 1.0, sure: 9.0 };
         assert!(is_worth(gain, 11.0, 1, 1.0) && !is_worth(gain, 11.0, 24, 1.0));
         assert!(!is_worth(Gain { total: WORTH - 1.0, ..gain }, 9.0, 1, 1.0));
+    }
+
+    #[test]
+    fn voltages_below_a_thousandth_of_the_highest_are_a_trifle_and_sizes_in_other_units_are_none() {
+        assert!(is_trifle(Kind::DeadZone, &[5e-5, 1e-4], 8.0));
+        assert!(!is_trifle(Kind::DeadZone, &[0.05, 1e-4], 8.0));
+        assert!(
+            !is_trifle(Kind::Delay, &[1e-5], 8.0)
+                && !is_trifle(Kind::Compliance, &[20.0, 0.1, 0.05, 0.0], 8.0)
+        );
     }
 
     #[test]

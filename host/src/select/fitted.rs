@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use motorlens_shared::effects::Kind;
 
 use super::criterion::{
-    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_worth, sure_enough,
+    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_trifle, is_worth, sure_enough,
 };
 use super::crossed::{Fall, crossed};
 use super::gain::Gain;
@@ -187,6 +187,13 @@ impl Fitted {
         is_worth(gain, all, places, 0.0) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
             || kind.spec().is_late() && is_late_enough(gain, all)
+    }
+
+    /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.
+    pub fn adds_a_trifle(&self, other: &Self, data: &Evidence) -> bool {
+        let (values, highest) = (self.values(), data.highest_voltage());
+        let parameters = |kind: Kind| values.effects.iter().find(|(own, _)| *own == kind).map(|(_, own)| own);
+        self.beyond(other).any(|kind| parameters(kind).is_some_and(|own| is_trifle(kind, own, highest)))
     }
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.

@@ -11,6 +11,7 @@ use motorlens_shared::effects::{Kind, Search};
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
+use super::criterion::KNOWN_VOLTAGE;
 use super::fitted::Fitted;
 use super::forward::lacks;
 use super::gain::Gain;
@@ -95,6 +96,8 @@ fn noiseless(mut problem: Problem, model: &Fitted) -> Problem {
 struct Trial<'a> {
     model: &'a Fitted,
     explained: f64,
+    /// Highest voltage, V.
+    highest: f64,
     noise: Noise,
     /// What the model leaves, and its scores.
     left: Scored,
@@ -109,7 +112,8 @@ impl<'a> Trial<'a> {
         let left = Scored::unfitted(problem, coefficients(problem, &model.layout, &model.x));
         let more = data.train.samples() as f64 / problem.samples().max(1) as f64;
         let explained = model.gain_over(base).total;
-        Self { model, explained, left_scores: left.under(&noise), noise, left, more }
+        let highest = data.highest_voltage();
+        Self { model, explained, highest, left_scores: left.under(&noise), noise, left, more }
     }
 
     /// Whether `kind` would be accepted where it adds `factor` times `signal`, in units of the noise, to what the model leaves.
@@ -173,7 +177,9 @@ fn limit(
             let middle = 0.5 * (hidden + shows);
             *(if trial.accepts(kind, &signals[k], middle) { &mut shows } else { &mut hidden }) = middle;
         }
-        (factors[k] * shows).max(lowest) * typical
+        let shown = (factors[k] * shows).max(lowest) * typical;
+        // A trifle is not accepted, however sure.
+        if of.unit == "V" { shown.max(KNOWN_VOLTAGE * trial.highest) } else { shown }
     });
     Some(DetectionLimit { effect: kind, parameter: of.name, smallest, unit: of.unit, programme: None })
 }

@@ -104,6 +104,9 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
     let mut settled = Vec::new();
     for candidate in worth.take(TRIED) {
         let candidate = candidate.clone().settled(data);
+        if candidate.adds_a_trifle(model, data) {
+            continue;
+        }
         if candidate.beats_surely(model, data, base) {
             return Some(candidate);
         }
