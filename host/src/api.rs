@@ -197,19 +197,12 @@ pub(crate) fn check(name: &str, columns: &[(&str, &[f64])]) -> Result<()> {
 /// ```
 /// use std::ops::ControlFlow;
 /// use motorlens::{Measured, Options, discover};
-/// # // A motor with dry friction of 0.4 V, in small steps.
+/// # // The friction of 0.4 V that the example's model has.
 /// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
 /// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
-/// # let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
-/// # for k in 0..1499 {
-/// #     for _ in 0..20 {
-/// #         let (pull, way) = (volts[k] - w / 0.9, if w == 0.0 { volts[k] } else { w });
-/// #         let next = w + 1e-4 * 0.9 / 0.05 * (pull - 0.4_f64.copysign(way));
-/// #         w = if next * way < 0.0 || w == 0.0 && pull.abs() < 0.4 { 0.0 } else { next };
-/// #         x += 1e-4 * w;
-/// #     }
-/// #     angle.push((x / 1e-3).round() * 1e-3);
-/// # }
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// # let angle = motorlens::Model::read(path.as_ref())?.simulate(&time, &volts, 0.0)?;
+/// # let angle: Vec<f64> = angle.iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
 /// let found = discover(&time, &volts, Measured::Angle(&angle), &Options::default(), &mut |_| ControlFlow::Continue(()))?;
 /// println!("{}", found.findings.headline);
 /// assert!(found.model.values().kinds().iter().any(|effect| effect.name() == "coulomb"));
@@ -266,19 +259,12 @@ pub fn discover_records(records: &[Record], options: &Options, observer: Observe
 /// ```
 /// use std::ops::ControlFlow;
 /// use motorlens::{Measured, Options, plan, record};
-/// # // A motor with dry friction of 0.4 V, in small steps.
+/// # // The friction of 0.4 V that the example's model has.
 /// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
 /// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
-/// # let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
-/// # for k in 0..1499 {
-/// #     for _ in 0..20 {
-/// #         let (pull, way) = (volts[k] - w / 0.9, if w == 0.0 { volts[k] } else { w });
-/// #         let next = w + 1e-4 * 0.9 / 0.05 * (pull - 0.4_f64.copysign(way));
-/// #         w = if next * way < 0.0 || w == 0.0 && pull.abs() < 0.4 { 0.0 } else { next };
-/// #         x += 1e-4 * w;
-/// #     }
-/// #     angle.push((x / 1e-3).round() * 1e-3);
-/// # }
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// # let angle = motorlens::Model::read(path.as_ref())?.simulate(&time, &volts, 0.0)?;
+/// # let angle: Vec<f64> = angle.iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
 /// let runs = [record("run", &time, &volts, Measured::Angle(&angle))?];
 /// if let Some(next) = plan(&runs, &Options::default(), Some(12.0), 8.0, &mut |_| ControlFlow::Continue(()))? {
 ///     println!("{}: {} segments", next.why, next.programme.segments.len());

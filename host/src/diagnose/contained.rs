@@ -34,7 +34,7 @@ pub fn replaces(kinds: &[Kind], kind: Kind) -> bool {
 pub fn extended(values: &Values, kind: Kind, mut parameters: Vec<f64>) -> Values {
     let mut rest = values.clone();
     for (part, at) in parts(kind) {
-        if let Some((_, own)) = values.effects.iter().find(|(k, _)| *k == part) {
+        if let Some(own) = values.parameters(part) {
             parameters[at] = own[0];
         }
         rest = rest.without(part);

@@ -3,6 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::{Lost, effects};
+use crate::diagnose::contained::parts;
 use crate::fit::layout::Values;
 use crate::model_file::Model;
 
@@ -43,9 +44,9 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
     for (kind, p) in effects(model) {
         if !kinds.contains(&kind) {
             carried = carried.without(kind);
-            let has_level = matches!(kind, Kind::CoulombAsymmetric | Kind::Stribeck);
-            if has_level && kinds.contains(&Kind::Coulomb) {
-                a.friction += p[0];
+            let level = parts(kind).find(|(part, _)| *part == Kind::Coulomb && kinds.contains(part));
+            if let Some((_, place)) = level {
+                a.friction += p[place];
                 lost.push(Lost::new(kind, format!("{why}; its level stays as dry friction")));
             } else {
                 lost.push(Lost::new(kind, why));

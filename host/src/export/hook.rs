@@ -15,6 +15,7 @@ use super::expression::{Printer, Text, reach};
 use super::program::{NUMBERS, PYTHON, name};
 use super::record::{Input, Recorded, Tape, record};
 use super::step::{constants, input, lit, memory};
+use super::transmission;
 use crate::model_file::Model;
 
 /// What the program applies: parts of a [`Drive`] by its names there, and the torque that the gear contact passes to the load.
@@ -116,7 +117,7 @@ fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig, grid_s: f64)
 
 /// Time between two looks of the model at its gear contact where it is simulated in steps of a millisecond, s; none without a transmission.
 pub(super) fn contact_grid(effects: &[(Kind, Vec<f64>)]) -> Option<f64> {
-    let (kind, _) = effects.iter().find(|(kind, _)| kind.is_transmission())?;
+    let (kind, _) = transmission(effects)?;
     Some(1e-3 / kind.spec().laws.parts as f64)
 }
 
@@ -127,7 +128,7 @@ fn contact(
     setting: &Setting<Recorded>,
     seen: State<Recorded>,
 ) -> Recorded {
-    let Some((kind, p)) = effects.iter().find(|(kind, _)| kind.is_transmission()) else { return lit(0.0) };
+    let Some((kind, p)) = transmission(effects) else { return lit(0.0) };
     let spec = kind.spec();
     let (Some(share), mut p) = (spec.load_share(), p.clone()) else { return lit(0.0) };
     if let Some(place) = spec.load_damping() {

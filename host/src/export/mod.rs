@@ -193,3 +193,8 @@ fn effects(model: &Model) -> Vec<(Kind, Vec<f64>)> {
     effects.sort_by_key(|(kind, _)| *kind);
     effects
 }
+
+/// What stands between rotor and load among `effects`, with its parameters.
+fn transmission<S>(effects: &[(Kind, Vec<S>)]) -> Option<&(Kind, Vec<S>)> {
+    effects.iter().find(|(kind, _)| kind.is_transmission())
+}

@@ -3,6 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::hook::contact_grid;
+use super::transmission;
 
 /// The joint of the load, and that of the rotor.
 pub(super) const OUTPUT: &str = "output";
@@ -27,7 +28,7 @@ enum Lies {
 impl Between {
     /// The first transmission among `effects`.
     pub fn of(effects: &[(Kind, Vec<f64>)]) -> Option<Self> {
-        let (kind, p) = effects.iter().find(|(kind, _)| kind.is_transmission())?;
+        let (kind, p) = transmission(effects)?;
         let spec = kind.spec();
         let lies = match kind {
             Kind::Compliance => Lies::Shaft([std::f64::consts::TAU * p[0], p[2]]),

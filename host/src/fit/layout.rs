@@ -44,6 +44,10 @@ impl Values {
     pub fn kinds(&self) -> Vec<Kind> {
         self.effects.iter().map(|e| e.0).collect()
     }
+    /// The plain parameters of an effect, in its row's order; none where the model lacks it.
+    pub fn parameters(&self, kind: Kind) -> Option<&[f64]> {
+        self.effects.iter().find(|(own, _)| *own == kind).map(|(_, parameters)| parameters.as_slice())
+    }
     /// The model with one more effect.
     #[must_use]
     pub fn with(&self, kind: Kind, parameters: Vec<f64>) -> Self {

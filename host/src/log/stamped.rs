@@ -81,12 +81,17 @@ fn logged_by_program(line: &str) -> Option<(&str, &str)> {
     (!is_count(stamp) && (is_name_first(rest) || is_row)).then_some((stamp, rest))
 }
 
+/// What follows the dash or bar that parts the fields of a logger's line.
+fn behind_bar(text: &str) -> Option<&str> {
+    text.strip_prefix("- ").or_else(|| text.strip_prefix("| "))
+}
+
 /// What was said behind the level of a logger's line: `- motor - INFO - u=1`, `[INFO ] u=1`, `<inf> motor: u=1`.
 fn behind_level(line: &str) -> Option<&str> {
     let mut rest = line;
     loop {
         rest = rest.trim_start();
-        rest = rest.strip_prefix("- ").or_else(|| rest.strip_prefix("| ")).unwrap_or(rest).trim_start();
+        rest = behind_bar(rest).unwrap_or(rest).trim_start();
         let close = match rest.chars().next()? {
             '[' => rest.find(']').map(|at| at + 1),
             '<' => rest.find('>').map(|at| at + 1),
@@ -97,10 +102,10 @@ fn behind_level(line: &str) -> Option<&str> {
         let behind = behind.trim_start();
         if LEVELS.contains(&word.to_lowercase().as_str()) {
             let said = behind.trim_start_matches(':').trim_start();
-            return Some(said.strip_prefix("- ").or_else(|| said.strip_prefix("| ")).unwrap_or(said).trim());
+            return Some(behind_bar(said).unwrap_or(said).trim());
         }
         // The name of who said it.
-        if !(is_word(word) && (behind.starts_with("- ") || behind.starts_with("| "))) {
+        if !is_word(word) || behind_bar(behind).is_none() {
             return None;
         }
         rest = behind;

@@ -135,8 +135,7 @@ pub fn figures(kind: Kind, values: &Values, rig: &Rig, runs: [&[FreeRun]; 2]) ->
         with.iter().zip(without).map(|(with, without)| EffectTrace::new(with, without, &values.base));
     let traces: Vec<EffectTrace> = traces.filter(|t| !t.motion.time_s.is_empty()).collect();
     let order = kind.spec().parameters.iter().position(|p| p.name == "order");
-    let own = values.effects.iter().find(|(k, _)| *k == kind).map(|(_, parameters)| parameters);
-    let order = order.zip(own).and_then(|(k, parameters)| parameters.get(k).copied());
+    let order = order.zip(values.parameters(kind)).and_then(|(k, parameters)| parameters.get(k).copied());
     let shafts = Shafts {
         gear_ratio: rig.gear_ratio,
         encoder_on_motor: rig.encoder_on_motor,

@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use motorlens_shared::effects::Kind;
 
 use super::criterion::{
-    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_trifle, is_worth, sure_enough,
+    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_trifle, is_worth,
+    is_worth_alone, sure_enough,
 };
 use super::crossed::{Fall, crossed};
 use super::gain::Gain;
@@ -152,7 +153,7 @@ impl Fitted {
         let places = self.places_beyond(other);
         let sure = |blocks: usize| best_of(places, sure_enough(blocks));
         let gain = self.gain_over(other);
-        is_worth(gain, self.gain_over(base).total, places, self.fall(other, data).sure())
+        is_worth(gain, self.gain_over(base).total, places, || self.fall(other, data).sure())
             && (self.is_likelier(gain, sure(self.scored.blocks()), other, data)
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
@@ -184,7 +185,7 @@ impl Fitted {
     /// logarithms are explained so far.
     pub fn would_accept(&self, kind: Kind, gain: Gain, explained: f64) -> bool {
         let (all, places) = (explained + gain.total, places(kind));
-        is_worth(gain, all, places, 0.0) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
+        is_worth_alone(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
             || kind.spec().is_late() && is_late_enough(gain, all)
     }
@@ -192,8 +193,8 @@ impl Fitted {
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.
     pub fn adds_a_trifle(&self, other: &Self, data: &Evidence) -> bool {
         let (values, highest) = (self.values(), data.highest_voltage());
-        let parameters = |kind: Kind| values.effects.iter().find(|(own, _)| *own == kind).map(|(_, own)| own);
-        self.beyond(other).any(|kind| parameters(kind).is_some_and(|own| is_trifle(kind, own, highest)))
+        self.beyond(other)
+            .any(|kind| values.parameters(kind).is_some_and(|own| is_trifle(kind, own, highest)))
     }
 
     /// At how many places together was looked for the effects that it has beyond those of `other`.
@@ -218,7 +219,7 @@ impl Fitted {
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.
     fn predicts_better(&self, other: &Self, base: &Self, sure: f64) -> bool {
         let gain = self.gain_over(other);
-        gain.sure > sure && is_worth(gain, self.gain_over(base).total, 1, 0.0)
+        gain.sure > sure && is_worth_alone(gain, self.gain_over(base).total, 1)
     }
 
     /// Whether it does as well as `other`: that does not predict better beyond doubt, and simulates records that it was not fitted to hardly

@@ -195,7 +195,7 @@ fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kin
         let step = steps.iter().position(|step| covers(step.kinds(), *kind))?;
         let near = tried.get(step.checked_sub(1)?)?;
         let before = &steps[step - 1];
-        let own = values.effects.iter().find(|(k, _)| k == kind)?.1.clone();
+        let own = values.parameters(*kind)?.to_vec();
         let rest = values.without(*kind);
         let accepted = if model.kinds().last() == Some(kind) {
             model.clone()
