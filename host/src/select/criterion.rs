@@ -18,7 +18,8 @@ pub(super) fn sure_enough(blocks: usize) -> f64 {
 }
 
 /// A gain of so many natural logarithms, and of this share of all that is explained so far, has to be only [`LIKELY`]. Of 120 plain motors,
-/// half of them disturbed by torques that last 50 ms, an effect gained 40 in one and less in all others (docs/DIAGNOSIS.md).
+/// half of them disturbed by torques that last 50 ms, an effect gained 40 in one and less in all others (docs/DIAGNOSIS.md). Half of it will do
+/// where the simulation error falls as well.
 const LARGE: (f64, f64) = (50.0, 0.1);
 /// Standard errors: 5 % of a normal distribution.
 pub(crate) const LIKELY: f64 = 1.64;
@@ -40,9 +41,10 @@ pub(super) fn is_worth_alone(gain: Gain, all: f64, places: usize) -> bool {
     is_worth(gain, all, places, || 0.0)
 }
 
-/// Whether it is so much that it has to be only likely.
-pub(super) fn is_large(gain: Gain, all: f64, places: usize) -> bool {
-    is_beyond(gain, LARGE, all, places)
+/// Whether it is so much that it has to be only likely; where the simulation error surely `falls` too (factors of e), half as much will do.
+pub(super) fn is_large(gain: Gain, all: f64, places: usize, falls: impl FnOnce() -> f64) -> bool {
+    let (nats, share) = LARGE;
+    is_beyond(gain, LARGE, all, places) || is_beyond(gain, (0.5 * nats, share), all, places) && falls() > 0.0
 }
 
 /// What the likelihood has to gain by a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every log is late by
@@ -105,6 +107,18 @@ mod tests {
         let gain = Gain { total: WORTH + 1.0, sure: 9.0 };
         assert!(is_worth(gain, 11.0, 1, || 1.0) && !is_worth(gain, 11.0, 24, || 1.0));
         assert!(!is_worth(Gain { total: WORTH - 1.0, ..gain }, 9.0, 1, || 1.0));
+    }
+
+    #[test]
+    fn half_of_a_large_gain_is_large_where_the_simulation_error_falls_with_it() {
+        let gain = Gain { total: 0.7 * LARGE.0, sure: 2.0 };
+        assert!(is_large(gain, gain.total, 1, || 0.05));
+        assert!(!is_large(gain, gain.total, 1, || -0.05), "the simulation does not agree");
+        assert!(is_large(Gain { total: 2.0 * gain.total, ..gain }, 2.0 * gain.total, 1, || -0.05));
+        assert!(
+            !is_large(gain, 20.0 * gain.total, 1, || 0.05),
+            "less than the form of what is there may miss"
+        );
     }
 
     #[test]

@@ -170,7 +170,7 @@ impl Fitted {
     pub fn outweighs(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         let gain = self.gain_over(other);
         let places = self.places_beyond(other);
-        let is_large = is_large(gain, self.gain_over(base).total, places);
+        let is_large = is_large(gain, self.gain_over(base).total, places, || self.fall(other, data).sure());
         is_large && self.is_likelier(gain, best_of(places, LIKELY), other, data)
     }
 
@@ -186,7 +186,7 @@ impl Fitted {
     pub fn would_accept(&self, kind: Kind, gain: Gain, explained: f64) -> bool {
         let (all, places) = (explained + gain.total, places(kind));
         is_worth_alone(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
-            || is_large(gain, all, places) && gain.sure > best_of(places, LIKELY)
+            || is_large(gain, all, places, || 0.0) && gain.sure > best_of(places, LIKELY)
             || kind.spec().is_late() && is_late_enough(gain, all)
     }
 
