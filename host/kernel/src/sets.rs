@@ -1,15 +1,16 @@
 //! The loop compiled for each small set of effects, and the choice among them.
 //!
 //! With the set known to the compiler a step has no branches and the motion stays in registers: 3 to 4 times
-//! faster than a loop that asks each effect for its kind. Sets of three and more take that loop.
+//! faster than a loop that asks each effect for its kind. Sets of three and more take that loop; a delay before and a filter behind the
+//! others do not count, they are there or not while the program runs.
 
 #![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
 
 use core::marker::PhantomData;
 
 use motorlens_shared::base::Base;
-use motorlens_shared::effects::together::{Effects, Nothing, Several, With};
-use motorlens_shared::effects::{Named, Rig, Visit};
+use motorlens_shared::effects::together::{Between, Effects, Nothing, Several, With};
+use motorlens_shared::effects::{Kind, Named, Rig, Setting, Visit};
 use motorlens_shared::simulator::{Chosen, Prepared, Simulator};
 
 use crate::{Block, Course, Sink, Wide, has_wide, run};
@@ -28,8 +29,11 @@ pub fn run_wide(
     assert!(has_wide(), "this processor lacks AVX2 or fused multiply-add");
     // SAFETY: it has them, and everything that is unsafe below is reached from here only.
     let prepared = unsafe { prepare(base, effects, rig) };
-    let work = Work { prepared, effects, course, sink };
-    match effects {
+    let (delay, between, lag) = late_apart(effects);
+    let work = Work { prepared, effects, delay, between, lag, course, sink };
+    match between {
+        // A formula reads what a filter has left: its set is none of those compiled.
+        _ if between.iter().any(|(kind, _)| kind.spec().is_late()) => work.run_several(),
         [] => work.run(|_| Nothing),
         [(kind, _)] => kind.with(work),
         [(kind, _), _] => kind.with(First(work)),
@@ -37,9 +41,33 @@ pub fn run_wide(
     }
 }
 
+/// The parameters of a delay at the beginning of `effects`, what is between, and those of a filter at their end.
+fn late_apart<'a>(
+    effects: &'a [Chosen<'a, Wide>],
+) -> (Option<&'a [Wide]>, &'a [Chosen<'a, Wide>], Option<&'a [Wide]>) {
+    let (delay, rest) = match effects {
+        [(Kind::Delay, delay), rest @ ..] => (Some(*delay), rest),
+        rest => (None, rest),
+    };
+    match rest {
+        [between @ .., (Kind::SensorLag, lag)] => (delay, between, Some(*lag)),
+        between => (delay, between, None),
+    }
+}
+
 #[target_feature(enable = "avx2,fma")]
 fn prepare(base: &Base<Wide>, effects: &[Chosen<Wide>], rig: &Rig) -> Prepared<Wide> {
     Prepared::new(base, effects, rig)
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn late<E: Effects<Wide>>(
+    delay: Option<&[Wide]>,
+    between: E,
+    lag: Option<&[Wide]>,
+    setting: &Setting<Wide>,
+) -> Between<Wide, E> {
+    Between::new(delay, between, lag, setting)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -55,21 +83,28 @@ fn run_set<E: Effects<Wide>>(
 struct Work<'a> {
     prepared: Prepared<Wide>,
     effects: &'a [Chosen<'a, Wide>],
+    /// The effects without those that are only late.
+    between: &'a [Chosen<'a, Wide>],
+    delay: Option<&'a [Wide]>,
+    lag: Option<&'a [Wide]>,
     course: &'a Course<'a, Wide>,
     sink: &'a mut dyn Sink<Block>,
 }
 
 impl Work<'_> {
-    fn run<E: Effects<Wide>>(self, effects: impl FnOnce(&Self) -> E) {
-        let effects = effects(&self);
+    fn run<E: Effects<Wide>>(self, between: impl FnOnce(&Self) -> E) {
+        let between = between(&self);
+        // SAFETY: see run_wide.
+        unsafe {
+            let effects = late(self.delay, between, self.lag, &self.prepared.setting);
+            run_set(&Simulator::with(self.prepared, effects), self.course, self.sink);
+        }
+    }
+
+    fn run_several(self) {
+        let effects = Several::new(self.effects, &self.prepared.setting);
         // SAFETY: see run_wide.
         unsafe { run_set(&Simulator::with(self.prepared, effects), self.course, self.sink) };
-    }
-}
-
-impl Work<'_> {
-    fn run_several(self) {
-        self.run(|work| Several::new(work.effects, &work.prepared.setting));
     }
 }
 
@@ -79,7 +114,11 @@ impl Visit<Wide> for Work<'_> {
         self.run_several();
     }
     fn visit<A: Named<Wide>>(self) {
-        self.run(|work| With(A::named(work.effects[0].1, &work.prepared.setting), Nothing));
+        if const { A::SPEC.is_late() } {
+            unreachable!("taken apart from the others");
+        } else {
+            self.run(|work| With(A::named(work.between[0].1, &work.prepared.setting), Nothing));
+        }
     }
 }
 
@@ -94,8 +133,12 @@ impl Visit<Wide> for First<'_> {
         self.0.run_several();
     }
     fn visit<A: Named<Wide>>(self) {
-        let second = self.0.effects[1].0;
-        second.with(Second::<A>(self.0, PhantomData));
+        if const { A::SPEC.is_late() } {
+            unreachable!("taken apart from the others");
+        } else {
+            let second = self.0.between[1].0;
+            second.with(Second::<A>(self.0, PhantomData));
+        }
     }
 }
 
@@ -106,14 +149,115 @@ impl<A: Named<Wide>> Visit<Wide> for Second<'_, A> {
     }
     fn visit<B: Named<Wide>>(self) {
         // Half of all pairs need not be compiled.
-        if const { A::INDEX < B::INDEX } {
+        if const { A::INDEX < B::INDEX && !B::SPEC.is_late() } {
             self.0.run(|work| {
                 let setting = &work.prepared.setting;
-                let second = With(B::named(work.effects[1].1, setting), Nothing);
-                With(A::named(work.effects[0].1, setting), second)
+                let second = With(B::named(work.between[1].1, setting), Nothing);
+                With(A::named(work.between[0].1, setting), second)
             });
         } else {
             unreachable!("effects out of the registry's order");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motorlens_shared::lanes::Lanes;
+    use motorlens_shared::step::State;
+    use std::vec::Vec;
+
+    use crate::{LANES, Reading};
+
+    const RIG: Rig = Rig {
+        step_s: 2e-3,
+        gear_ratio: 50.0,
+        encoder_on_motor: true,
+        nominal_v: 12.0,
+        supply_v: 12.0,
+        reference_speed: 9.6,
+        count_rad: 0.002,
+    };
+
+    impl Sink<Block> for Vec<Reading<Block>> {
+        fn begin(&mut self, reading: Reading<Block>) {
+            self.push(reading);
+        }
+        fn take(&mut self, _first: usize, readings: &[Reading<Block>]) {
+            self.extend_from_slice(readings);
+        }
+    }
+
+    fn wide(value: impl Fn(usize) -> f64) -> Wide {
+        Wide::from_block(&Lanes(std::array::from_fn(value)))
+    }
+
+    /// Readings of a model with `kinds` by the loop made for them, and by the one that asks each effect for its kind.
+    fn both(kinds: &[Kind]) -> [Vec<Reading<Block>>; 2] {
+        let base = Base {
+            gain: wide(|_| 0.9),
+            tau_m: wide(|lane| 0.04 + 0.01 * lane as f64),
+            tau_e: wide(|_| 6e-4),
+            viscous_share: wide(|_| 0.1),
+        };
+        let sizes = |kind: &Kind| -> Vec<Wide> {
+            let spread = |x: f64| wide(move |lane| x * (1.0 + 0.1 * lane as f64 / LANES as f64));
+            kind.spec().typical(&RIG).map(spread).collect()
+        };
+        let parameters: Vec<_> = kinds.iter().map(sizes).collect();
+        let effects: Vec<Chosen<Wide>> =
+            kinds.iter().copied().zip(parameters.iter().map(Vec::as_slice)).collect();
+        let voltages: Vec<f64> = (0..200).map(|k| if k / 40 % 2 == 0 { 7.0 } else { -3.0 }).collect();
+        let start = State { speed: wide(|_| 2.0), load_speed: wide(|_| 2.0), ..State::rest() };
+        let course = Course {
+            start,
+            voltages: &voltages,
+            cells: 190,
+            reading_age_s: 0.0,
+            encoder_on_motor: true,
+            guide: &[],
+            seen: &[],
+            count: 0.0,
+        };
+        let [mut made, mut asked] = [Vec::new(), Vec::new()];
+        run_wide(&base, &effects, &RIG, &course, &mut made);
+        // SAFETY: run_wide has asked for them.
+        let prepared = unsafe { prepare(&base, &effects, &RIG) };
+        let work = Work {
+            prepared,
+            effects: &effects,
+            between: &[],
+            delay: None,
+            lag: None,
+            course: &course,
+            sink: &mut asked,
+        };
+        work.run_several();
+        [made, asked]
+    }
+
+    #[test]
+    fn the_loop_made_for_a_set_gives_what_the_loop_for_any_set_gives_to_the_last_bit() {
+        if !has_wide() {
+            return;
+        }
+        let between: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| !kind.spec().is_late()).collect();
+        let mut sets = vec![Vec::new()];
+        for (k, one) in between.iter().enumerate() {
+            sets.push(vec![*one]);
+            let others =
+                between[k + 1..].iter().filter(|other| !(one.is_transmission() && other.is_transmission()));
+            sets.extend(others.map(|other| vec![*one, *other]));
+        }
+        for set in sets {
+            for (delayed, filtered) in [(false, false), (true, false), (false, true), (true, true)] {
+                let mut kinds = set.clone();
+                kinds.splice(0..0, delayed.then_some(Kind::Delay));
+                kinds.extend(filtered.then_some(Kind::SensorLag));
+                let [made, asked] = both(&kinds);
+                assert_eq!(made, asked, "{kinds:?}");
+            }
         }
     }
 }

@@ -169,6 +169,13 @@ impl Scalar for Wide {
             ])
         }
     }
+    /// By the root that the processor has: four divisions less.
+    #[inline(always)]
+    fn hypot(self, other: Self) -> Self {
+        let square = self.mul_add(self, other * other);
+        // SAFETY: see the type.
+        unsafe { Self([_mm256_sqrt_pd(square.0[0]), _mm256_sqrt_pd(square.0[1])]) }
+    }
     #[inline(always)]
     fn round(self) -> Self {
         let magic = Self::lit(6_755_399_441_055_744.0);

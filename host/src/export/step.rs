@@ -52,6 +52,9 @@ impl Effects<Recorded> for InOnePart {
     fn couple(&self, part: Recorded, state: &mut State<Recorded>) {
         self.0.couple(part, state);
     }
+    fn show(&self, state: &mut State<Recorded>) {
+        self.0.show(state);
+    }
     fn read(&self, state: &State<Recorded>, memories: &[Memory<Recorded>], reading: &mut Recorded) {
         self.0.read(state, memories, reading);
     }

@@ -172,9 +172,17 @@ impl Spec {
     }
     /// Whether all that it is is late: its only size is a time, as a delay's or a filter's.
     #[must_use]
-    pub fn is_late(&self) -> bool {
-        self.parameters.iter().all(|p| !p.strength || p.unit == "s")
-            && self.parameters.iter().any(|p| p.strength)
+    pub const fn is_late(&self) -> bool {
+        let (mut times, mut k) = (0, 0);
+        while k < self.parameters.len() {
+            let p = &self.parameters[k];
+            if p.strength && !matches!(p.unit.as_bytes(), b"s") {
+                return false;
+            }
+            times += p.strength as usize;
+            k += 1;
+        }
+        times > 0
     }
     /// Stands between rotor and load.
     #[inline(always)]
