@@ -3,7 +3,7 @@
 /// What a word for a direction is read as: numbers that no column of zeros and ones has, so that both are told apart.
 const FORTH: f64 = 3.0;
 
-const FORTH_WORDS: [&str; 14] = [
+const FORTH_WORDS: [&str; 20] = [
     "f",
     "fw",
     "fwd",
@@ -18,8 +18,14 @@ const FORTH_WORDS: [&str; 14] = [
     "vorwärts",
     "right",
     "rechts",
+    "up",
+    "open",
+    "avant",
+    "avanti",
+    "adelante",
+    "frente",
 ];
-const BACK_WORDS: [&str; 22] = [
+const BACK_WORDS: [&str; 30] = [
     "r",
     "b",
     "rv",
@@ -42,8 +48,19 @@ const BACK_WORDS: [&str; 22] = [
     "left",
     "links",
     "zurück",
+    "rueckwaerts",
+    "down",
+    "close",
+    "arriere",
+    "arrière",
+    "indietro",
+    "atras",
+    "atrás",
 ];
-const REST_WORDS: [&str; 8] = ["stop", "brake", "coast", "off", "idle", "none", "s", "halt"];
+const REST_WORDS: [&str; 15] = [
+    "stop", "stopped", "stopp", "s", "halt", "brake", "coast", "free", "float", "off", "aus", "idle", "none",
+    "n", "neutral",
+];
 
 /// The number that a word for a direction, or for the level of a pin, is read as.
 pub(super) fn named(text: &str) -> Option<f64> {
@@ -96,6 +113,7 @@ mod tests {
             (vec![0.0, 0.0, 0.0], [1.0, 1.0, 1.0]),
             (words("FWD REV stop"), [1.0, -1.0, 0.0]),
             (words("stop fwd fwd"), [0.0, 1.0, 1.0]),
+            (words("F R N"), [1.0, -1.0, 0.0]),
             (words("HIGH LOW HIGH"), [1.0, -1.0, 1.0]),
         ] {
             assert_eq!(signs(&values).unwrap(), expected, "{values:?}");

@@ -293,11 +293,13 @@ fn field(text: &str, number: Option<f64>) -> Result<f64, String> {
         Some(value) if value.is_finite() => Ok(value),
         Some(_) => Err(format!("\"{text}\" is not a number a fit can use")),
         None if text.is_empty() => Err("the field is empty".into()),
-        None => {
-            let shown: String = text.chars().take(40).collect();
-            Err(format!("\"{shown}\" is not a number"))
-        }
+        None => Err(format!("\"{}\" is not a number", shown(text))),
     }
+}
+
+/// As much of a field as a message holds.
+fn shown(text: &str) -> String {
+    text.chars().take(40).collect()
 }
 
 /// The number in a field in SI, by the unit of `column`.
@@ -307,5 +309,7 @@ fn in_si(text: &str, column: &Wanted) -> Result<f64, String> {
 
 /// What a field of a column of directions says, or why it says nothing.
 fn direction(text: &str) -> Result<f64, String> {
-    direction::named(text).map_or_else(|| field(text, number(text)), Ok)
+    let none =
+        |_| format!("\"{}\" is no direction (F, R, stop, 1, -1, CW, CCW and their like are)", shown(text));
+    direction::named(text).map_or_else(|| field(text, number(text)).map_err(none), Ok)
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::columns::{Part, Range};
 use super::per_turn_of;
+use crate::log::direction;
 use crate::log::ticks::Ticks;
 use crate::log::timing;
 use crate::log::units::{PerTurn, Quantity, Unit};
@@ -28,6 +29,11 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
     }
     if part.quantity == Quantity::Time {
         values = Ticks::all(values.into_iter());
+    }
+    if part.quantity == Quantity::Direction
+        && let Ok(signs) = direction::signs(&values)
+    {
+        values = signs;
     }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
