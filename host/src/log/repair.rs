@@ -192,7 +192,7 @@ pub(super) mod tests {
     #[test]
     fn a_wrapped_angle_that_goes_far_between_two_samples_is_unwrapped_too() {
         let fast = |t: f64| 150.0 * swing(t) / 20.0;
-        for (turn, low) in [(TAU, 0.0), (TAU, -TAU / 2.0)] {
+        for (turn, low) in [(TAU, 0.0), (TAU, -TAU / 2.0), (TAU, -TAU)] {
             let parts = repaired(moving(|t| (fast(t) - low).rem_euclid(turn) + low));
             let angle = parts[0].angle_rad.as_ref().unwrap();
             let step =

@@ -137,8 +137,13 @@ pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Res
 
 /// What a table leaves open in which too little is recognised.
 fn question(sample: &Sample) -> Option<String> {
-    let questions =
-        [guess::effort_question, guess::levels_question, guess::loop_question, guess::sampled_question];
+    let questions = [
+        guess::effort_question,
+        guess::levels_question,
+        guess::loop_question,
+        guess::sampled_question,
+        guess::half_question,
+    ];
     questions.into_iter().find_map(|question| question(sample))
 }
 

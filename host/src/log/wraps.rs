@@ -39,7 +39,8 @@ fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {
     let count = quantum(angle).filter(|count| *count > 0.0);
     let bits = count.map(|count| count * ((high - low) / count).log2().ceil().exp2());
     let turn = [TAU, 360.0, 1.0].into_iter().chain(bits).find(|turn| {
-        let begins = [0.0, -0.5 * turn]
+        // Turned round by the mapping, an angle of 0 to 360 degrees begins at -360.
+        let begins = [0.0, -0.5 * turn, -turn]
             .into_iter()
             .any(|begin| (low - begin).abs() < FILLED * turn && low >= begin - 1e-6 * turn);
         begins && high - low <= turn * (1.0 + 1e-9) && high - low > (1.0 - FILLED) * turn

@@ -81,6 +81,35 @@ fn an_example_names_what_was_measured_and_no_setpoint() {
     assert_same(&read_bytes(text.as_bytes(), &mapped("time=t,voltage=u,angle=blue")).unwrap(), "u", 0);
 }
 
+#[test]
+fn a_log_without_a_drive_or_a_motion_is_told_what_it_lacks_and_gets_no_line_that_calls_something_else_so() {
+    for (head, said) in [
+        (
+            "timestamp_ms,setpoint_rpm,actual_rpm",
+            "\"actual_rpm\" is the motion, and no column tells what drove",
+        ),
+        ("time,angle", "beside the time there is only \"angle\""),
+        ("time,output", "beside the time there is only \"output\""),
+        ("time,pwm,blue,green", "\"pwm\" drives the motor, and no column tells how it moved"),
+    ] {
+        let columns = head.split(',').count();
+        let text = lines(&format!("{head}\n"), |_, t, u, x| {
+            [t.to_string(), u.to_string(), x.to_string(), format!("{}", 2.0 * x)][..columns].join(",")
+        });
+        let refused = refusal(&text).to_string();
+        assert!(refused.contains(said), "{head}: {refused}");
+        assert!(!refused.contains("voltage=setpoint_rpm") && !refused.contains("voltage=angle"), "{refused}");
+    }
+}
+
+#[test]
+fn a_switch_and_a_heading_are_no_duty_and_no_current() {
+    let text = lines("t,Power,CurrX,CurrDeg,RPM_M1,DriveM1\n", |k, t, u, x| {
+        format!("{t},OFF,0.0,{},{x},{}", k % 90, (20.0 * u).round())
+    });
+    assert_eq!(refusal(&text).proposal.unwrap().map, "time=t:s,duty=DriveM1:255,speed=RPM_M1:rpm");
+}
+
 /// One reading that is no number a fit can use is a row that was not read.
 #[test]
 fn a_single_infinite_reading_is_left_out_and_named() {

@@ -203,6 +203,14 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let range = Range::of(values(part.index));
         !rows.is_empty() && range.high <= range.low
     };
+    // A current that never flows was not measured.
+    if let Some(current) = place(Quantity::Current)
+        && still(&parts[current])
+        && values(parts[current].index).all(|value| value == 0.0)
+    {
+        parts.remove(current);
+    }
+    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     if let (Some(angle), Some(speed)) = (place(Quantity::Angle), place(Quantity::Speed)) {
         let is_still = [angle, speed].map(|k| still(&parts[k]));
         if is_still != [true, true] {

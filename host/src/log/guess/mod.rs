@@ -21,7 +21,7 @@ pub use columns::{Part, parts};
 pub use look::{Look, look};
 use preview::preview;
 use questions::{given_sign, guessed_unit, lost_sign, other_clock, taken_for, unknown_unit};
-pub(super) use questions::{levels_question, loop_question, sampled_question};
+pub(super) use questions::{half_question, levels_question, loop_question, sampled_question};
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};

@@ -185,6 +185,72 @@ pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
     ))
 }
 
+/// What is asked of a table of which only the drive or only the motion is recognised, or that has no room for both.
+pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
+    use Quantity::{Angle, Duty, Speed, Time, Voltage};
+    let parts = columns::parts(&sample.with_units, &sample.rows);
+    let of = |quantities: &[Quantity]| parts.iter().find(|part| quantities.contains(&part.quantity));
+    let known = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
+    let is_target = |k: &usize| words::said(&sample.names[*k]).target;
+    let (targets, others): (Vec<usize>, Vec<usize>) =
+        (0..sample.names.len()).filter(|k| !known(k)).partition(is_target);
+    let name = |k: usize| format!("\"{}\"", sample.names[k]);
+    let options = |k: usize, as_if: &str| {
+        let mut with_units = sample.with_units.clone();
+        with_units[k] = as_if.to_owned();
+        let parts = columns::parts(&with_units, &sample.rows);
+        proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
+    };
+    let mut beside = (0..sample.names.len()).filter(|k| of(&[Time]).is_some_and(|time| time.index != *k));
+    if let (Some(only), None) = (beside.next(), beside.next()) {
+        return Some(format!(
+            "beside the time there is only {}, and a fit needs two things: what drove the motor (a duty or voltage) and how it moved (an \
+             angle, counts or a speed); log both in every row, or give a file of each as drive.csv+motion.csv",
+            name(only)
+        ));
+    }
+    match (of(&[Duty, Voltage]), of(&[Angle, Speed])) {
+        (None, Some(motion)) => {
+            let mut text = format!(
+                "{} is the motion, and no column tells what drove the motor: log its duty or voltage in every row",
+                name(motion.index)
+            );
+            if let Some(target) = targets.first() {
+                text += &format!(
+                    "; {} is what a controller was to reach, and not what it gave the motor",
+                    name(*target)
+                );
+            }
+            let meant =
+                others.iter().find_map(|k| Some((k, options(*k, "voltage [V]")?, options(*k, "duty [%]")?)));
+            if let Some((k, volts, duty)) = meant {
+                text += &format!(
+                    "; if {} is that, say {volts} where it is volts, {duty} where it is percent",
+                    name(*k)
+                );
+            }
+            Some(text)
+        }
+        (Some(drive), None) => {
+            let mut text = format!(
+                "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
+                name(drive.index)
+            );
+            let meant = others
+                .iter()
+                .find_map(|k| Some((k, options(*k, "speed [rad/s]")?, options(*k, "encoder count")?)));
+            if let Some((k, speed, count)) = meant {
+                text += &format!(
+                    "; if {} is that, say {speed} where it is a speed, {count} where it counts",
+                    name(*k)
+                );
+            }
+            Some(text)
+        }
+        _ => None,
+    }
+}
+
 /// What is said of a unit that nothing tells.
 pub(super) fn guessed_unit(name: &str, part: &Part) -> Option<String> {
     let taken = &part.unit;

@@ -62,6 +62,7 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "output",
             "out",
             "power",
+            "drive",
             "control",
             "ctrl",
             "ena",

@@ -130,6 +130,8 @@ pub fn said(name: &str) -> Said {
         (Some((Interval, plain, _)), Some((Time, _))) => Some((Interval, plain)),
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
+        // A current one, in degrees.
+        (Some((Current, ..)), Some((Angle | Speed, _))) => None,
         (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
         // The ticks of a clock: `ticks_ms`.
         (Some((Angle, ..)), Some((Time, _))) => Some((Time, 4)),
@@ -324,6 +326,7 @@ mod tests {
             ("v_q", Voltage, None),
             ("command_voltage_q", Voltage, None),
             ("Iq_measured", Current, None),
+            ("CurrMotor", Current, None),
             ("q_current", Current, None),
             ("q", Angle, None),
             ("target_voltage", Voltage, None),
