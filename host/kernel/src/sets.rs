@@ -41,10 +41,11 @@ pub fn run_wide(
     }
 }
 
+/// The parameters of what is only late, where it is there.
+type Late<'a> = Option<&'a [Wide]>;
+
 /// The parameters of a delay at the beginning of `effects`, what is between, and those of a filter at their end.
-fn late_apart<'a>(
-    effects: &'a [Chosen<'a, Wide>],
-) -> (Option<&'a [Wide]>, &'a [Chosen<'a, Wide>], Option<&'a [Wide]>) {
+fn late_apart<'a>(effects: &'a [Chosen<'a, Wide>]) -> (Late<'a>, &'a [Chosen<'a, Wide>], Late<'a>) {
     let (delay, rest) = match effects {
         [(Kind::Delay, delay), rest @ ..] => (Some(*delay), rest),
         rest => (None, rest),
@@ -61,12 +62,7 @@ fn prepare(base: &Base<Wide>, effects: &[Chosen<Wide>], rig: &Rig) -> Prepared<W
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn late<E: Effects<Wide>>(
-    delay: Option<&[Wide]>,
-    between: E,
-    lag: Option<&[Wide]>,
-    setting: &Setting<Wide>,
-) -> Between<Wide, E> {
+fn late<E: Effects<Wide>>(delay: Late, between: E, lag: Late, setting: &Setting<Wide>) -> Between<Wide, E> {
     Between::new(delay, between, lag, setting)
 }
 
@@ -85,8 +81,8 @@ struct Work<'a> {
     effects: &'a [Chosen<'a, Wide>],
     /// The effects without those that are only late.
     between: &'a [Chosen<'a, Wide>],
-    delay: Option<&'a [Wide]>,
-    lag: Option<&'a [Wide]>,
+    delay: Late<'a>,
+    lag: Late<'a>,
     course: &'a Course<'a, Wide>,
     sink: &'a mut dyn Sink<Block>,
 }
