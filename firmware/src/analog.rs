@@ -1,5 +1,7 @@
 //! What a converter's raw numbers mean, and when to convert so that their mean is the mean of whole PWM periods.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use motorlens_shared::link::Setup;
 
 /// Full scale of a converter of 12 bits, counts.
@@ -19,6 +21,9 @@ impl From<&Setup> for Wiring {
         Self { divider: setup.divider, amplifier: setup.amplifier }
     }
 }
+
+/// So many readings of 12 bits make a sum of 16, so that supply and current are added in one.
+const TOGETHER: usize = 16;
 
 /// Means over an interval.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -56,6 +61,24 @@ impl Sums {
         self.supply = self.supply.wrapping_add(supply);
         self.current = self.current.wrapping_add(current);
         self.count = self.count.wrapping_add(count);
+    }
+
+    /// Adds what a converter that goes round its inputs by itself has left in a ring, a round to a word with the supply in its lower half:
+    /// the rounds from `from` to before `to`.
+    pub fn follow(&mut self, ring: &[AtomicU32], from: usize, to: usize) {
+        if to < from {
+            self.add_rounds(ring.get(from..).unwrap_or_default());
+            self.add_rounds(ring.get(..to).unwrap_or_default());
+        } else {
+            self.add_rounds(ring.get(from..to).unwrap_or_default());
+        }
+    }
+
+    fn add_rounds(&mut self, rounds: &[AtomicU32]) {
+        for words in rounds.chunks(TOGETHER) {
+            let both = words.iter().map(|word| word.load(Ordering::Relaxed)).fold(0, u32::wrapping_add);
+            self.add(both & 0xffff, both >> 16, words.len() as u32);
+        }
     }
 
     /// The mean supply, mV, of what was added after `before`, where anything was: for a bound, to a hundredth, in few steps.
@@ -185,6 +208,17 @@ mod tests {
         let before = sums;
         sums.add(800 * 4095, 800 * 4095, 800);
         assert_eq!(sums.supply_since(&before, u16::MAX), Some(u16::MAX));
+    }
+
+    #[test]
+    fn a_ring_is_added_up_from_where_it_was_left_over_its_end_too() {
+        let ring: std::vec::Vec<AtomicU32> = (0..40).map(|k| AtomicU32::new(k | 4095 << 16)).collect();
+        let mut sums = Sums::new();
+        sums.follow(&ring, 3, 37);
+        sums.follow(&ring, 37, 2);
+        sums.follow(&ring, 2, 2);
+        let of = |places: std::ops::Range<u32>| places.sum::<u32>();
+        assert_eq!((sums.supply, sums.current, sums.count), (of(3..40) + of(0..2), 39 * 4095, 39));
     }
 
     #[test]

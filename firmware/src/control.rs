@@ -8,34 +8,11 @@ use crate::analog::{Means, Wiring};
 use crate::encoder::Extended;
 use crate::hardware::{Analog, Hardware};
 use crate::log::Log;
+use crate::standing::Wait;
 use crate::supervisor::{Look, Supervisor};
+use crate::turns::Turns;
 use motorlens_shared::excitation::Player;
 use motorlens_shared::link::{Cause, Reset, RunState, Sample, Scaling, Setup, Status};
-
-/// A run begins when the motor has stood still for so long, or has been waited for so long, us. The encoder's count goes
-/// on from run to run, so that what depends on the shaft's position is the same in all of them.
-const STANDING_US: u32 = 100_000;
-const PATIENCE_US: u32 = 6_000_000;
-/// Counts within which it stands.
-const STANDING_COUNTS: u32 = 2;
-
-/// Waiting for the motor to stand still.
-#[derive(Debug, Clone, Copy)]
-struct Wait {
-    began_us: u32,
-    count: i32,
-    since_us: u32,
-}
-
-impl Wait {
-    /// Whether the wait is over.
-    fn look(&mut self, now: u32, count: i32) -> bool {
-        if count.abs_diff(self.count) > STANDING_COUNTS {
-            (self.count, self.since_us) = (count, now);
-        }
-        now.wrapping_sub(self.since_us) >= STANDING_US || now.wrapping_sub(self.began_us) >= PATIENCE_US
-    }
-}
 
 /// What a sampling instant brings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +34,7 @@ pub struct Control<H: 'static> {
     encoder: Extended,
     supervisor: Supervisor,
     wait: Wait,
+    turns: Turns,
     origin_us: Option<u32>,
     heard_us: u32,
     /// What is to be applied at the next instant.
@@ -87,7 +65,8 @@ impl<H: Hardware> Control<H> {
             player: None,
             encoder: Extended::default(),
             supervisor: Supervisor::default(),
-            wait: Wait { began_us: 0, count: 0, since_us: 0 },
+            wait: Wait::new(0, 0),
+            turns: Turns::default(),
             origin_us: None,
             heard_us: 0,
             planned: None,
@@ -99,6 +78,25 @@ impl<H: Hardware> Control<H> {
         }
     }
 
+    /// An interrupt of the sampling timer, a sampling instant or one between two. Returns what the board must stop for good over: a main
+    /// loop that hangs while the motor is driven.
+    #[must_use]
+    pub fn interrupt(&mut self, sampling: bool) -> Option<Reset> {
+        if sampling {
+            self.tick();
+        } else {
+            self.between();
+        }
+        // Last: what it takes is no part of the instant.
+        let now = self.hardware.now_us();
+        (self.state == RunState::Running && self.turns.hang(now)).then_some(Reset::Watchdog)
+    }
+
+    /// The main loop has done a piece of work: to be called at least every half a millisecond or so.
+    pub fn turned(&mut self) {
+        self.turns.worked(self.hardware.now_us());
+    }
+
     /// One sampling instant. To be called [`Setup::rate_hz`] times a second, run or no run.
     pub fn tick(&mut self) {
         let begin = self.hardware.cycles();
@@ -108,9 +106,17 @@ impl<H: Hardware> Control<H> {
 
     /// An interrupt between two sampling instants.
     pub fn between(&mut self) {
-        if self.supply_is_pumped() {
-            self.stop(Cause::Supply);
+        if let Some(cause) = self.pressing() {
+            self.stop(cause);
         }
+    }
+
+    /// What cannot wait for the next sampling instant.
+    fn pressing(&mut self) -> Option<Cause> {
+        if self.state == RunState::Running && self.hardware.emergency() {
+            return Some(Cause::Emergency);
+        }
+        self.supply_is_pumped().then_some(Cause::Supply)
     }
 
     /// Whether the supply since the last interrupt is above its bound. A braking motor charges the capacitors of a supply that cannot
@@ -153,13 +159,12 @@ impl<H: Hardware> Control<H> {
             voltage_mv: i32::from(duty) * i32::from(self.supply_mv) / i32::from(self.top()),
             supply_good: means.supply_mv.is_none_or(|supply_mv| self.setup.trusts(supply_mv)),
             current_ma: means.current_ma,
-            emergency: false,
         };
         if let Some(cause) = self.supervisor.check(&self.setup, &look) {
             return self.stop(cause);
         }
         if self.origin_us.is_none() {
-            if !self.wait.look(now, count) {
+            if !self.wait.is_over(now, count) {
                 return;
             }
             self.origin_us = Some(now);
@@ -241,8 +246,10 @@ impl<H: Hardware> Control<H> {
         self.supervisor = Supervisor::default();
         let now = self.hardware.now_us();
         let count = self.encoder.look(self.hardware.count());
-        self.wait = Wait { began_us: now, count, since_us: now };
+        self.wait = Wait::new(now, count);
         self.heard_us = now;
+        // What it took to prepare the programme is no hang of this run.
+        self.turns.worked(now);
         (self.origin_us, self.planned, self.open) = (None, None, None);
         self.state = RunState::Running;
     }

@@ -22,8 +22,10 @@ pub mod hardware;
 pub mod log;
 pub mod outbox;
 pub mod quadrature;
+pub mod standing;
 pub mod station;
 pub mod supervisor;
+pub mod turns;
 
 use core::cell::RefCell;
 use critical_section::Mutex;

@@ -4,6 +4,7 @@ mod answer;
 mod stream;
 
 use crate::Shared;
+use crate::control::Control;
 use crate::hardware::Hardware;
 use crate::outbox::Outbox;
 use embedded_io::{Read, ReadReady, Write, WriteReady};
@@ -80,7 +81,7 @@ impl Station {
         }
     }
 
-    /// One turn of the main loop; to be called at least every millisecond or so.
+    /// One turn of the main loop; to be called at least every half a millisecond or so.
     pub fn poll<H: Hardware>(
         &mut self,
         line: &mut impl Line,
@@ -88,6 +89,7 @@ impl Station {
         platform: &mut impl Platform,
     ) {
         platform.alive();
+        with(control, Control::turned);
         while line.read_ready().unwrap_or(false) {
             let mut byte = [0];
             if line.read(&mut byte).unwrap_or(0) == 0 {
@@ -98,6 +100,7 @@ impl Station {
                     with(control, |control| control.heard());
                     self.outbox.protect(self.decoder.protected());
                     self.answer(packet, line, control, platform);
+                    with(control, Control::turned);
                 }
                 Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),
                 None => {}
@@ -143,6 +146,6 @@ impl Station {
 }
 
 /// Borrows the control with the sampling interrupt held off. Keep it short.
-fn with<H: Hardware, R>(control: &Shared<H>, act: impl FnOnce(&mut crate::control::Control<H>) -> R) -> R {
+fn with<H: Hardware, R>(control: &Shared<H>, act: impl FnOnce(&mut Control<H>) -> R) -> R {
     critical_section::with(|section| act(&mut control.borrow_ref_mut(section)))
 }

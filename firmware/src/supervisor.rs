@@ -1,4 +1,5 @@
-//! What ends a run before its programme does.
+//! What ends a run before its programme does, at a sampling instant. The emergency contact and a supply that is pumped up do not wait for
+//! one: [`crate::control::Control::between`].
 
 use motorlens_shared::link::{Cause, Setup};
 
@@ -24,8 +25,6 @@ pub struct Look {
     pub supply_good: bool,
     /// mA, where measured.
     pub current_ma: Option<i16>,
-    /// Whether the emergency input is open.
-    pub emergency: bool,
 }
 
 /// The state of supervising one run.
@@ -40,9 +39,6 @@ pub struct Supervisor {
 impl Supervisor {
     /// Whether the run must end here, and why. The gravest cause is named when there are several.
     pub fn check(&mut self, setup: &Setup, look: &Look) -> Option<Cause> {
-        if look.emergency {
-            return Some(Cause::Emergency);
-        }
         self.bad_supply = if look.supply_good { 0 } else { self.bad_supply.saturating_add(1) };
         if self.bad_supply >= BAD_SUPPLY_SAMPLES {
             return Some(Cause::Supply);
@@ -87,7 +83,6 @@ mod tests {
         voltage_mv: 6000,
         supply_good: true,
         current_ma: None,
-        emergency: false,
     };
 
     /// The cause and the millisecond at which a run made of these looks ends.
@@ -142,14 +137,10 @@ mod tests {
     }
 
     #[test]
-    fn silence_emergency_and_time_end_the_run() {
+    fn silence_and_time_end_the_run() {
         let moving = |ms: u32| Look { count: ms as i32, ..MOVING };
         let silent = |ms: u32| Look { silence_us: ms.saturating_sub(200) * 1000, ..moving(ms) };
         assert_eq!(ends(Setup::default(), silent), Some((Cause::LinkLoss, 700)));
-        assert_eq!(
-            ends(Setup::default(), |ms| Look { emergency: ms >= 9, ..moving(ms) }),
-            Some((Cause::Emergency, 9))
-        );
         let short = Setup { run_limit_ms: 300, ..Setup::default() };
         assert_eq!(ends(short, moving), Some((Cause::RunLimit, 300)));
     }

@@ -385,6 +385,42 @@ fn a_supply_that_is_pumped_up_ends_the_run_at_once_and_one_that_sinks_when_it_st
 }
 
 #[test]
+fn the_emergency_contact_ends_a_run_between_two_samples_too() {
+    let mut bench = ready(Setup { rate_hz: 100, ..Setup::default() }, &[]);
+    start(&mut bench, &sine(2.0), 7);
+    pass_attended(&mut bench, 0.5);
+    assert_eq!(bench.control(|control| control.interrupt(false)), None);
+    assert_eq!(status(&mut bench).state, RunState::Running);
+    bench.control(|control| {
+        control.hardware_mut().emergency = true;
+        assert_eq!(control.interrupt(false), None);
+    });
+    assert_off(&bench);
+    assert_eq!(status(&mut bench).state, RunState::Stopped(Cause::Emergency));
+}
+
+#[test]
+fn a_main_loop_that_hangs_is_found_while_the_motor_is_driven_and_within_two_milliseconds() {
+    let mut bench = ready(Setup::default(), &[]);
+    let interrupt = |bench: &Bench| {
+        bench.control(|control| {
+            let rig = control.hardware_mut();
+            rig.now_us = rig.now_us.wrapping_add(1000);
+            control.interrupt(true)
+        })
+    };
+    // A fit takes its time, while nothing runs.
+    assert!((0..100).all(|_| interrupt(&bench).is_none()));
+    start(&mut bench, &sine(2.0), 7);
+    assert!((0..100).all(|_| {
+        bench.poll();
+        interrupt(&bench).is_none()
+    }));
+    bench.poll();
+    assert_eq!([interrupt(&bench), interrupt(&bench)], [None, Some(Reset::Watchdog)]);
+}
+
+#[test]
 fn an_input_that_is_not_said_to_be_wired_is_not_read() {
     let mut bench = ready(Setup::default(), &[]);
     bench.control(|control| control.hardware_mut().floating_mv = Some(300));

@@ -5,7 +5,7 @@
 // Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
 // handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle), circle (it
 // does so with interrupts on),
-// bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost).
+// bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost), pumped (the supply rises to 19 V).
 // What the pins do then is printed.
 //
 // What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
@@ -98,6 +98,25 @@ function volts() {
   return (high(8) ? 1 : -1) * Math.min(duty, 1) * motor.supply;
 }
 
+// The converter's inputs: the supply over a divider by 11, with a saw-tooth of the PWM's frequency on it, and the current at 165 mV/A from
+// half of 3.3 V. The emulator's round robin never leaves input 0: which is next is put
+// right here.
+const adc = rp2040.peripherals[0x4004c];
+Object.defineProperty(adc, "activeChannel", {
+  get: () => (adc.cs >>> 12) & 7,
+  set: (next) => (adc.cs = (adc.cs & ~(7 << 12)) | (next << 12)),
+});
+const RIPPLE = 0.6; // V
+let pumped = 0; // V
+adc.onADCRead = (channel) => {
+  const { top } = rp2040.pwm.channels[3];
+  const phase = (clock.nanos / NANOS / (top + 1)) % 1;
+  const pin = channel === 0 ? (motor.supply + pumped + RIPPLE * (phase - 0.5)) / 11 : 1.65 + 0.165 * motor.current;
+  adc.channelValues[channel] = Math.max(0, Math.min(4095, Math.floor((pin / 3.3) * 4095)));
+  adc.currentChannel = channel;
+  adc.sampleAlarm.schedule(adc.sampleTime * 1000);
+};
+
 let count = 0;
 function show() {
   const [a, b] = Motor.lines(count);
@@ -123,6 +142,7 @@ function injure() {
   since = 0;
   if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
   if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
+  if (fault === "pumped") pumped = 7;
   if (fault === "dead") rp2040.peripherals[TIMER].writeUint32Atomic(0x20, 1, 0); // ARMED: a 1 takes the alarm back
   if (fault === "fault") rp2040.core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
   if (fault === "hang" || fault === "circle") {

@@ -67,6 +67,12 @@ mod this {
         cortex_m::asm::isb();
     }
 
+    /// What makes a channel of the DMA keep readings of the converter in a ring of `1 << ring_bits` bytes and then begin channel `next`, as its
+    /// control register's bits: halfwords to addresses that rise, at the converter's pace (RP2040 data sheet 2.5.7, CH0_CTRL_TRIG; 2.5.3.1, DREQ 36).
+    pub fn control_of_readings(next: u8, ring_bits: u8) -> u32 {
+        1 | 1 << 2 | 1 << 5 | u32::from(ring_bits) << 6 | 1 << 10 | u32::from(next) << 11 | 36 << 15 | 1 << 21
+    }
+
     pub fn start_cycle_counter() {}
 
     /// This core counts none: so many as its clock makes in the microseconds of the timer.
@@ -122,6 +128,12 @@ mod this {
 
     /// The core compares the stack with its end by itself, from the start on.
     pub fn close_stack() {}
+
+    /// What makes a channel of the DMA keep readings of the converter in a ring of `1 << ring_bits` bytes and then begin channel `next`, as its
+    /// control register's bits: halfwords to addresses that rise, at the converter's pace (RP2350 data sheet 12.6.10, CH0_CTRL_TRIG; 12.6.4.1, DREQ 48).
+    pub fn control_of_readings(next: u8, ring_bits: u8) -> u32 {
+        1 | 1 << 2 | 1 << 6 | u32::from(ring_bits) << 8 | 1 << 12 | u32::from(next) << 13 | 48 << 17 | 1 << 23
+    }
 
     pub fn start_cycle_counter() {
         // SAFETY: nothing else uses the debug blocks of the core.

@@ -7,6 +7,8 @@
 //! | GP7 | second PWM | IN2 of a driver with two PWM inputs, whose IN1 is at GP6 |
 //! | GP8, GP11 | direction forward, backward | the driver's IN1, IN2 |
 //! | GP9 | enable, high while driven | the driver's enable or standby, with a pull-down of 4.7 kOhm |
+//! | GP26 | supply, read where a run's setup says by what it is divided | the divider |
+//! | GP27 | current, around half of the converter's supply, read where the setup says how many mV an ampere makes | the amplifier |
 //! | GP10 | emergency input, pulled up | a contact to ground that opens in an emergency; a jumper where there is none |
 //! | USB | serial line to the host, any speed | the host |
 //!
@@ -14,6 +16,7 @@
 #![no_std]
 #![no_main]
 
+mod adc;
 mod chip;
 mod guard;
 mod line;
@@ -39,7 +42,6 @@ use motorlens_firmware::board::Parts;
 use motorlens_firmware::bridge::Bridge;
 use motorlens_firmware::control::Control;
 use motorlens_firmware::diagnostics::Diagnostics;
-use motorlens_firmware::hardware::NoAnalog;
 use motorlens_firmware::log::Log;
 use motorlens_firmware::station::Station;
 use motorlens_shared::link::Reset;
@@ -57,7 +59,7 @@ type Hardware = Parts<
     Output<Gpio11>,
     guard::Enable,
     quadrature::Counter,
-    NoAnalog,
+    adc::Sense,
     guard::Emergency,
     timers::Timers,
 >;
@@ -107,7 +109,13 @@ fn main() -> ! {
     let hardware = Parts {
         bridge: Bridge::new(pwm, forward, backward, enable),
         encoder: quadrature::Counter::new(device.PIO0, &mut device.RESETS, a, b),
-        analog: NoAnalog,
+        analog: adc::Sense::new(
+            device.ADC,
+            device.DMA,
+            &mut device.RESETS,
+            pins.gpio26.into_function().into_pull_type(),
+            pins.gpio27.into_function().into_pull_type(),
+        ),
         emergency: guard::Emergency::new(pins.gpio10.into_pull_up_input()),
         pace: timers::Timers::new(chip::clock(timer, &mut device.RESETS, &clocks)),
     };
@@ -140,8 +148,11 @@ fn sample() {
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };
         match control.borrow(section).try_borrow_mut() {
-            Ok(mut control) if sampling => control.tick(),
-            Ok(mut control) => control.between(),
+            Ok(mut control) => {
+                if let Some(reason) = control.interrupt(sampling) {
+                    panic::stop_for_good(reason);
+                }
+            }
             // The main loop holds it only with this interrupt held off: the memory is damaged.
             Err(_) => panic::stop_for_good(Reset::Panic),
         }

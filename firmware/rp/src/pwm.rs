@@ -42,12 +42,14 @@ impl Pwm {
     }
 }
 
-/// Makes the PWM's period a whole part of the sampling period; the nearest to `wanted_hz`, of at least 5 kHz, at `rate_hz`, of at most 2.
-pub fn fit_to_rate(rate_hz: u32, wanted_hz: u32) {
+/// Makes the PWM's period a whole part of the sampling period, and returns its ticks; the nearest to `wanted_hz`, of at least 5 kHz, at
+/// `rate_hz`, of at most 2.
+pub fn fit_to_rate(rate_hz: u32, wanted_hz: u32) -> u32 {
     let periods = (wanted_hz + rate_hz / 2) / rate_hz;
     let ticks = CORE_HZ / (rate_hz * periods);
     // SAFETY: one register of the slice that belongs to `Pwm`; whatever it holds is a period.
     unsafe { (*pac::PWM::ptr()).ch(SLICE).top().write(|w| w.top().bits((ticks - 1) as u16)) };
+    ticks
 }
 
 impl ErrorType for Pwm {

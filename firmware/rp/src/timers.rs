@@ -6,7 +6,7 @@ use motorlens_firmware::beat;
 use motorlens_firmware::hardware::Pace;
 
 use crate::chip::{self, Clock, ClockRegisters};
-use crate::{guard, pwm};
+use crate::{adc, guard, pwm};
 
 /// The time between two interrupts, us, and the next one.
 static APART_US: AtomicU32 = AtomicU32::new(1000);
@@ -43,7 +43,8 @@ impl Pace for Timers {
     fn set_rate(&mut self, rate_hz: u16, pwm_hz: u32) {
         // Rates are checked before they come here: 100 to 2000 Hz, a whole number of microseconds each.
         let (beats, apart) = beat::split(1_000_000 / u32::from(rate_hz));
-        pwm::fit_to_rate(1_000_000 / apart.max(1), pwm_hz);
+        let period = pwm::fit_to_rate(1_000_000 / apart.max(1), pwm_hz);
+        adc::fit_round(period, beats * apart * (chip::CORE_HZ / 1_000_000));
         critical_section::with(|_| {
             BEATS.store(beats, Ordering::Relaxed);
             LEFT.store(0, Ordering::Relaxed);

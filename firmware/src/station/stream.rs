@@ -2,6 +2,7 @@
 
 use super::with;
 use crate::Shared;
+use crate::control::Control;
 use crate::hardware::Hardware;
 use crate::outbox::Outbox;
 use heapless::Deque;
@@ -60,6 +61,7 @@ impl Stream {
         }) {
             block.samples.iter().for_each(|sample| keeper.push(sample));
             self.kept += block.samples.len() as u32;
+            with(control, Control::turned);
         }
     }
 
@@ -73,6 +75,7 @@ impl Stream {
             if !sent {
                 return;
             }
+            with(control, Control::turned);
         }
     }
 

@@ -90,19 +90,6 @@ impl Sense {
     }
 }
 
-impl Sense {
-    /// Adds the rounds from `first` to before `last`.
-    fn add(&mut self, first: usize, last: usize) {
-        for words in READINGS.get(first..last).unwrap_or_default().chunks(TOGETHER) {
-            let both = words.iter().map(|word| word.load(Ordering::Relaxed)).fold(0, u32::wrapping_add);
-            self.sums.add(both & 0xffff, both >> 16, words.len() as u32);
-        }
-    }
-}
-
-/// So many readings of 12 bits make a sum of 16, so that supply and current are added in one.
-const TOGETHER: usize = 16;
-
 /// Chooses the round for `interval` ticks of the core, which hold whole PWM periods of `period` ticks. Rounds are so from the next time that
 /// it is said what is wired.
 pub fn fit_round(period: u32, interval: u32) {
@@ -193,11 +180,7 @@ impl Analog for Sense {
         // The round that is under way is left for the next time.
         let end = LENGTH.saturating_sub(left) / INPUTS;
         let end = if end >= ROUNDS { 0 } else { end };
-        if end < self.read {
-            self.add(self.read, ROUNDS);
-            self.read = 0;
-        }
-        self.add(self.read, end);
+        self.sums.follow(&READINGS, self.read, end);
         self.read = end;
         self.sums.supply_since(&before, self.wiring.divider)
     }

@@ -108,7 +108,7 @@ fn main() -> ! {
     let mut platform = platform::Board::new(device.IWDG, control);
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(pac::Interrupt::TIM4) };
-    wake_every_millisecond(&mut core.SYST);
+    wake_twice_in_a_millisecond(&mut core.SYST);
     let mut diagnostics = Diagnostics::begin(reset, panic::last_place(), CORE_HZ);
     loop {
         station.poll(&mut line, control, &mut platform);
@@ -117,11 +117,12 @@ fn main() -> ! {
     }
 }
 
-/// The main loop must turn also where samples are rare, and the chip's supply is looked at as often.
-fn wake_every_millisecond(timer: &mut cortex_m::peripheral::SYST) {
+/// The main loop must turn also where samples are rare: where it does not, the sampling interrupt takes it for one that hangs. The chip's
+/// supply is looked at as often.
+fn wake_twice_in_a_millisecond(timer: &mut cortex_m::peripheral::SYST) {
     // Out of reset it counts an eighth of that clock.
     timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
-    timer.set_reload(CORE_HZ / 1000 - 1);
+    timer.set_reload(CORE_HZ / 2000 - 1);
     timer.clear_current();
     timer.enable_counter();
     timer.enable_interrupt();
@@ -145,8 +146,11 @@ fn TIM4() {
     critical_section::with(|section| {
         let Some(control) = CONTROL.borrow(section).get() else { return };
         match control.borrow(section).try_borrow_mut() {
-            Ok(mut control) if sampling => control.tick(),
-            Ok(mut control) => control.between(),
+            Ok(mut control) => {
+                if let Some(reason) = control.interrupt(sampling) {
+                    panic::stop_for_good(reason);
+                }
+            }
             // The main loop holds it only with this interrupt held off: the memory is damaged.
             Err(_) => panic::stop_for_good(Reset::Panic),
         }

@@ -154,6 +154,9 @@ impl Capture {
                 // What an old board cannot read it would not answer, and what it skips it would not do.
                 self.outcome = Some(Err(Fault::Version(hello.oldest, hello.newest)));
             }
+            Some(Ok(FromBoard::Capabilities(can))) if has_built_in_sensors(&can) => {
+                self.outcome = Some(Err(Fault::BuiltInSensors));
+            }
             Some(Ok(FromBoard::Done)) if self.stopping && self.script.is_empty() && self.status.is_none() => {
                 // The board has stopped what it did, and whether that was this run, its next word on it tells.
                 self.exchange.ask(ToBoard::Status, now);
@@ -201,5 +204,66 @@ impl Capture {
         let scaling = capabilities.scaling;
         self.outcome =
             Some(Ok(Captured { cause, samples, holes, scaling, capabilities, setup: self.setup, status }));
+    }
+}
+
+/// Whether a board measures without having been told what is wired: the images of before version 4 of the link did.
+fn has_built_in_sensors(can: &Capabilities) -> bool {
+    !can.converter && (can.measures_supply || can.measures_current)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motorlens_shared::excitation::Shape;
+    use motorlens_shared::link::{Decoder, Hello, MAX_ENCODED, Packet, encode};
+
+    /// A board of the link's third version says that it measures, and not that it could be told what is wired: its inputs may float.
+    #[test]
+    fn a_board_that_reads_inputs_which_may_float_is_not_run() {
+        let programme = Programme::single("step", Shape::Step { level_v: 1.0 }, 1.0);
+        let outcome = |measures: bool, converter: bool| {
+            let mut capture = Capture::new(Setup::default(), &programme, 1);
+            let (mut decoder, mut started) = (Decoder::new(), false);
+            for turn in 1..20 {
+                let (now, mut out) = (Duration::from_millis(10 * turn), Vec::new());
+                capture.poll(now, &mut out);
+                for asked in out.iter().filter_map(|byte| decoder.push::<Packet<ToBoard>>(*byte)) {
+                    let asked = asked.expect("whole");
+                    let message = match asked.message {
+                        ToBoard::Hello { .. } => FromBoard::Hello(Hello {
+                            oldest: 1,
+                            newest: 3,
+                            firmware: [0, 1, 0],
+                            unique: [0; 12],
+                        }),
+                        ToBoard::Capabilities => FromBoard::Capabilities(Capabilities {
+                            effects: 22,
+                            segments: 16,
+                            log_samples: 1024,
+                            fit_samples: 2000,
+                            core_hz: 84_000_000,
+                            pwm_hz: 20_000,
+                            measures_supply: measures,
+                            measures_current: measures,
+                            scaling: Scaling { pwm_top: 4200, rate_hz: 1000 },
+                            converter,
+                        }),
+                        ToBoard::Start { .. } => {
+                            started = true;
+                            FromBoard::Done
+                        }
+                        _ => FromBoard::Done,
+                    };
+                    let mut frame = [0; MAX_ENCODED];
+                    capture
+                        .receive(encode(&Packet { id: asked.id, message }, &mut frame).expect("fits"), now);
+                }
+            }
+            (started, capture.take_outcome())
+        };
+        let (started, refused) = outcome(true, false);
+        assert!(!started && matches!(refused, Some(Err(Fault::BuiltInSensors))), "{refused:?}");
+        assert!(outcome(true, true).0 && outcome(false, false).0);
     }
 }

@@ -43,6 +43,8 @@ pub enum Fault {
     Confused,
     /// Stopped from here before the run began.
     Stopped,
+    /// The board's firmware reads inputs for supply and current whether anything is wired to them or not.
+    BuiltInSensors,
 }
 
 impl From<Fault> for crate::error::Error {
@@ -53,6 +55,9 @@ impl From<Fault> for crate::error::Error {
             Fault::Version(..) => "flash the firmware that belongs to this program: motorlens device flash",
             Fault::Refused(_) => "change what the board names and try again",
             Fault::Confused => "reset the board and try again",
+            Fault::BuiltInSensors => {
+                "flash the present firmware (motorlens device flash), which reads what --divider and --amplifier name"
+            }
             Fault::Stopped => "capture again when the motor may run",
         };
         Self::device(fault.to_string(), remedy)
@@ -62,6 +67,11 @@ impl From<Fault> for crate::error::Error {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::BuiltInSensors => write!(
+                f,
+                "the board's firmware is older than this program and reads its inputs for supply and current whether anything is wired to \
+                 them or not: one that floats could have the motor driven at full duty"
+            ),
             Self::Silent => write!(f, "the board does not answer"),
             Self::Foreign(heard) => {
                 write!(

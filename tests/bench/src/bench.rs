@@ -81,33 +81,48 @@ pub enum Upset {
     Hang,
     /// It goes on.
     GoOn,
+    /// The main loop runs in a circle where it has slept, and the interrupts go on.
+    Circle,
+    /// It sleeps there again.
+    Straight,
     /// The crystal stops.
     ClockLoss,
     /// The chip's own supply, mV.
     Supply(u32),
 }
 
+/// Where in the image an upset strikes.
+#[derive(Debug, Clone, Copy)]
+struct Places {
+    /// The variable that holds the control.
+    control: u64,
+    /// The instruction at which the main loop sleeps.
+    sleep: u64,
+}
+
 impl Upset {
     fn strike(
         self,
-        at: VirtualNanos,
+        now: VirtualNanos,
         machine: &mut Machine,
         host: &mut dyn Host,
-        control: u64,
+        at: Places,
     ) -> Result<(), Error> {
         match self {
             Upset::DeadSampling => machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0),
             Upset::Panic => {
                 // A `RefCell` begins with its flag.
-                let flag = host.read(control, Width::W32)?;
+                let flag = host.read(at.control, Width::W32)?;
                 host.write(flag, Width::W32, 1)?;
             }
             Upset::Hang => host.hold(true),
             Upset::GoOn => host.hold(false),
+            Upset::Circle => host.program(at.sleep, Width::W16, machine::BRANCH_TO_ITSELF)?,
+            Upset::Straight => host.program(at.sleep, Width::W16, machine::WAIT_FOR_INTERRUPT)?,
             Upset::ClockLoss => {
                 machine
                     .mcu
-                    .drive_clocks(at, |clocks, registers, context| clocks.fail_hse(registers, context));
+                    .drive_clocks(now, |clocks, registers, context| clocks.fail_hse(registers, context));
             }
             Upset::Supply(millivolts) => machine.mcu.set_supply(millivolts),
         }
@@ -145,7 +160,7 @@ struct Around<R> {
     remote: R,
     interrupt_began: u64,
     sampling: bool,
-    control: u64,
+    places: Places,
     terminal: Terminal,
     served: u64,
     stray: Option<String>,
@@ -226,7 +241,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         }
         scene.plant.wire_emergency(stop.at, machine);
         if let Some(upset) = scene.upset.take()
-            && let Err(error) = upset.strike(stop.at, machine, host, self.control)
+            && let Err(error) = upset.strike(stop.at, machine, host, self.places)
         {
             self.stray = Some(format!("the upset did not reach the memory: {error}"));
             return None;
@@ -285,14 +300,14 @@ pub fn run_on<R: Remote>(
         told: Vec::new(),
         stop_ns: STOP_NS,
     };
-    let control = machine::address_of(image, "CONTROL");
+    let places = Places { control: machine::address_of(image, "CONTROL"), sleep: machine::sleep_of(image) };
     let terminal = Terminal::of(image);
     let around = Around {
         scene,
         remote,
         interrupt_began: 0,
         sampling: false,
-        control,
+        places,
         terminal,
         served: 0,
         stray: None,

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
-use object::{Object, ObjectSymbol};
+use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::cpu;
 use rigless::emulator::{self, Driver, Finished, Start};
 use rigless::image::Image;
@@ -115,6 +115,32 @@ pub fn address_of(image: &Path, variable: &str) -> u64 {
     let mangled = format!("{}{variable}", variable.len());
     let found = symbols(image).into_iter().find(|(name, _)| name == variable || name.contains(&mangled));
     found.unwrap_or_else(|| panic!("the image has no variable {variable}")).1
+}
+
+/// Two instructions of Thumb.
+pub const WAIT_FOR_INTERRUPT: u64 = 0xbf30;
+pub const BRANCH_TO_ITSELF: u64 = 0xe7fe;
+
+/// Where the image's main loop waits for the next interrupt.
+///
+/// # Panics
+/// When the image cannot be read, or its main function does not sleep at one place.
+pub fn sleep_of(image: &Path) -> u64 {
+    let bytes = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
+    let file = object::File::parse(&*bytes).expect("the image is an ELF file");
+    let is_main = |name: &str| name.contains("___cortex_m_rt_main") && !name.contains("VAR");
+    let main =
+        file.symbols().find(|symbol| symbol.kind() == SymbolKind::Text && symbol.name().is_ok_and(is_main));
+    let main = main.expect("the image has a main function");
+    let section = main.section_index().and_then(|index| file.section_by_index(index).ok());
+    // A function's address is odd in Thumb.
+    let begin = main.address() & !1;
+    let code = section.and_then(|section| section.data_range(begin, main.size()).ok().flatten());
+    let code = code.expect("its code is in the image");
+    let sleeps = |pair: &[u8]| u64::from(u16::from_le_bytes([pair[0], pair[1]])) == WAIT_FOR_INTERRUPT;
+    let places: Vec<usize> = (0..code.len() / 2).filter(|k| sleeps(&code[2 * k..2 * k + 2])).collect();
+    assert_eq!(places.len(), 1, "{places:?}");
+    begin + 2 * places[0] as u64
 }
 
 /// The image's symbols and their addresses.

@@ -98,6 +98,22 @@ fn a_hang_with_interrupts_held_off() {
 }
 
 #[test]
+fn a_main_loop_that_runs_in_a_circle() {
+    for rate_hz in [100, 1000, 1250, 2000] {
+        let done = off_after(OFF, rate_hz, DriveMode::SignMagnitudeBrake, |since, scene| {
+            if since.is_zero() {
+                scene.upset = Some(Upset::Circle);
+            } else if since >= Duration::from_millis(400) {
+                // Before the watchdog starts the program anew.
+                scene.upset = Some(Upset::Straight);
+            }
+        });
+        assert_log(&done, Cause::Watchdog, usize::from(rate_hz) * 2 / 5);
+        assert_eq!((done.remote.run().status.reset, done.session.resets().len()), (Reset::Watchdog, 1));
+    }
+}
+
+#[test]
 fn a_crystal_that_stops() {
     // The emulated core gets no NMI of it, so what is shown is the timer's break, which comes before any program.
     let done = off_after(OFF, 1000, DriveMode::LockedAntiPhase, |since, scene| {

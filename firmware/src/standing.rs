@@ -1,0 +1,31 @@
+//! Waiting for the motor to stand still, before a run.
+
+/// A run begins when the motor has stood still for so long, or has been waited for so long, us. The encoder's count goes
+/// on from run to run, so that what depends on the shaft's position is the same in all of them.
+const STANDING_US: u32 = 100_000;
+const PATIENCE_US: u32 = 6_000_000;
+/// Counts within which it stands.
+const STANDING_COUNTS: u32 = 2;
+
+/// Waiting for the motor to stand still.
+#[derive(Debug, Clone, Copy)]
+pub struct Wait {
+    began_us: u32,
+    count: i32,
+    since_us: u32,
+}
+
+impl Wait {
+    /// Begins to wait.
+    pub fn new(now: u32, count: i32) -> Self {
+        Self { began_us: now, count, since_us: now }
+    }
+
+    /// Whether the wait is over.
+    pub fn is_over(&mut self, now: u32, count: i32) -> bool {
+        if count.abs_diff(self.count) > STANDING_COUNTS {
+            (self.count, self.since_us) = (count, now);
+        }
+        now.wrapping_sub(self.since_us) >= STANDING_US || now.wrapping_sub(self.began_us) >= PATIENCE_US
+    }
+}
