@@ -17,7 +17,6 @@ use crate::hal::pac;
 
 /// The pins of the converter's inputs 0, the supply, and 1, the current.
 const PINS: [usize; 2] = [26, 27];
-const INPUTS: u8 = 0b11;
 /// The converter's clock, MHz, and its cycles from one conversion to the next: one takes 96 (RP2040 data sheet 4.9.2, RP2350 12.4.3).
 const CONVERTER_MHZ: u32 = 48;
 const APART: [u32; 9] = [97, 101, 105, 109, 113, 117, 121, 125, 129];
@@ -123,7 +122,7 @@ fn begin() {
         dma.multi_chan_trigger().write(|w| w.bits(0b01));
         converter
             .cs()
-            .write(|w| w.en().set_bit().ainsel().bits(0).rrobin().bits(INPUTS).start_many().set_bit());
+            .write(|w| w.en().set_bit().ainsel().bits(0).rrobin().bits(0b11).start_many().set_bit());
     }
 }
 
