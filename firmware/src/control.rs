@@ -92,9 +92,19 @@ impl<H: Hardware> Control<H> {
         (self.state == RunState::Running && self.turns.hang(now)).then_some(Reset::Watchdog)
     }
 
-    /// The main loop has done a piece of work: to be called at least every half a millisecond or so.
+    /// A turn of the main loop begins: to be called at least every half a millisecond or so, between long pieces of work.
     pub fn turned(&mut self) {
+        self.turns.turned(self.hardware.now_us());
+    }
+
+    /// The main loop has done a piece of its turn's work: to be called as often.
+    pub fn worked(&mut self) {
         self.turns.worked(self.hardware.now_us());
+    }
+
+    /// How long the main loop took in the last run.
+    pub fn turns(&self) -> Turns {
+        self.turns
     }
 
     /// One sampling instant. To be called [`Setup::rate_hz`] times a second, run or no run.
@@ -249,7 +259,7 @@ impl<H: Hardware> Control<H> {
         self.wait = Wait::new(now, count);
         self.heard_us = now;
         // What it took to prepare the programme is no hang of this run.
-        self.turns.worked(now);
+        self.turns = Turns::new(now);
         (self.origin_us, self.planned, self.open) = (None, None, None);
         self.state = RunState::Running;
     }

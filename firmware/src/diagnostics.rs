@@ -33,13 +33,24 @@ impl Diagnostics {
 
     /// Says what has changed.
     pub fn look<H: Hardware>(&mut self, control: &Shared<H>) {
-        let status = critical_section::with(|section| control.borrow_ref(section).status());
+        let (status, turns) = critical_section::with(|section| {
+            let control = control.borrow_ref(section);
+            (control.status(), control.turns())
+        });
         if status.state == RunState::Running && status.missed > self.missed {
             defmt::warn!("run {=u32}: {=u32} samples missed so far", status.run, status.missed);
         }
         self.missed = status.missed;
         if self.state != status.state {
             self.changed(&status);
+            if self.state == RunState::Running {
+                let (piece, turn) = turns.longest_us();
+                defmt::info!(
+                    "main loop: {=u32} us without a piece of work, {=u32} us a turn at most",
+                    piece,
+                    turn
+                );
+            }
             self.state = status.state;
         }
     }

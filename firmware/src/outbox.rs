@@ -30,10 +30,13 @@ impl Outbox {
         LENGTH - self.bytes.len() >= MAX_FRAME
     }
 
-    /// Queues a message; false when it does not fit, and then none of it is queued.
-    pub fn post(&mut self, id: u16, message: FromBoard) -> bool {
+    /// Queues a message; false when it does not fit, and then none of it is queued. A protected one takes long: `progress` is called
+    /// meanwhile.
+    pub fn post(&mut self, id: u16, message: FromBoard, progress: &mut dyn FnMut()) -> bool {
         let mut out = [0; MAX_FRAME];
-        let Ok(frame) = encode_as(&Packet { id, message }, self.protected, &mut out) else { return false };
+        let Ok(frame) = encode_as(&Packet { id, message }, self.protected, &mut out, progress) else {
+            return false;
+        };
         LENGTH - self.bytes.len() >= frame.len()
             && frame.iter().all(|byte| self.bytes.push_back(*byte).is_ok())
     }

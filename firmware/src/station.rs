@@ -16,6 +16,8 @@ use stream::Stream;
 
 /// How often the status is sent unasked, us.
 const STATUS_US: u32 = 100_000;
+/// Bytes that a turn of the main loop takes from the line at most: many times what the line brings in half a millisecond.
+const BYTES_IN_A_TURN: usize = 256;
 
 /// What the main loop needs of a board beside the control's hardware.
 pub trait Platform {
@@ -81,7 +83,8 @@ impl Station {
         }
     }
 
-    /// One turn of the main loop; to be called at least every half a millisecond or so.
+    /// One turn of the main loop; to be called at least every half a millisecond or so. It takes one message at most, and sends one block of
+    /// the log at most, so that a turn has an end whatever comes.
     pub fn poll<H: Hardware>(
         &mut self,
         line: &mut impl Line,
@@ -90,22 +93,7 @@ impl Station {
     ) {
         platform.alive();
         with(control, Control::turned);
-        while line.read_ready().unwrap_or(false) {
-            let mut byte = [0];
-            if line.read(&mut byte).unwrap_or(0) == 0 {
-                break;
-            }
-            match self.decoder.push::<Packet<ToBoard>>(byte[0]) {
-                Some(Ok(packet)) => {
-                    with(control, |control| control.heard());
-                    self.outbox.protect(self.decoder.protected());
-                    self.answer(packet, line, control, platform);
-                    with(control, Control::turned);
-                }
-                Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),
-                None => {}
-            }
-        }
+        self.listen(line, control, platform);
         self.stream.keep(&mut self.keeper, control);
         if self.agreed.is_some() {
             self.stream.send(&mut self.outbox, control);
@@ -119,6 +107,31 @@ impl Station {
             platform.enter_bootloader();
             self.bootloader = false;
         }
+        with(control, Control::worked);
+    }
+
+    /// Takes what has come, up to the end of a frame.
+    fn listen<H: Hardware>(
+        &mut self,
+        line: &mut impl Line,
+        control: &Shared<H>,
+        platform: &mut impl Platform,
+    ) {
+        for _ in 0..BYTES_IN_A_TURN {
+            let mut byte = [0];
+            if !line.read_ready().unwrap_or(false) || line.read(&mut byte).unwrap_or(0) == 0 {
+                return;
+            }
+            match self.decoder.push_with_progress::<Packet<ToBoard>>(byte[0], &mut working(control)) {
+                Some(Ok(packet)) => {
+                    with(control, |control| control.heard());
+                    self.outbox.protect(self.decoder.protected());
+                    return self.answer(packet, line, control, platform);
+                }
+                Some(Err(_)) => return self.damaged = self.damaged.saturating_add(1),
+                None => {}
+            }
+        }
     }
 
     /// Says how things stand, ten times a second and whenever the state changes.
@@ -129,7 +142,7 @@ impl Station {
             self.said.is_none_or(|(state, at)| state != status.state || now.wrapping_sub(at) >= STATUS_US);
         if due && self.outbox.has_room() {
             self.complete(&mut status);
-            self.outbox.post(0, FromBoard::Status(status));
+            self.outbox.post(0, FromBoard::Status(status), &mut working(control));
             self.said = Some((state, now));
         }
     }
@@ -148,4 +161,9 @@ impl Station {
 /// Borrows the control with the sampling interrupt held off. Keep it short.
 fn with<H: Hardware, R>(control: &Shared<H>, act: impl FnOnce(&mut Control<H>) -> R) -> R {
     critical_section::with(|section| act(&mut control.borrow_ref_mut(section)))
+}
+
+/// Says again and again in a long piece of work that the main loop goes on.
+fn working<H: Hardware>(control: &Shared<H>) -> impl FnMut() {
+    move || with(control, Control::worked)
 }

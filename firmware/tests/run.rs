@@ -402,22 +402,43 @@ fn the_emergency_contact_ends_a_run_between_two_samples_too() {
 #[test]
 fn a_main_loop_that_hangs_is_found_while_the_motor_is_driven_and_within_two_milliseconds() {
     let mut bench = ready(Setup::default(), &[]);
-    let interrupt = |bench: &Bench| {
+    // An interrupt each millisecond, and a turn half a millisecond before it.
+    let pass = |bench: &Bench, micros: u32| {
         bench.control(|control| {
             let rig = control.hardware_mut();
-            rig.now_us = rig.now_us.wrapping_add(1000);
-            control.interrupt(true)
-        })
+            rig.now_us = rig.now_us.wrapping_add(micros);
+        });
     };
+    let interrupt = |bench: &Bench| bench.control(|control| control.interrupt(true));
     // A fit takes its time, while nothing runs.
-    assert!((0..100).all(|_| interrupt(&bench).is_none()));
-    start(&mut bench, &sine(2.0), 7);
     assert!((0..100).all(|_| {
-        bench.poll();
+        pass(&bench, 1000);
         interrupt(&bench).is_none()
     }));
-    bench.poll();
-    assert_eq!([interrupt(&bench), interrupt(&bench)], [None, Some(Reset::Watchdog)]);
+    start(&mut bench, &sine(2.0), 7);
+    assert!((0..100).all(|_| {
+        pass(&bench, 500);
+        bench.poll();
+        pass(&bench, 500);
+        interrupt(&bench).is_none()
+    }));
+    pass(&bench, 1000);
+    assert_eq!(interrupt(&bench), Some(Reset::Watchdog), "a millisecond and a half after the last turn");
+}
+
+#[test]
+fn a_main_loop_that_stays_in_one_turn_is_found_although_it_says_that_it_works() {
+    let mut bench = ready(Setup::default(), &[]);
+    start(&mut bench, &sine(2.0), 7);
+    let found = (1..1000).find(|_| {
+        bench.control(|control| {
+            let rig = control.hardware_mut();
+            rig.now_us = rig.now_us.wrapping_add(100);
+            control.worked();
+            control.interrupt(false).is_some()
+        })
+    });
+    assert_eq!(found, Some(500), "tenths of a millisecond");
 }
 
 #[test]

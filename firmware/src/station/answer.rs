@@ -1,9 +1,10 @@
 //! Carries out the host's requests.
 
-use super::{Line, Platform, Station, with};
+use super::{Line, Platform, Station, with, working};
 use crate::Shared;
 use crate::hardware::{Analog, Hardware};
 use crate::log::LOG_LENGTH;
+use crate::outbox::Outbox;
 use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::{MAX_SEGMENTS, Player, Programme, Segment};
 use motorlens_shared::link::{
@@ -71,7 +72,7 @@ impl Station {
             }
         };
         // A full outbox loses the answer as a bad line would: the host asks again.
-        self.outbox.post(id, reply);
+        self.outbox.post(id, reply, &mut working(control));
     }
 
     fn set_segment(&mut self, index: u8, segment: Segment) -> Result<(), Refusal> {
@@ -128,19 +129,20 @@ impl Station {
         control: &Shared<H>,
         platform: &mut P,
     ) {
-        if self.fitted == Some((id, *request)) {
-            self.outbox.post(id, FromBoard::Done);
-            self.outbox.post(id, FromBoard::Fit(self.fit));
+        let Self { keeper, outbox, fit, fitted, .. } = self;
+        let post = |outbox: &mut Outbox, message| outbox.post(id, message, &mut working(control));
+        if *fitted == Some((id, *request)) {
+            post(outbox, FromBoard::Done);
+            post(outbox, FromBoard::Fit(*fit));
             return;
         }
-        let Self { keeper, outbox, fit, fitted, .. } = self;
         let running = with(control, |control| control.status().state == RunState::Running);
         if running || keeper.samples().len() < FEWEST {
             let refusal = if running { Refusal::Running } else { Refusal::NothingToFit };
-            outbox.post(id, FromBoard::Refused(refusal));
+            post(outbox, FromBoard::Refused(refusal));
             return;
         }
-        outbox.post(id, FromBoard::Done);
+        post(outbox, FromBoard::Done);
         *fitted = Some((id, *request));
         let now = || with(control, |control| control.now_us());
         let begin = now();
@@ -151,14 +153,14 @@ impl Station {
                 searched.get_or_insert_with(now);
             }
             if progress.generation % PROGRESS_EVERY == 0 && outbox.has_room() {
-                outbox.post(id, FromBoard::Progress(progress));
+                post(outbox, FromBoard::Progress(progress));
             }
             outbox.pump(line);
         });
         let micros = now().wrapping_sub(begin);
         let micros_search = searched.map_or(0, |at| at.wrapping_sub(begin));
         *fit = found.map(|fit| quickfit::QuickFit { micros, micros_search, ..fit });
-        outbox.post(id, FromBoard::Fit(*fit));
+        post(outbox, FromBoard::Fit(*fit));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Sends the log: new samples in order, and again what the host asks for.
 
-use super::with;
+use super::{with, working};
 use crate::Shared;
 use crate::control::Control;
 use crate::hardware::Hardware;
@@ -61,21 +61,17 @@ impl Stream {
         }) {
             block.samples.iter().for_each(|sample| keeper.push(sample));
             self.kept += block.samples.len() as u32;
-            with(control, Control::turned);
+            with(control, Control::worked);
         }
     }
 
-    /// Fills the outbox, by turns with what is asked for and with what is new.
+    /// Puts a block into the outbox, by turns of what is asked for and what is new.
     pub fn send<H: Hardware>(&mut self, outbox: &mut Outbox, control: &Shared<H>) {
-        while outbox.has_room() {
+        if outbox.has_room() {
             self.turn = !self.turn;
-            let sent = (self.turn && self.send_again(outbox, control))
+            let _ = (self.turn && self.send_again(outbox, control))
                 || self.send_new(outbox, control)
                 || self.send_again(outbox, control);
-            if !sent {
-                return;
-            }
-            with(control, Control::turned);
         }
     }
 
@@ -92,7 +88,7 @@ impl Stream {
         });
         let Some(block) = block else { return false };
         self.sent += block.samples.len() as u32;
-        outbox.post(0, FromBoard::Log(block))
+        outbox.post(0, FromBoard::Log(block), &mut working(control))
     }
 
     fn send_again<H: Hardware>(&mut self, outbox: &mut Outbox, control: &Shared<H>) -> bool {
@@ -116,6 +112,6 @@ impl Stream {
         if again.first >= again.last {
             self.again.pop_front();
         }
-        outbox.post(id, message)
+        outbox.post(id, message, &mut working(control))
     }
 }

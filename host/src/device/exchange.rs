@@ -164,7 +164,7 @@ impl Exchange {
 
     fn post(&mut self, id: u16, message: ToBoard, protected: bool) {
         // Every message that this program makes fits in a frame: their sizes are bounded by their types.
-        if let Ok(frame) = encode_as(&Packet { id, message }, protected, &mut [0; MAX_FRAME]) {
+        if let Ok(frame) = encode_as(&Packet { id, message }, protected, &mut [0; MAX_FRAME], &mut || ()) {
             self.out.extend_from_slice(frame);
         }
     }

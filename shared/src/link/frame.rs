@@ -47,16 +47,25 @@ pub fn encode_protected<'a, M: Serialize>(
     message: &M,
     out: &'a mut [u8; MAX_PROTECTED],
 ) -> Result<&'a [u8], Damage> {
+    protect(message, out, &mut || ())
+}
+
+fn protect<'a, M: Serialize>(
+    message: &M,
+    out: &'a mut [u8; MAX_PROTECTED],
+    progress: &mut dyn FnMut(),
+) -> Result<&'a [u8], Damage> {
     let mut plain = [0; MAX_MESSAGE];
     let used = postcard::to_slice(message, &mut plain[..MAX_PLAIN - 4]).map_err(|_| Damage::TooLong)?.len();
     let length = close(&mut plain, protected::filled(used + 4) - 4);
-    protected::write(&plain[..length], out).ok_or(Damage::TooLong)
+    protected::write(&plain[..length], out, progress).ok_or(Damage::TooLong)
 }
 
 /// The longest frame of either kind.
 pub const MAX_FRAME: usize = if MAX_PROTECTED > MAX_ENCODED { MAX_PROTECTED } else { MAX_ENCODED };
 
-/// Writes `message` as a protected frame where that is asked for and it fits in one, else as a plain one.
+/// Writes `message` as a protected frame where that is asked for and it fits in one, else as a plain one. Calls `progress` again and
+/// again, at least every ten thousand instructions or so: a protected frame takes a board long.
 ///
 /// # Errors
 /// [`Damage::TooLong`] when it fits in neither.
@@ -64,10 +73,11 @@ pub fn encode_as<'a, M: Serialize>(
     message: &M,
     protected: bool,
     out: &'a mut [u8; MAX_FRAME],
+    progress: &mut dyn FnMut(),
 ) -> Result<&'a [u8], Damage> {
     if protected {
         let room = out.first_chunk_mut().ok_or(Damage::TooLong)?;
-        if let Ok(length) = encode_protected(message, room).map(<[u8]>::len) {
+        if let Ok(length) = protect(message, room, progress).map(<[u8]>::len) {
             return Ok(&out[..length]);
         }
     }
@@ -86,11 +96,12 @@ fn close(plain: &mut [u8; MAX_MESSAGE], used: usize) -> usize {
 /// # Errors
 /// What is wrong with the frame; a wrong message never passes the CRC except by one chance in 2^32.
 pub fn decode<M: DeserializeOwned>(frame: &[u8]) -> Result<M, Damage> {
-    read(frame).map(|(message, _)| message)
+    read(frame, &mut || ()).map(|(message, _)| message)
 }
 
 /// The message, and whether its frame was protected.
-fn read<M: DeserializeOwned>(frame: &[u8]) -> Result<(M, bool), Damage> {
+fn read<M: DeserializeOwned>(frame: &[u8], progress: &mut dyn FnMut()) -> Result<(M, bool), Damage> {
+    progress();
     let mut plain = [0; MAX_ENCODED];
     let stuffed = match frame.len() {
         // It cannot grow.
@@ -102,7 +113,8 @@ fn read<M: DeserializeOwned>(frame: &[u8]) -> Result<(M, bool), Damage> {
         other => return other.map(|message| (message, false)),
     };
     let mut plain = [0; MAX_PLAIN];
-    let length = protected::read(frame, &mut plain).ok_or(damage)?;
+    let length = protected::read(frame, &mut plain, progress).ok_or(damage)?;
+    progress();
     open(&plain[..length]).map(|message| (message, true))
 }
 
@@ -148,6 +160,16 @@ impl Decoder {
 
     /// Takes the next byte. `Some` when it ended a frame: its message, or what was wrong with it.
     pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, Damage>> {
+        self.push_with_progress(byte, &mut || ())
+    }
+
+    /// [`Self::push`], which calls `progress` again and again, at least every ten thousand instructions or so: a long frame that is damaged
+    /// takes a board long.
+    pub fn push_with_progress<M: DeserializeOwned>(
+        &mut self,
+        byte: u8,
+        progress: &mut dyn FnMut(),
+    ) -> Option<Result<M, Damage>> {
         if byte != 0 {
             match self.bytes.get_mut(self.length) {
                 Some(place) => {
@@ -164,7 +186,7 @@ impl Decoder {
             // An empty frame is a terminator sent to wake the line.
             0 => None,
             _ if overrun => Some(Err(Damage::TooLong)),
-            _ => Some(read(&self.bytes[..length]).map(|(message, protected)| {
+            _ => Some(read(&self.bytes[..length], progress).map(|(message, protected)| {
                 self.protected = protected;
                 message
             })),
@@ -197,7 +219,7 @@ mod tests {
             let message = std::vec![7_u8; length];
             let mut out = [0; MAX_FRAME];
             let mut decoder = Decoder::new();
-            let frame = encode_as(&&*message, true, &mut out).unwrap();
+            let frame = encode_as(&&*message, true, &mut out, &mut || ()).unwrap();
             let read = frame.iter().find_map(|byte| decoder.push::<std::vec::Vec<u8>>(*byte));
             assert_eq!((read, decoder.protected()), (Some(Ok(message)), protected), "{length} bytes");
         }

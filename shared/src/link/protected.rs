@@ -18,6 +18,8 @@ const ZEROS: usize = 2;
 const STEP: usize = 4;
 /// Places are told modulo this.
 const PLACES: usize = 7;
+/// Bytes of a frame that are looked at between two calls of `progress`.
+const PART: usize = 64;
 
 /// Symbols of the word for a message of `plain` bytes.
 const fn word_length(plain: usize) -> usize {
@@ -46,14 +48,18 @@ fn read_byte(byte: u8) -> Option<(usize, u8)> {
 }
 
 /// Writes `plain`, whose length is [`filled`], as a frame with its terminators; `None` when it is longer than [`MAX_PLAIN`].
-pub fn write<'a>(plain: &[u8], out: &'a mut [u8; MAX_PROTECTED]) -> Option<&'a [u8]> {
+pub fn write<'a>(
+    plain: &[u8],
+    out: &'a mut [u8; MAX_PROTECTED],
+    progress: &mut dyn FnMut(),
+) -> Option<&'a [u8]> {
     if plain.len() > MAX_PLAIN || plain.len() != filled(plain.len()) {
         return None;
     }
     let mut word = [0; LONGEST];
     let word = word.get_mut(..word_length(plain.len()))?;
     word.get_mut(..plain.len())?.copy_from_slice(plain);
-    reed_solomon::encode(word, parity(plain.len()));
+    reed_solomon::encode(word, parity(plain.len()), progress);
     let halves = word.iter().flat_map(|symbol| [symbol >> 4, symbol & 0x0f]);
     for (place, (byte, half)) in out.iter_mut().zip(halves).enumerate() {
         *byte = line_byte(place, half);
@@ -65,25 +71,28 @@ pub fn write<'a>(plain: &[u8], out: &'a mut [u8; MAX_PROTECTED]) -> Option<&'a [
 
 /// Reads a frame, given without its terminators, into `plain`; its length, or `None` when too much of it is damaged or it never was one.
 /// That what is read is right, the message's CRC must tell.
-pub fn read(frame: &[u8], plain: &mut [u8; MAX_PLAIN]) -> Option<usize> {
+pub fn read(frame: &[u8], plain: &mut [u8; MAX_PLAIN], progress: &mut dyn FnMut()) -> Option<usize> {
     let mut word = [0; LONGEST];
     // Which halves of each symbol have come: 0b11 both.
     let mut come = [0_u8; LONGEST];
     let (mut next, mut damaged) = (0, 0);
-    for byte in frame {
-        let Some((place, half)) = read_byte(*byte) else {
-            damaged += 1;
-            continue;
-        };
-        // A damaged byte has most likely stood where one was to come.
-        let expected = next + damaged;
-        let ahead = (place + PLACES - expected % PLACES) % PLACES;
-        // One place back: a damaged byte too many, as a terminator becomes.
-        let at = if ahead == PLACES - 1 && damaged > 0 { expected - 1 } else { expected + ahead };
-        let (symbol, low) = (at / 2, at % 2);
-        *word.get_mut(symbol)? |= half << (4 * (1 - low));
-        *come.get_mut(symbol)? |= 1 << low;
-        (next, damaged) = (at + 1, 0);
+    for part in frame.chunks(PART) {
+        progress();
+        for byte in part {
+            let Some((place, half)) = read_byte(*byte) else {
+                damaged += 1;
+                continue;
+            };
+            // A damaged byte has most likely stood where one was to come.
+            let expected = next + damaged;
+            let ahead = (place + PLACES - expected % PLACES) % PLACES;
+            // One place back: a damaged byte too many, as a terminator becomes.
+            let at = if ahead == PLACES - 1 && damaged > 0 { expected - 1 } else { expected + ahead };
+            let (symbol, low) = (at / 2, at % 2);
+            *word.get_mut(symbol)? |= half << (4 * (1 - low));
+            *come.get_mut(symbol)? |= 1 << low;
+            (next, damaged) = (at + 1, 0);
+        }
     }
     let fits = |length: &usize| 2 * word_length(*length) >= next;
     let length = (2 * STEP..=MAX_PLAIN).step_by(STEP).find(fits)?;
@@ -94,7 +103,7 @@ pub fn read(frame: &[u8], plain: &mut [u8; MAX_PLAIN]) -> Option<usize> {
         lost[losses] = place as u8;
         losses += 1;
     }
-    reed_solomon::decode(&mut word[..symbols], &lost[..losses], parity(length)).then(|| {
+    reed_solomon::decode(&mut word[..symbols], &lost[..losses], parity(length), progress).then(|| {
         plain[..length].copy_from_slice(&word[..length]);
         length
     })
@@ -125,23 +134,23 @@ mod tests {
     fn every_length_comes_back_whole_with_bytes_missing_at_both_ends() {
         for length in (2 * STEP..=MAX_PLAIN).step_by(STEP) {
             let (plain, mut out, mut back) = (message(length), [0; MAX_PROTECTED], [0; MAX_PLAIN]);
-            let frame = write(&plain, &mut out).unwrap();
+            let frame = write(&plain, &mut out, &mut || ()).unwrap();
             let frame = &frame[..frame.len() - ZEROS];
             let fewer = &frame[2..frame.len() - 5];
-            assert_eq!(read(frame, &mut back), Some(length));
+            assert_eq!(read(frame, &mut back, &mut || ()), Some(length));
             assert_eq!(back[..length], plain);
             // What a terminator becomes when a bit of it is flipped.
             let garbage = [&[0x04], fewer, &[0x20]].concat();
-            assert_eq!(read(&garbage, &mut back), Some(length));
+            assert_eq!(read(&garbage, &mut back, &mut || ()), Some(length));
             assert_eq!(back[..length], plain);
         }
-        assert!(write(&message(MAX_PLAIN + STEP), &mut [0; MAX_PROTECTED]).is_none());
+        assert!(write(&message(MAX_PLAIN + STEP), &mut [0; MAX_PROTECTED], &mut || ()).is_none());
     }
 
     proptest! {
         #[test]
         fn any_bytes_do_not_panic(frame in prop::collection::vec(any::<u8>(), 0..600)) {
-            read(&frame, &mut [0; MAX_PLAIN]);
+            read(&frame, &mut [0; MAX_PLAIN], &mut || ());
         }
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! The field is that of x^8 + x^4 + x^3 + x^2 + 1, the generator's roots are the first powers of 2 from 2^0 on. Decoding is
 //! Berlekamp-Massey begun at the locator of the erasures, a search of the roots, and Forney's values (Blahut, Algebraic Codes
-//! for Data Transmission, 2003, sections 7.2 to 7.5). In place and without a heap: the encoder runs on boards.
+//! for Data Transmission, 2003, sections 7.2 to 7.5). In place and without a heap: both run on boards, where a long word takes
+//! milliseconds. So both call `progress` again and again, at least once for each symbol that they work through another.
 
 /// The most symbols of a code word.
 pub const LONGEST: usize = 255;
@@ -12,9 +13,9 @@ pub const MOST_PARITY: usize = 96;
 
 const POLYNOMIAL: u16 = 0x11d;
 
-/// Powers of 2, twice around, and their logarithms.
-const fn tables() -> ([u8; 510], [u8; 256]) {
-    let (mut exp, mut log) = ([0; 510], [0; 256]);
+/// Powers of 2, twice around and to a length that a mask keeps to, and their logarithms.
+const fn tables() -> ([u8; 512], [u8; 256]) {
+    let (mut exp, mut log) = ([0; 512], [0; 256]);
     let (mut power, mut k) = (1_u16, 0);
     while k < 255 {
         (exp[k], exp[k + 255], log[power as usize]) = (power as u8, power as u8, k as u8);
@@ -24,100 +25,141 @@ const fn tables() -> ([u8; 510], [u8; 256]) {
     (exp, log)
 }
 
-static TABLES: ([u8; 510], [u8; 256]) = tables();
+static TABLES: ([u8; 512], [u8; 256]) = tables();
 
 /// 2 to the power of `exponent`, below 510.
 fn exp(exponent: usize) -> u8 {
-    TABLES.0.get(exponent).copied().unwrap_or(0)
+    TABLES.0[exponent & 511]
 }
 
 fn log(value: u8) -> usize {
     usize::from(TABLES.1[usize::from(value)])
 }
 
+/// `value` times 2 to the power of `exponent`, at most 255.
+fn scaled(value: u8, exponent: usize) -> u8 {
+    if value == 0 { 0 } else { exp(log(value) + exponent) }
+}
+
 fn mul(one: u8, other: u8) -> u8 {
-    if one == 0 || other == 0 { 0 } else { exp(log(one) + log(other)) }
+    if other == 0 { 0 } else { scaled(one, log(other)) }
 }
 
 /// 0 for a division by 0, which is left to the message's checksum.
 fn div(one: u8, other: u8) -> u8 {
-    if one == 0 || other == 0 { 0 } else { exp(log(one) + 255 - log(other)) }
+    if other == 0 { 0 } else { scaled(one, 255 - log(other)) }
 }
 
 /// The value of a polynomial, lowest coefficient first, at 2 to the power of `exponent`, below 255.
 fn eval(coefficients: &[u8], exponent: usize) -> u8 {
-    coefficients.iter().rev().fold(0, |sum, coefficient| mul(sum, exp(exponent)) ^ coefficient)
+    coefficients.iter().rev().fold(0, |sum, coefficient| scaled(sum, exponent) ^ coefficient)
 }
 
 /// Adds `scale` times `other`, moved up by `shift`, to `sum`.
 fn add_scaled(sum: &mut [u8], other: &[u8], scale: u8, shift: usize) {
-    for (place, value) in sum.iter_mut().skip(shift).zip(other) {
-        *place ^= mul(*value, scale);
+    if scale != 0 {
+        let exponent = log(scale);
+        let moved = sum.get_mut(shift..).unwrap_or_default();
+        moved.iter_mut().zip(other).for_each(|(place, value)| *place ^= scaled(*value, exponent));
     }
 }
 
-/// Fills the last `parity` symbols of `word`, at most [`MOST_PARITY`] of at most [`LONGEST`], from those before them.
-pub fn encode(word: &mut [u8], parity: usize) {
-    let parity = parity.min(MOST_PARITY).min(word.len());
-    // Highest coefficient first.
-    let mut generator = [0; MOST_PARITY + 1];
-    generator[0] = 1;
-    for root in 0..parity {
-        for place in (1..=root + 1).rev() {
-            generator[place] ^= mul(generator[place - 1], exp(root));
-        }
+/// The logarithms of the generator's coefficients after the highest, which is 1; none of them is 0.
+///
+/// By the binomial theorem of Gauss: the product of x + 2^i for i below n has the coefficients 2^(k(k-1)/2) times the product of
+/// (2^(n-i+1) - 1) / (2^i - 1) for i from 1 to k.
+fn generator(parity: usize) -> [u8; MOST_PARITY] {
+    let mut logs = [0; MOST_PARITY];
+    let mut sum = 0;
+    for (k, place) in (1..=parity).zip(&mut logs) {
+        let ratio = log(exp(parity - k + 1) ^ 1) + 255 - log(exp(k) ^ 1);
+        sum = (sum + k - 1 + ratio) % 255;
+        *place = sum as u8;
     }
+    logs
+}
+
+/// Fills the last `parity` symbols of `word`, at most [`MOST_PARITY`] of at most [`LONGEST`], from those before them.
+pub fn encode(word: &mut [u8], parity: usize, progress: &mut dyn FnMut()) {
+    let parity = parity.min(MOST_PARITY).min(word.len());
+    let generator = generator(parity);
     let (message, check) = word.split_at_mut(word.len() - parity);
     check.fill(0);
     for symbol in message {
+        progress();
         let factor = *symbol ^ check.first().copied().unwrap_or(0);
         if !check.is_empty() {
             check.copy_within(1.., 0);
             check[parity - 1] = 0;
         }
-        add_scaled(check, &generator[1..], factor, 0);
+        if factor != 0 {
+            let exponent = log(factor);
+            let terms = check.iter_mut().zip(&generator);
+            terms.for_each(|(place, coefficient)| *place ^= exp(exponent + usize::from(*coefficient)));
+        }
     }
 }
 
 /// Mends `word` in place, given the places of symbols known to be lost. False when it cannot be, and then it is not touched; true does
 /// not promise that it is right, which a checksum must tell.
-pub fn decode(word: &mut [u8], erasures: &[u8], parity: usize) -> bool {
+pub fn decode(word: &mut [u8], erasures: &[u8], parity: usize, progress: &mut dyn FnMut()) -> bool {
     let (length, lost) = (word.len(), erasures.len());
     if length > LONGEST || parity > MOST_PARITY || lost > parity {
         return false;
     }
     let mut syndromes = [0; MOST_PARITY];
     for (root, syndrome) in syndromes[..parity].iter_mut().enumerate() {
-        *syndrome = word.iter().fold(0, |sum, symbol| mul(sum, exp(root)) ^ symbol);
+        progress();
+        *syndrome = word.iter().fold(0, |sum, symbol| scaled(sum, root) ^ symbol);
     }
     if syndromes[..parity].iter().all(|syndrome| *syndrome == 0) {
         return true;
     }
-    let Some((locator, wrong)) = locate(&syndromes[..parity], length, erasures) else { return false };
+    let Some((locator, wrong)) = locate(&syndromes[..parity], length, erasures, progress) else {
+        return false;
+    };
+    let locator = &locator[..=wrong];
+    let mut places = [0; MOST_PARITY];
+    let mut roots = 0;
+    for place in 0..length {
+        progress();
+        if eval(locator, (255 - place) % 255) == 0 {
+            // There are no more roots than the degree says.
+            places[roots % MOST_PARITY] = place;
+            roots += 1;
+        }
+    }
+    if roots != wrong {
+        return false;
+    }
     // Forney: values from the product of syndromes and locator, and the locator's formal derivative.
     let mut evaluator = [0; MOST_PARITY];
-    for (shift, coefficient) in locator[..=wrong].iter().enumerate() {
+    for (shift, coefficient) in locator.iter().enumerate() {
+        progress();
         add_scaled(&mut evaluator[..parity], &syndromes[..parity], *coefficient, shift);
     }
     let mut slope = [0; MOST_PARITY];
     slope.iter_mut().zip(&locator[1..]).step_by(2).for_each(|(even, coefficient)| *even = *coefficient);
-    let roots = |place: &usize| eval(&locator[..=wrong], (255 - place) % 255) == 0;
-    if (0..length).filter(roots).count() != wrong {
-        return false;
-    }
-    for place in (0..length).filter(roots) {
+    for place in &places[..roots] {
+        progress();
         let inverse = (255 - place) % 255;
         let value = div(eval(&evaluator[..parity], inverse), eval(&slope, inverse));
-        word[length - 1 - place] ^= mul(value, exp(place));
+        word[length - 1 - place] ^= scaled(value, *place);
     }
     true
 }
 
 /// The polynomial whose roots are the inverse places of all wrong symbols, lowest coefficient first, and its degree.
-fn locate(syndromes: &[u8], length: usize, erasures: &[u8]) -> Option<([u8; MOST_PARITY + 1], usize)> {
+fn locate(
+    syndromes: &[u8],
+    length: usize,
+    erasures: &[u8],
+    progress: &mut dyn FnMut(),
+) -> Option<([u8; MOST_PARITY + 1], usize)> {
     let mut locator = [0; MOST_PARITY + 1];
     locator[0] = 1;
     for place in erasures {
+        progress();
         let power = length.checked_sub(1 + usize::from(*place))?;
         let before = locator;
         add_scaled(&mut locator, &before, exp(power), 1);
@@ -125,6 +167,7 @@ fn locate(syndromes: &[u8], length: usize, erasures: &[u8]) -> Option<([u8; MOST
     let lost = erasures.len();
     let (mut correction, mut degree) = (locator, lost);
     for step in lost..syndromes.len() {
+        progress();
         let terms = locator.iter().zip(syndromes[..=step].iter().rev());
         let discrepancy = terms.fold(0, |sum, (coefficient, syndrome)| sum ^ mul(*coefficient, *syndrome));
         correction.copy_within(..MOST_PARITY, 1);
@@ -153,7 +196,7 @@ mod tests {
     fn coded(message: &[u8], parity: usize) -> Vec<u8> {
         let mut word = message.to_vec();
         word.resize(message.len() + parity, 0);
-        encode(&mut word, parity);
+        encode(&mut word, parity, &mut || ());
         word
     }
 
@@ -183,7 +226,7 @@ mod tests {
                 bad[place] ^= change;
                 erasures.extend(known.then_some(place as u8));
             }
-            prop_assert!(decode(&mut bad, &erasures, parity));
+            prop_assert!(decode(&mut bad, &erasures, parity, &mut || ()));
             prop_assert_eq!(bad, good);
         }
 
@@ -193,7 +236,7 @@ mod tests {
             erasures in prop::collection::vec(any::<u8>(), 0..120),
             parity in 0_usize..200,
         ) {
-            decode(&mut word, &erasures, parity);
+            decode(&mut word, &erasures, parity, &mut || ());
         }
     }
 }

@@ -8,13 +8,14 @@ use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::dma2::Register as StreamRegister;
 use rigless::soc::stm32f427::generated::tim1::Register as TimerRegister;
-use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
 
 use crate::cable::{Cable, Socket};
 use crate::machine::{self, CORE_HZ, Machine};
 use crate::plant::Plant;
 use crate::terminal::Terminal;
+use crate::upset;
+pub use crate::upset::Upset;
 
 /// Registers whose writes mean something to the surroundings.
 const TIM4_SR: u64 = 0x4000_0810;
@@ -30,12 +31,12 @@ const STREAM_FIELDS: u64 = 1 | 0b11 << 6 | 0b1111 << 11 | 0b111 << 25;
 const STREAM_WANTED: u64 = 1 | 0b01 << 6 | 0b1010 << 11 | 6 << 25;
 /// Where the converter's stream says how many readings are left.
 const DMA2_S0NDTR: u64 = 0x4002_6414;
+/// Where the supply detector is looked at, twice in a millisecond.
+const PWR_CSR: u64 = 0x4000_7004;
 /// USART2 and DMA1, which serves it.
 const LINE: [std::ops::Range<u64>; 2] = [0x4000_4400..0x4000_4800, 0x4002_6000..0x4002_6400];
 /// DMA2 among the controllers.
 const DMA_2: usize = 1;
-/// TIM4 among the general timers.
-const TIMER_4: usize = 2;
 /// USART2 among the serial ports.
 const USART2: usize = 1;
 /// The line, the remote end and the converter's inputs are looked at so often, ns.
@@ -58,6 +59,8 @@ pub struct Scene {
     pub longest_interrupt: u64,
     /// An upset of the chip's memory, as radiation or a stray pointer would cause; it happens once.
     pub upset: Option<Upset>,
+    /// Since when the main loop runs in a circle.
+    pub circling: Option<Duration>,
     /// The program is asked to go where the emulated chip has nothing: then that is no fault of the image.
     pub led_astray: bool,
     /// The run has shown what it had to.
@@ -68,66 +71,6 @@ pub struct Scene {
     pub told: Vec<u8>,
     /// How often the surroundings are looked at, ns.
     pub stop_ns: u64,
-}
-
-/// What can happen to the chip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Upset {
-    /// The sampling timer asks for no more interrupts.
-    DeadSampling,
-    /// The control looks borrowed already, and the sampling interrupt panics over it.
-    Panic,
-    /// The core does nothing more, as a program that holds all interrupts off and runs in a circle, and goes on.
-    Hang,
-    /// It goes on.
-    GoOn,
-    /// The main loop runs in a circle where it has slept, and the interrupts go on.
-    Circle,
-    /// It sleeps there again.
-    Straight,
-    /// The crystal stops.
-    ClockLoss,
-    /// The chip's own supply, mV.
-    Supply(u32),
-}
-
-/// Where in the image an upset strikes.
-#[derive(Debug, Clone, Copy)]
-struct Places {
-    /// The variable that holds the control.
-    control: u64,
-    /// The instruction at which the main loop sleeps.
-    sleep: u64,
-}
-
-impl Upset {
-    fn strike(
-        self,
-        now: VirtualNanos,
-        machine: &mut Machine,
-        host: &mut dyn Host,
-        at: Places,
-    ) -> Result<(), Error> {
-        match self {
-            Upset::DeadSampling => machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0),
-            Upset::Panic => {
-                // A `RefCell` begins with its flag.
-                let flag = host.read(at.control, Width::W32)?;
-                host.write(flag, Width::W32, 1)?;
-            }
-            Upset::Hang => host.hold(true),
-            Upset::GoOn => host.hold(false),
-            Upset::Circle => host.program(at.sleep, Width::W16, machine::BRANCH_TO_ITSELF)?,
-            Upset::Straight => host.program(at.sleep, Width::W16, machine::WAIT_FOR_INTERRUPT)?,
-            Upset::ClockLoss => {
-                machine
-                    .mcu
-                    .drive_clocks(now, |clocks, registers, context| clocks.fail_hse(registers, context));
-            }
-            Upset::Supply(millivolts) => machine.mcu.set_supply(millivolts),
-        }
-        Ok(())
-    }
 }
 
 /// Carries what TIM1's update asks DMA2 for. The emulated timer raises the request and the emulated controller has no wire to it
@@ -160,17 +103,26 @@ struct Around<R> {
     remote: R,
     interrupt_began: u64,
     sampling: bool,
-    places: Places,
+    control: u64,
+    sleep: u64,
+    circle: bool,
     terminal: Terminal,
     served: u64,
     stray: Option<String>,
 }
 
 impl<R: Remote> Driver<Machine> for Around<R> {
-    fn on_settled(&mut self, session: &mut Session<Machine>, _: &mut dyn Host, settled: Settled) {
+    fn on_settled(&mut self, session: &mut Session<Machine>, host: &mut dyn Host, settled: Settled) {
         let Settled::Access { access, .. } = settled else { return };
         let (machine, plant) = (session.board_mut(), &mut self.scene.plant);
         let at = access.virtual_time;
+        // The last time counts: what an earlier sleep has left on the stack is found too.
+        if self.circle
+            && [TIM4_SR, PWR_CSR].contains(&access.address)
+            && upset::lead_into_a_circle(self.sleep, host).expect("the stack is in memory")
+        {
+            self.scene.circling = Some(Duration::from_nanos(at.0));
+        }
         // The serial line is the main loop's: what it sets at the timers after it has heard a command is no interrupt's work.
         self.sampling &= !LINE.iter().any(|registers| registers.contains(&access.address));
         if self.sampling {
@@ -240,8 +192,14 @@ impl<R: Remote> Driver<Machine> for Around<R> {
             socket.to_board.extend(carried);
         }
         scene.plant.wire_emergency(stop.at, machine);
-        if let Some(upset) = scene.upset.take()
-            && let Err(error) = upset.strike(stop.at, machine, host, self.places)
+        let upset = scene.upset.take();
+        match upset {
+            Some(Upset::Circle) => self.circle = true,
+            Some(Upset::Straight) => self.circle = false,
+            _ => {}
+        }
+        if let Some(upset) = upset
+            && let Err(error) = upset.strike(stop.at, machine, host, self.control)
         {
             self.stray = Some(format!("the upset did not reach the memory: {error}"));
             return None;
@@ -294,20 +252,23 @@ pub fn run_on<R: Remote>(
         cable,
         longest_interrupt: 0,
         upset: None,
+        circling: None,
         led_astray: false,
         enough: false,
         interrupt: false,
         told: Vec::new(),
         stop_ns: STOP_NS,
     };
-    let places = Places { control: machine::address_of(image, "CONTROL"), sleep: machine::sleep_of(image) };
+    let (control, sleep) = (machine::address_of(image, "CONTROL"), machine::sleep_of(image));
     let terminal = Terminal::of(image);
     let around = Around {
         scene,
         remote,
         interrupt_began: 0,
         sampling: false,
-        places,
+        control,
+        sleep,
+        circle: false,
         terminal,
         served: 0,
         stray: None,

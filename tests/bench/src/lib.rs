@@ -10,3 +10,4 @@ pub mod plant;
 pub mod remote;
 pub mod sines;
 pub mod terminal;
+mod upset;

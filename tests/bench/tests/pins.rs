@@ -37,7 +37,9 @@ fn off_after(
         }
         let Some(began) = began else { return };
         act(now - began, scene);
-        if now - began > within {
+        // The main loop runs in a circle from its next sleep on.
+        let began = scene.circling.unwrap_or(began);
+        if now.saturating_sub(began) > within {
             let plant = &scene.plant;
             assert!(!plant.driven() && !plant.pulses(), "on {:?} after: {plant:?}", now - began);
         }
