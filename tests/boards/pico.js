@@ -5,7 +5,8 @@
 // Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
 // handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle), circle (it
 // does so with interrupts on),
-// bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost), pumped (the supply rises to 19 V).
+// bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost), pumped (the supply rises to 19 V),
+// crystal (it stops: timer and watchdog stand, and the PLL, which the core and the PWM hang on, swings on by itself).
 // What the pins do then is printed.
 //
 // What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
@@ -144,6 +145,15 @@ function injure() {
   if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
   if (fault === "pumped") pumped = 7;
   if (fault === "dead") rp2040.peripherals[TIMER].writeUint32Atomic(0x20, 1, 0); // ARMED: a 1 takes the alarm back
+  if (fault === "crystal") {
+    const timer = rp2040.peripherals[TIMER];
+    const stands = [0x24, 0x28, 0x08, 0x0c].map((offset) => [offset, timer.readUint32(offset)]); // TIMERAWH, -L, TIMEHR, -LR
+    const readTimer = timer.readUint32.bind(timer);
+    timer.readUint32 = (offset) => new Map(stands).get(offset) ?? readTimer(offset);
+    for (const alarm of timer.alarms) timer.disarmAlarm(alarm);
+    watchdog.writeUint32(0, 0);
+    timer.writeUint32 = watchdog.writeUint32 = () => {};
+  }
   if (fault === "fault") rp2040.core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
   if (fault === "hang" || fault === "circle") {
     core.PM = fault === "hang";

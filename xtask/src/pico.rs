@@ -99,6 +99,7 @@ pub fn tests() -> Result<Count> {
         ("circle", "a main loop that runs in a circle loses it by the sampling interrupt"),
         ("dead", "so does one whose sampling timer stands"),
         ("pumped", "and a supply that is pumped up"),
+        ("crystal", "a crystal that stops while the PLL swings on takes the pins down"),
     ] {
         emulated::case(&mut count, name, || {
             let wired: &[&str] = if fault == "pumped" { &WIRED } else { &[] };

@@ -18,6 +18,7 @@
 
 mod adc;
 mod chip;
+mod crystal;
 mod guard;
 mod line;
 mod panic;
@@ -75,6 +76,7 @@ static mut LOG: MaybeUninit<Log> = MaybeUninit::uninit();
 fn main() -> ! {
     chip::close_stack();
     let mut device = pac::Peripherals::take().expect("taken once");
+    let mut core = cortex_m::Peripherals::take().expect("taken once");
     let reset = platform::reset_cause(&device.WATCHDOG);
     let mut watchdog = Watchdog::new(device.WATCHDOG);
     let sio = Sio::new(device.SIO);
@@ -133,6 +135,7 @@ fn main() -> ! {
 
     // SAFETY: everything that the interrupt uses is in place.
     unsafe { NVIC::unmask(chip::SAMPLING) };
+    crystal::watch(&mut core.SYST);
     let mut platform = platform::Board::new(watchdog, control);
     let mut diagnostics = Diagnostics::begin(reset, None, chip::CORE_HZ);
     loop {
