@@ -21,17 +21,17 @@ const PINS: [usize; 2] = [26, 27];
 const CONVERTER_MHZ: u32 = 48;
 const APART: [u32; 9] = [97, 101, 105, 109, 113, 117, 121, 125, 129];
 
-/// Rounds that are kept, a power of two: the fastest takes 4.04 us, so they last for four of the sampling timer's interrupts, which are a
+/// Rounds that are kept, a power of two: the fastest takes 4.04 us, so they last for two of the sampling timer's interrupts, which are a
 /// millisecond apart at most.
-const ROUNDS: usize = 1024;
-const RING_BITS: u8 = 12;
+const ROUNDS: usize = 512;
+const RING_BITS: u8 = 11;
 /// Two channels of the DMA, 0 and 1, begin each other, each after so many readings: whole rings, and no more than either chip counts.
 const READINGS_EACH: u32 = 1 << 27;
 /// Looks at what ends within some cycles.
 const LOOKS: u32 = 1000;
 
 /// Where the DMA writes, a round to a word: the supply in its lower half. Its address ends with as many zeros as the DMA turns round.
-#[repr(align(4096))]
+#[repr(align(2048))]
 struct Ring([AtomicU32; ROUNDS]);
 static RING: Ring = Ring([const { AtomicU32::new(0) }; ROUNDS]);
 /// Cycles between two conversions, from the next time on that it is said what is wired.
