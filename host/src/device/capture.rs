@@ -149,13 +149,13 @@ impl Capture {
     /// Lets time pass, and hands over what is to be sent.
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         match self.exchange.take_answer() {
-            Some(Err(fault)) => self.outcome = Some(Err(fault)),
+            Some(Err(fault)) => self.refuse(fault),
             Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.since() => {
                 // What an old board cannot read it would not answer, and what it skips it would not do.
-                self.outcome = Some(Err(Fault::Version(hello.oldest, hello.newest)));
+                self.refuse(Fault::Version(hello.oldest, hello.newest));
             }
             Some(Ok(FromBoard::Capabilities(can))) if has_built_in_sensors(&can) => {
-                self.outcome = Some(Err(Fault::BuiltInSensors));
+                self.refuse(Fault::BuiltInSensors);
             }
             Some(Ok(FromBoard::Done)) if self.stopping && self.script.is_empty() && self.status.is_none() => {
                 // The board has stopped what it did, and whether that was this run, its next word on it tells.
@@ -174,6 +174,12 @@ impl Capture {
             },
         }
         self.exchange.poll(now, out);
+    }
+
+    /// Ends it by `fault`, and asks for nothing more: a run that is refused does not begin, however often it is polled.
+    fn refuse(&mut self, fault: Fault) {
+        self.script.clear();
+        self.outcome = Some(Err(fault));
     }
 
     /// The run goes on, or is over and its log still comes.
