@@ -91,14 +91,16 @@ impl Work<'_> {
     fn run<E: Effects<Wide>>(self, between: impl FnOnce(&Self) -> E) {
         let between = between(&self);
         // SAFETY: see run_wide.
-        unsafe {
-            let effects = late(self.delay, between, self.lag, &self.prepared.setting);
-            run_set(&Simulator::with(self.prepared, effects), self.course, self.sink);
-        }
+        let effects = unsafe { late(self.delay, between, self.lag, &self.prepared.setting) };
+        self.run_all(effects);
     }
 
     fn run_several(self) {
         let effects = Several::new(self.effects, &self.prepared.setting);
+        self.run_all(effects);
+    }
+
+    fn run_all<E: Effects<Wide>>(self, effects: E) {
         // SAFETY: see run_wide.
         unsafe { run_set(&Simulator::with(self.prepared, effects), self.course, self.sink) };
     }

@@ -197,20 +197,16 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     if let (Some(duty), true) = (duty, parts.iter().any(|part| part.quantity == Quantity::Voltage)) {
         parts.remove(duty);
     }
+    // A current that never flows was not measured.
+    parts.retain(|part| {
+        part.quantity != Quantity::Current || rows.is_empty() || values(part.index).any(|value| value != 0.0)
+    });
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     // Of two motions one that never changes is none.
     let still = |part: &Part| {
         let range = Range::of(values(part.index));
         !rows.is_empty() && range.high <= range.low
     };
-    // A current that never flows was not measured.
-    if let Some(current) = place(Quantity::Current)
-        && still(&parts[current])
-        && values(parts[current].index).all(|value| value == 0.0)
-    {
-        parts.remove(current);
-    }
-    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     if let (Some(angle), Some(speed)) = (place(Quantity::Angle), place(Quantity::Speed)) {
         let is_still = [angle, speed].map(|k| still(&parts[k]));
         if is_still != [true, true] {

@@ -160,20 +160,25 @@ pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
 /// Where nothing but an effort may drive the motor: what that leaves open, and the options for either meaning.
 pub(super) fn effort_question(sample: &Sample) -> Option<String> {
     let index = sample.with_units.iter().position(|name| words::said(name).effort)?;
-    let meaning = |as_if: &str| {
-        let mut with_units = sample.with_units.clone();
-        with_units[index] = as_if.to_owned();
-        let parts = parts(&with_units, &sample.rows);
-        proposal(&sample.names, &parts, &sample.rows, sample.stamped)
-    };
+    let meaning = |as_if: &str| options_as_if(sample, &[(index, as_if)]);
     let (volts, duty) = (meaning("voltage [V]")?, meaning("duty [%]")?);
     Some(format!(
         "{} is a torque in ROS, and whatever a drive is commanded elsewhere, so nothing here surely tells the voltage: log the motor's voltage \
          or duty with its motion; if this is one of them, say {} where it is volts, {} where it is percent of full duty",
         column(&sample.names, index),
-        volts.options(),
-        duty.options()
+        volts,
+        duty
     ))
+}
+
+/// The options that a table would be read with if those columns were called so; none where that is too little.
+fn options_as_if(sample: &Sample, called: &[(usize, &str)]) -> Option<String> {
+    let mut with_units = sample.with_units.clone();
+    for (index, name) in called {
+        (*name).clone_into(&mut with_units[*index]);
+    }
+    let parts = parts(&with_units, &sample.rows);
+    proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
 }
 
 /// Whether columns of these names may be all that a fit needs, if an effort drives the motor.

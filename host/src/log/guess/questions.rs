@@ -2,7 +2,7 @@
 
 use super::clocks::DAYS;
 use super::columns::{self, Part, Range};
-use super::{column, proposal, quoted, unit_names, words};
+use super::{column, options_as_if, quoted, unit_names, words};
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -129,13 +129,7 @@ pub(in crate::log) fn loop_question(sample: &Sample) -> Option<String> {
     if !sample.names.iter().any(|name| words::said(name).target) {
         return None;
     }
-    let meaning = |motion: &str| {
-        let mut with_units = sample.with_units.clone();
-        with_units[input] = motion.to_owned();
-        with_units[output] = "duty".to_owned();
-        let parts = columns::parts(&with_units, &sample.rows);
-        proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
-    };
+    let meaning = |motion: &str| options_as_if(sample, &[(input, motion), (output, "duty")]);
     Some(format!(
         "beside a setpoint the input of a controller is what it measures, and its output what it commands: if they are a speed and a duty, say \
          {}, and with the other units where it is none of turns a minute; if they are a position in counts and a duty, {}",
@@ -195,11 +189,12 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let (targets, others): (Vec<usize>, Vec<usize>) =
         (0..sample.names.len()).filter(|k| !known(k)).partition(is_target);
     let name = |k: usize| format!("\"{}\"", sample.names[k]);
-    let options = |k: usize, as_if: &str| {
-        let mut with_units = sample.with_units.clone();
-        with_units[k] = as_if.to_owned();
-        let parts = columns::parts(&with_units, &sample.rows);
-        proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
+    // The first other column that may be what is absent, and the options for either meaning.
+    let meant = |either: &str, or: &str| {
+        others.iter().find_map(|&k| {
+            let options = |as_if: &str| options_as_if(sample, &[(k, as_if)]);
+            Some((name(k), options(either)?, options(or)?))
+        })
     };
     let mut beside = (0..sample.names.len()).filter(|k| of(&[Time]).is_some_and(|time| time.index != *k));
     if let (Some(only), None) = (beside.next(), beside.next()) {
@@ -221,12 +216,9 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                     name(*target)
                 );
             }
-            let meant =
-                others.iter().find_map(|k| Some((k, options(*k, "voltage [V]")?, options(*k, "duty [%]")?)));
-            if let Some((k, volts, duty)) = meant {
+            if let Some((other, volts, duty)) = meant("voltage [V]", "duty [%]") {
                 text += &format!(
-                    "; if {} is that, say {volts} where it is volts, {duty} where it is percent",
-                    name(*k)
+                    "; if {other} is that, say {volts} where it is volts, {duty} where it is percent"
                 );
             }
             Some(text)
@@ -236,13 +228,9 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
                 name(drive.index)
             );
-            let meant = others
-                .iter()
-                .find_map(|k| Some((k, options(*k, "speed [rad/s]")?, options(*k, "encoder count")?)));
-            if let Some((k, speed, count)) = meant {
+            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
                 text += &format!(
-                    "; if {} is that, say {speed} where it is a speed, {count} where it counts",
-                    name(*k)
+                    "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
                 );
             }
             Some(text)
