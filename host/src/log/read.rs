@@ -79,8 +79,15 @@ impl ReadOptions {
 /// # Errors
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+    let mut records: Vec<Record> = tests(path, options)?.into_iter().flat_map(repair::repaired).collect();
+    servo::close_loops(&mut records);
+    Ok(records)
+}
+
+/// The tests of one file as its reader has them; what is true of every log whatever its layout, [`read`] adds.
+fn tests(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     if let Some((input, output)) = apart::both(path) {
-        return Ok(finished(apart::read(path, &input, &output, options)?));
+        return apart::read(path, &input, &output, options);
     }
     if let Some(records) = formats::read(path, options)? {
         return Ok(records);
@@ -96,7 +103,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         (Format::WpilibSysid, None) => Err(no_list(path, input)?),
         (Format::Csv, Some(Json::Own)) => Err(Json::Own.refused(path)),
         (Format::Csv, Some(Json::Other)) => formats::json(path, input)?.records(path, options),
-        (Format::Csv, None) => Ok(finished(table::read(path, input, options, table::Part::Whole)?)),
+        (Format::Csv, None) => table::read(path, input, options, table::Part::Whole),
     }
 }
 
@@ -108,13 +115,6 @@ fn no_list(path: &Path, mut input: impl BufRead) -> Result<Error> {
     let remedy =
         "export the data log as a CSV list; a table with one column per signal is read with --map alone";
     Ok(BadInput::new(path, why, remedy).at_line(head.line).into())
-}
-
-/// The tests of a table, mended and with the controller of a servo found.
-pub(super) fn finished(tests: Vec<Record>) -> Vec<Record> {
-    let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
-    servo::close_loops(&mut records);
-    records
 }
 
 /// What a JSON file is, by what its beginning holds.

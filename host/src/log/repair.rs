@@ -33,7 +33,9 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     pauses.extend(clipped.iter().filter_map(last_before));
     pauses.sort_unstable();
     pauses.dedup();
-    let resets = record.angle_rad.as_deref().map(far_steps).unwrap_or_default();
+    // What the motor did in a pause is no jump of its counter.
+    let mut resets = record.angle_rad.as_deref().map(far_steps).unwrap_or_default();
+    resets.retain(|k| pauses.binary_search(k).is_err());
     cut(record, &pauses, &resets)
 }
 
@@ -61,10 +63,10 @@ pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
     if far.windows(3).any(burst) { Vec::new() } else { far }
 }
 
-/// Samples before which the log pauses.
+/// Samples behind which the log pauses, or its clock starts anew.
 fn pauses(record: &Record) -> Vec<usize> {
     let longest = (PAUSE_INTERVALS * median_interval(&record.time_s)).max(PAUSE_S);
-    let pause = |k: &usize| record.time_s[k + 1] - record.time_s[*k] > longest;
+    let pause = |k: &usize| !(0.0..=longest).contains(&(record.time_s[k + 1] - record.time_s[*k]));
     (0..record.len().saturating_sub(1)).filter(pause).collect()
 }
 

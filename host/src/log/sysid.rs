@@ -222,6 +222,20 @@ mod tests {
     }
 
     #[test]
+    fn a_pause_or_a_clock_that_starts_anew_cuts_a_test_as_it_cuts_a_table() {
+        for later in [15.0, -0.6] {
+            let time = |t: f64| if t < 0.59 { t } else { t + later };
+            let rows: Vec<String> =
+                (0..60).map(|i| f64::from(i) * 0.02).map(|t| format!("[{},{t},{t},1]", time(t))).collect();
+            let records = sysid(&format!("{{\"slow-forward\":[{}]}}", rows.join(","))).unwrap();
+            assert_eq!(records.iter().map(Record::len).collect::<Vec<_>>(), [30, 30], "{later}");
+            assert!(records[1].name.ends_with("slow-forward part 2"), "{}", records[1].name);
+            let said: Vec<&str> = records.iter().flat_map(|r| &r.warnings).map(|w| w.what.as_str()).collect();
+            assert!(said.len() == 1 && said[0].contains("read as 2 records"), "{said:?}");
+        }
+    }
+
+    #[test]
     fn broken_files_are_refused_with_place_cause_and_remedy() {
         let backwards = rows(1.0, |t, x| format!("[{},{x},{x},{x}]", -t));
         for (content, place, cause, remedy) in [

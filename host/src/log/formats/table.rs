@@ -8,7 +8,7 @@ use std::path::Path;
 use super::Fault;
 use crate::error::{Error, Result};
 use crate::log::table::Part;
-use crate::log::{ReadOptions, Record, Warning, read, table};
+use crate::log::{ReadOptions, Record, Warning, table};
 
 /// More columns than this are never looked through.
 const MOST_COLUMNS: usize = 1000;
@@ -126,7 +126,7 @@ impl Table {
         let read = table::read(path, self.text(), options, part);
         let mut records = read.map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
-        Ok(read::finished(records))
+        Ok(records)
     }
 
     /// The fault with the row in place of the line, and with what else the file holds.
