@@ -106,15 +106,30 @@ fn no_excitation(record: &Record) -> Option<Fault> {
     if rises(record) {
         return None;
     }
+    let level = voltage.first().copied().unwrap_or_default();
+    let against = if turns_against(record, level) {
+        "; and the motor turns the other way, so the sign of the motion or of the voltage is reversed, or something else drives it"
+    } else {
+        ""
+    };
     Some(Fault {
         name: "constant_voltage",
         column: "voltage_v",
         why: format!(
-            "the voltage is {} V from the first line to the last, so nothing shows how the motor answers to it",
-            voltage.first().copied().unwrap_or_default()
+            "the voltage is {level:.3} V from the first line to the last, so nothing shows how the motor answers to it{against}"
         ),
         fix: "record a programme that changes the voltage (motorlens plan writes one), and check that this column is the applied voltage".into(),
     })
+}
+
+/// Share of all that a motor turns under one voltage that is against it, from which it turns the other way.
+const AGAINST: f64 = 0.6;
+
+/// Whether the motor turns mostly against the one voltage that it has.
+fn turns_against(record: &Record, level: f64) -> bool {
+    let motion = speed(record);
+    let against: f64 = motion.iter().map(|w| (-w * level.signum()).max(0.0)).sum();
+    against > AGAINST * motion.iter().map(|w| w.abs()).sum::<f64>() && level != 0.0
 }
 
 /// Whether the record begins near rest under its one voltage and runs up: a step from the first row on.
@@ -250,9 +265,11 @@ pub(in crate::log) mod tests {
         assert_bad(
             &check_usable(&record).unwrap_err(),
             "run.csv, column voltage_v",
-            "5 V from the first",
+            "5.000 V from the first",
             "plan",
         );
+        record.angle_rad = Some(record.time_s.iter().map(|t| -3.0 * t).collect());
+        assert_bad(&check_usable(&record).unwrap_err(), "column voltage_v", "turns the other way", "plan");
         record.voltage_v.fill(0.0);
         assert!(check_usable(&record).is_err());
         record.meta.insert(sysid::TEST_KEY, "fast-forward").unwrap();
