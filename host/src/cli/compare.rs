@@ -79,7 +79,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     console.answer(&document, || {
         let usual = feedforward::errors(&problem, &all, None).map(|(usual, _)| usual);
-        prose::headed(&standing, &story(&document, &map, usual.as_ref()))
+        let usual = usual.ok_or_else(|| feedforward::why_not(&problem, &all).unwrap_or_default());
+        prose::headed(&standing, &story(&document, &map, usual))
     });
     if let Some(path) = &args.trace {
         console.say(format!("trace: {}", path.display()));
@@ -90,20 +91,21 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// `usual` is what kS-kV-kA leaves when it is fitted to these records.
-fn story(document: &Document, map: &FailureMap, usual: Option<&Measures>) -> String {
+/// `usual` is what kS-kV-kA leaves when it is fitted to these records, or why it cannot be.
+fn story(document: &Document, map: &FailureMap, usual: Result<Measures, String>) -> String {
     let mut text =
         format!("{}, simulated over every record by itself\n\n", prose::effects(&document.effects));
     for r in &document.records {
         text += &format!("{}\n", prose::measures(&r.record, &r.measures, map.unit));
     }
     text += &format!("{}\n", prose::measures("all", &document.pooled, map.unit));
-    if let Some(usual) = usual {
-        text += &format!(
+    text += &match usual {
+        Ok(usual) => format!(
             "{}\n(kS-kV-kA is fitted to these records; the model is as it is)\n",
-            prose::usual(usual, map.unit)
-        );
-    }
+            prose::usual(&usual, map.unit)
+        ),
+        Err(why) => prose::no_usual(&why) + "\n",
+    };
     text += "\nwhere it fails, the clearest first, by\n";
     for slice in map.by_concentration() {
         text += &format!("  {:<30} {}\n", slice.title, slice.reading);

@@ -8,6 +8,7 @@ use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::error::{Error, Result};
+use crate::estimate::feedforward;
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
@@ -79,9 +80,15 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    if let Some(usual) = baseline(found, records) {
-        text += &format!("{}\n", watch::errors("kS-kV-kA, the usual model", &usual, unit));
-    }
+    text += &match baseline(found, records) {
+        Some(usual) if usual.train.missed() <= prose::RUN_AWAY => {
+            format!("{}\n", watch::errors("kS-kV-kA, the usual model", &usual, unit))
+        }
+        Some(_) => "kS-kV-kA, the usual model, is not determined by these records.\n".to_owned(),
+        None => feedforward::why_not(&found.evidence.whole, records)
+            .map(|why| format!("No comparison with the usual model: {why}.\n"))
+            .unwrap_or_default(),
+    };
     text += &format!("The noise level is {} {unit} rms.\n\n", prose::figure(found.noise_floor));
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";

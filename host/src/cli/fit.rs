@@ -152,6 +152,7 @@ fn story(fit: &Fit, unit: &str) -> String {
         text +=
             &lines.chain(usual.map(|m| prose::usual(m, unit))).map(|line| line + "\n").collect::<String>();
     }
+    text += &fit.no_usual.as_ref().map(|why| prose::no_usual(why) + "\n").unwrap_or_default();
     text + &format!("{:.2} s, {} simulations", fit.seconds, fit.evaluations)
 }
 

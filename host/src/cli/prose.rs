@@ -30,8 +30,13 @@ pub fn usual(m: &Measures, unit: &str) -> String {
     measures("  kS-kV-kA for comparison", m, unit)
 }
 
+/// The same where the records give no usual model.
+pub fn no_usual(why: &str) -> String {
+    format!("  no kS-kV-kA for comparison: {why}")
+}
+
 /// Multiples of the motion that no usable model misses.
-const RUN_AWAY: f64 = 2.0;
+pub const RUN_AWAY: f64 = 2.0;
 
 /// A fault of the data and what to do, by the name that docs/LOGS.md and `--json` know it by.
 pub fn fault(fault: &Warning) -> String {

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Searched;
 use crate::compare::measures::Measures;
 use crate::diagnose::ladder::simulated;
-use crate::error::{BadInput, Result};
+use crate::error::{BadInput, Error, Result};
 use crate::fit::layout::{BaseValues, REACH, Values};
 use crate::fit::search::Problem;
 use crate::log::{Record, motion, timing::median_interval};
@@ -46,6 +46,11 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
         }
         rows.extend(own);
     }
+    if !rows.is_empty() && is_one_level(&rows) {
+        let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
+        let fix = "add records at other voltages, or one in which the motor runs out; or use --method fast";
+        return Err(BadInput::new(&path, ONE_LEVEL, fix).into());
+    }
     let Some(k) = gains(&rows) else {
         let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
         let why = "kS, kV and kA cannot be fitted: the voltage does not rise with the speed";
@@ -63,6 +68,14 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
     };
     let effects = vec![(Kind::Coulomb, vec![k.friction])];
     Ok(Searched { values: Values { base, effects }, history: Vec::new(), evaluations: 0 })
+}
+
+/// Why `records` give no kS, kV and kA; none where they do.
+pub(crate) fn why_not(problem: &Problem, records: &[Record]) -> Option<String> {
+    match search(problem, records) {
+        Err(Error::BadInput(fault)) => Some(fault.why),
+        _ => None,
+    }
 }
 
 /// What kS-kV-kA fitted to `records` leaves on them, and on those of `unseen`; none where a record does not give it.
@@ -114,6 +127,18 @@ fn rows_of(record: &Record) -> Vec<([f64; 3], f64)> {
         one_way.then(|| (row.map(|x| x / area), volts / area))
     };
     starts.filter_map(row).collect()
+}
+
+const ONE_LEVEL: &str = "kS, kV and kA are not determined: all that turns the motor is one voltage, of which friction alone can be any share";
+/// Voltages in the direction of the motion that lie this close together, in shares of the highest, are one.
+const SAME_LEVEL: f64 = 0.05;
+
+/// Whether one voltage drives all that turns: along a step up speed and acceleration make up for each other, so that friction, speed
+/// and acceleration are one equation for three numbers.
+fn is_one_level(rows: &[([f64; 3], f64)]) -> bool {
+    let along = rows.iter().map(|(row, volts)| volts * row[0].signum());
+    let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
+    high - low <= SAME_LEVEL * high.abs().max(low.abs())
 }
 
 /// Least squares, in which neither friction nor inertia is negative: one that would be is left out and the rest fitted again.
@@ -175,6 +200,14 @@ mod tests {
     fn a_step_of_two_seconds_teaches_and_one_that_hardly_moves_tells_nothing() {
         assert!(rows_of(&test(2.0, |_| 7.0)).len() > 20);
         assert!(rows_of(&test(0.09, |_| 7.0)).is_empty());
+    }
+
+    #[test]
+    fn steps_of_one_level_determine_nothing_and_running_out_adds_a_level() {
+        let rows =
+            |volts: fn(f64) -> f64| [1.0, -1.0].map(|s| rows_of(&test(2.0, move |t| s * volts(t)))).concat();
+        assert!(is_one_level(&rows(|_| 7.0)));
+        assert!(!is_one_level(&rows(|t| if t < 1.0 { 7.0 } else { 0.0 })));
     }
 
     #[test]

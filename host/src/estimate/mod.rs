@@ -92,6 +92,8 @@ pub struct Fit {
     pub validation: Option<Measures>,
     /// What the usual model, kS-kV-kA, leaves on the records fitted and on those kept out; none where a record does not give it.
     pub usual: Option<(Measures, Option<Measures>)>,
+    /// Why the records do not give it.
+    pub no_usual: Option<String>,
     /// What a perfect model would leave, rms in the measured unit.
     pub noise_level: f64,
     /// Best IAE of every generation; one number for methods without generations.
@@ -156,6 +158,7 @@ pub fn fit(
     let kept_out = kept_out(&problem, validation, motor);
     fit.validation = kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, &searched.values)));
     fit.usual = feedforward::errors(&problem, records, kept_out.as_ref());
+    fit.no_usual = feedforward::why_not(&problem, records);
     fit.noise_level = noise_floor(records, validation, &problem);
     (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
     fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
@@ -174,6 +177,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         train: pooled(&free_runs(problem, values)).unwrap_or_default(),
         validation: None,
         usual: None,
+        no_usual: None,
         noise_level: 0.0,
         objective_history: Vec::new(),
         evaluations: 0,
