@@ -11,13 +11,38 @@ use crate::error::{Error, Result};
 /// A failure of `fill` or of the disk leaves an older file of that name as it was and nothing else behind.
 ///
 /// # Errors
-/// [`Error::Io`] naming the path if the directory is absent or not writable, the disk is full, or `fill` fails.
+/// [`Error::Usage`] if the directory is absent or not writable, [`Error::Io`] if the disk is full or `fill` fails; either names the path.
 pub fn write_with<F>(path: &Path, fill: F) -> Result<()>
 where
     F: FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 {
-    replace(path, fill)
-        .map_err(|source| Error::Io { doing: format!("cannot write {}", path.display()), source })
+    replace(path, fill).map_err(|source| cannot_write(path, source))
+}
+
+/// Why a file was not written, with what to do where the place that was given is at fault.
+fn cannot_write(path: &Path, source: io::Error) -> Error {
+    let directory = directory_of(path);
+    let why = |what: &str| format!("cannot write {}: {what}", path.display());
+    if !directory.is_dir() {
+        let absent = why(&format!("there is no directory {}", directory.display()));
+        return Error::usage(absent, "make the directory first, or give a path in one that there is");
+    }
+    if path.is_dir() {
+        return Error::usage(why("this is a directory"), "give the name of a file in it");
+    }
+    if source.kind() == io::ErrorKind::PermissionDenied {
+        let denied = why("this user may not write there");
+        return Error::usage(denied, "give a path in a directory of your own");
+    }
+    Error::Io { doing: format!("cannot write {}", path.display()), source }
+}
+
+/// The directory that holds `path`.
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// Writes `content` to `path`, whole or not at all.
@@ -32,16 +57,12 @@ fn replace<F>(path: &Path, fill: F) -> io::Result<()>
 where
     F: FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".motorlens-");
     // A temporary file is private; a result is as readable as any other file of the user.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(directory)?;
+    let temporary = builder.tempfile_in(directory_of(path))?;
     let mut file = BufWriter::new(temporary.as_file());
     fill(&mut file)?;
     file.flush()?;
@@ -89,9 +110,12 @@ mod tests {
     }
 
     #[test]
-    fn an_absent_directory_is_named() {
+    fn an_absent_directory_is_named_with_what_to_do_and_so_is_one_in_the_place_of_a_file() {
         let directory = tempfile::tempdir().unwrap();
-        let error = write(&directory.path().join("absent/model.json"), "").unwrap_err();
-        assert!(error.to_string().contains("absent/model.json"));
+        let error = write(&directory.path().join("absent/model.json"), "").unwrap_err().to_string();
+        assert!(error.contains("absent/model.json: there is no directory"), "{error}");
+        assert!(error.contains("do: make the directory"), "{error}");
+        let error = write(directory.path(), "").unwrap_err().to_string();
+        assert!(error.contains("this is a directory") && error.contains("do: give the name"), "{error}");
     }
 }
