@@ -10,6 +10,7 @@ pub mod bam;
 pub mod beat;
 mod beside;
 mod between;
+mod bursts;
 mod choice;
 mod clock;
 mod direction;

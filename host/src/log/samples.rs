@@ -8,6 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Warning;
+use super::bursts::bursts;
 use super::guess::Proposal;
 use crate::error::{BadInput, Result};
 
@@ -366,6 +367,21 @@ impl Samples {
                 ),
                 fix: "nothing, if the logger wrote them late; otherwise leave them out".into(),
             });
+        }
+        if let (Some(came), Some(rate)) = (bursts(&self.columns[0]), self.rate()) {
+            warnings.push(Warning {
+                place: format!("{file}, column {}", self.headers[0]),
+                what: format!(
+                    "stamped_in_bursts: {:.0} rows come at once and then none for {:.3} s, time and again: they were stamped when they arrived, not \
+                     when they were measured",
+                    came.rows, came.every_s
+                ),
+                fix: format!(
+                    "if the rows were measured evenly, --rate {rate} (rows per second) tells the time in the place of this column; better log the \
+                     board's own time (millis() or micros())"
+                ),
+            });
+            return warnings;
         }
         let median = super::timing::median_interval(&self.columns[0]);
         if let Some((pause, place)) = self.places.longest_pause

@@ -3,6 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use super::bursts::bursts;
 use super::choice::{Choice, Columns, TimeSource};
 use super::clock::Clock;
 use super::mapping::Mapping;
@@ -124,8 +125,13 @@ fn by_clock_or_rate(
     }
     let about = About { path, head: &head, meta, map, part };
     let read = taken.finish(&about, None);
-    let (Err(Error::BadInput(fault)), Some(evenly), Some(rate)) = (&read, evenly, rate) else { return read };
     let header = wanted.time.header();
+    let arrived = read.as_ref().is_ok_and(|read| bursts(&read.time_s).is_some());
+    if let Some(evenly) = evenly.take_if(|_| arrived) {
+        *clock = before;
+        return evenly.finish(&about, Some((header, "its rows are stamped in bursts, as they arrived")));
+    }
+    let (Err(Error::BadInput(fault)), Some(evenly), Some(rate)) = (&read, evenly, rate) else { return read };
     if fault.column != Some(Column::Name(header.to_owned())) {
         return read;
     }
