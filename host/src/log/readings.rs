@@ -4,7 +4,7 @@ use super::Record;
 use super::motion::{low_pass, peak};
 use super::suspicion::Odd;
 use super::timing::median_interval;
-use super::units::Quantity;
+use super::unit_check::{agreement, counts_of_a_turn};
 
 /// Angle and integrated speed may differ by this share.
 const DRIFT: f64 = 0.02;
@@ -123,8 +123,9 @@ pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
         .chain(means)
         .chain(filters)
         .min_by(|a, b| a.left.total_cmp(&b.left))?;
-    if best.way > 1.0 && best.share.abs() > DRIFT && best.share.abs() < 0.3 {
-        // A whole factor is a matter of units, and told as such.
+    // Lost counts only ever make the angle fall short: where it goes further, or does so at once and only falls short of a
+    // speed taken for late, the speed is what errs. A whole factor is a matter of units, and told as such.
+    if best.way > 1.0 && at_once.share > DRIFT && best.share > DRIFT && best.share < 0.3 {
         return Some((
             "lost_counts",
             "angle_rad",
@@ -132,17 +133,17 @@ pub(super) fn speed_beside_angle(record: &Record) -> Option<Odd> {
             "check the counter at high speed (interrupts, filters, cable); motorlens discover can name the effect lost_counts".into(),
         ));
     }
-    let counted = record.map.as_ref().and_then(|map| map.source(Quantity::Angle));
-    let counted = counted.is_some_and(|source| source.written.starts_with("counts"));
-    if best.way > 1.0 && counted && (0.3..0.99).contains(&best.share.abs()) {
-        let counts = record.meta.counts_per_rev()? * (1.0 - best.share);
+    // What is off by far is a fault of the units, which is told without this.
+    if best.way > 1.0
+        && (0.3..0.99).contains(&best.share.abs())
+        && agreement(record).is_none()
+        && let Some(fix) = counts_of_a_turn(record, 1.0 / (1.0 - best.share))
+    {
         return Some((
             "wrong_counts_per_rev",
             "angle_rad",
             format!("the angle goes {:.3} times as far as the speed beside it says", 1.0 - best.share),
-            format!(
-                "if the speed is that of the output shaft, the encoder makes {counts:.0} counts per turn of it: --counts-per-rev {counts:.0}"
-            ),
+            fix,
         ));
     }
     let ms = 1e3 * best.lag.seconds();
@@ -258,9 +259,11 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_that_loses_edges_is_told() {
+    fn a_counter_that_loses_edges_is_told_and_an_angle_that_goes_further_lost_none() {
         let lossy = both(|w| w.iter_mut().for_each(|w| *w *= 1.1));
         assert_eq!(speed_beside_angle(&lossy).unwrap().0, "lost_counts");
+        let further = both(|w| w.iter_mut().for_each(|w| *w /= 1.1));
+        assert_eq!(speed_beside_angle(&further), None);
     }
 
     #[test]

@@ -113,7 +113,7 @@ fn angle(record: &Record) -> Option<Fault> {
 }
 
 /// Angle and speed of one record must be one motion.
-fn agreement(record: &Record) -> Option<Fault> {
+pub(super) fn agreement(record: &Record) -> Option<Fault> {
     let derived = slope(&record.time_s, record.angle_rad.as_ref()?);
     let measured = record.speed_rad_s.as_ref()?;
     let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
@@ -129,6 +129,12 @@ fn agreement(record: &Record) -> Option<Fault> {
     let ratio = (energy / square).sqrt();
     if (0.5..2.0).contains(&ratio) {
         return None;
+    }
+    if let Some(fix) = counts_of_a_turn(record, ratio) {
+        let why = format!(
+            "the speed is {ratio:.3} times the change of the angle; the counts per turn do not fit it"
+        );
+        return Some(fault("speed_rad_s", why, fix));
     }
     let (looks, units) = likely(ratio);
     let why = format!("the speed is {ratio:.3} times the change of the angle; {looks}");
@@ -148,6 +154,20 @@ fn agreement(record: &Record) -> Option<Fault> {
         ),
     };
     Some(fault("speed_rad_s", why, fix))
+}
+
+/// What to do about a counted angle beside a speed that is `ratio` times its change: the number of counts is the least sure of all that
+/// was told of them. None where the angle is not in counts.
+pub(super) fn counts_of_a_turn(record: &Record, ratio: f64) -> Option<String> {
+    let angle = record.map.as_ref().and_then(|map| map.source(Angle))?;
+    let told = record.meta.counts_per_rev().filter(|_| angle.written.starts_with("counts"))?;
+    let counts = (told / ratio).round();
+    (counts >= 1.0).then(|| {
+        format!(
+            "if the speed is that of the output shaft and in the unit that it was read in, the encoder makes {counts} counts per turn of it: \
+             --counts-per-rev {counts}"
+        )
+    })
 }
 
 /// What a speed that is so many times the change of the angle looks like, with the units of angle and speed where it tells them.
@@ -253,6 +273,17 @@ mod tests {
 
     fn scale(column: Option<&mut Vec<f64>>, factor: f64) {
         column.unwrap().iter_mut().for_each(|value| *value *= factor);
+    }
+
+    #[test]
+    fn a_counted_angle_far_off_its_speed_is_given_the_counts_that_the_speed_tells() {
+        let mut record = motor();
+        record.speed_rad_s =
+            Some(slope(&record.time_s, record.angle_rad.as_ref().unwrap()).iter().map(|w| 0.4 * w).collect());
+        record.map = Some("time=t:s,voltage=u:V,angle=enc:counts,speed=w:rad/s".parse().unwrap());
+        record.meta.insert("counts_per_rev", "1000").unwrap();
+        let error = check_usable(&record).unwrap_err();
+        assert_bad(&error, "column speed_rad_s", "0.400 times", "--counts-per-rev 2500");
     }
 
     #[test]

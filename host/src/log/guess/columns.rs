@@ -266,7 +266,7 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
 
 /// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
 /// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
-fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<f64> {
+pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<f64> {
     // Units of a turn, by the size of one.
     const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
     const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
@@ -279,9 +279,11 @@ fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<
         if is_open(&parts[speed]) && (ratio - 1.0).abs() < NEAR {
             "counts/s".clone_into(&mut parts[speed].unit);
             parts[speed].guessed = false;
+            return None;
         }
-        let turn = SPEEDS.iter().find(|(unit, _)| *unit == of_speed && !is_open(&parts[speed]));
-        return turn.map(|(_, turn)| turn / ratio);
+        // What reads the speed in a unit that is guessed has to read the angle so that both are one motion.
+        let turn = SPEEDS.iter().find(|(unit, _)| *unit == of_speed).map(|(_, turn)| turn / ratio);
+        return turn.filter(|turn| !is_open(&parts[speed]) || *turn >= FEWEST_COUNTS);
     }
     let angles = ANGLES.iter().filter(|(unit, _)| is_open(&parts[angle]) || *unit == of_angle);
     let pairs = angles.flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
@@ -342,7 +344,7 @@ const FASTEST_GYROSCOPE: f64 = 35.0;
 const JUST_ABOVE_ONE: f64 = 1.2;
 
 /// The unit of a column whose name may say one.
-fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
+pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
     let range = Range::of(values.iter().copied());
     if let (Quantity::Angle, None, Some(unit)) = (quantity, said, unit_of_wrap(values)) {
         return unit.to_owned();

@@ -265,7 +265,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
             .chain(turn.map(|turn| {
-                format!("by the speed beside them {turn:.0} counts are a turn, if both are of one shaft")
+                format!("by the speed beside them {turn:.0} counts are a turn, if both are of one shaft and its unit is right")
             }))
             .chain(bridge::question(parts, names, rows))
             .collect(),
@@ -318,6 +318,8 @@ fn column(names: &[String], index: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn names(text: &str) -> Vec<String> {
@@ -450,6 +452,7 @@ mod tests {
                 "1320",
             ),
             ("ms;pwm;enc;rpm", [500.0, 60.0], "angle=enc:counts,speed=rpm:rpm", "500"),
+            ("ms;pwm;enc;velocity", [558.0, TAU], "angle=enc:counts,speed=velocity:rad/s", "558"),
             ("ms;pwm;pos_deg;speed", [360.0, 60.0], "angle=pos_deg:deg,speed=speed:rpm", ""),
             ("ms;pwm;pos;speed [rpm]", [1.0, 60.0], "angle=pos:rev,speed=speed [rpm]:rpm", ""),
             ("ms;pwm;pos;speed", [1.0, 1.0], "angle=pos:rad,speed=speed:rad/s", ""),
