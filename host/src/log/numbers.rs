@@ -1,8 +1,49 @@
 //! Numbers as people and programs write them: decimal commas, thousands, brackets, hexadecimal.
 
+/// The numbers of a file, which are written alike: what one of them tells of the decimal sign is true of all.
+#[derive(Debug, Clone, Default)]
+pub(super) struct OfFile {
+    sign: DecimalSign,
+    columns: Vec<Whole>,
+}
+
+impl OfFile {
+    /// The number in a field of this column.
+    pub fn read(&mut self, column: usize, text: &str) -> Option<f64> {
+        if !self.sign.allows(text) {
+            return None;
+        }
+        self.columns.resize(self.columns.len().max(column + 1), Whole::default());
+        self.columns[column].read(text)
+    }
+}
+
+/// The decimal sign of a file, from the first number on that has one beyond doubt: no number of the file has it between its thousands.
+#[derive(Debug, Clone, Copy, Default)]
+struct DecimalSign(Option<char>);
+
+impl DecimalSign {
+    /// Whether a field may be a number of this file; the numbers so far decide.
+    fn allows(&mut self, text: &str) -> bool {
+        let count = |sign: char| text.matches(sign).count();
+        let Some(sign) = self.0 else {
+            let is_plain = |sign: char| {
+                let digits = |c: char| c.is_ascii_digit() || c == sign;
+                text.trim_start_matches(['-', '+']).chars().all(digits) && count(sign) == 1
+            };
+            let is_decimal = |sign: &char| is_plain(*sign) && !is_grouped(text, &[*sign]);
+            self.0 = ['.', ','].into_iter().find(is_decimal);
+            return true;
+        };
+        let other = if sign == '.' { ',' } else { '.' };
+        let is_last = text.rfind(sign) > text.rfind(other) || count(sign) == 0;
+        count(sign) < 2 && is_last
+    }
+}
+
 /// Whole numbers of one column, row by row: `990`, then `1.000` or `1,000`, where another row's would be a decimal sign.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Whole {
+struct Whole {
     /// All so far were plain whole numbers.
     only: bool,
     last: Option<f64>,
@@ -17,7 +58,7 @@ impl Default for Whole {
 
 impl Whole {
     /// The number in `text`. Thousands are told from decimals by what came before: the numbers go on, or they jump to a thousandth.
-    pub fn read(&mut self, text: &str) -> Option<f64> {
+    fn read(&mut self, text: &str) -> Option<f64> {
         if !self.only && self.between.is_none() {
             return number(text);
         }
@@ -139,6 +180,20 @@ mod tests {
             [Some(-0.5), Some(0.0015), Some(-20.0)]
         );
         assert_eq!(["d", "D1", "dead"].map(number), [None; 3]);
+    }
+
+    #[test]
+    fn the_decimal_sign_of_a_file_stands_between_no_thousands() {
+        let allows = |before: &[&str], text: &str| {
+            let mut sign = DecimalSign::default();
+            before.iter().for_each(|text| assert!(sign.allows(text)));
+            sign.allows(text)
+        };
+        assert!(!allows(&["24.945", "0.837987"], "28.549.896") && !allows(&["0.5"], "1.234,5"));
+        assert!(!allows(&["0,25"], "1,234,567"));
+        // Nothing decides, or it is not against it.
+        assert!(allows(&["999.990", "12"], "1.000.000") && allows(&["0.5"], "1,234.5"));
+        assert!(allows(&["0,25"], "1.234.567") && allows(&["0.5"], "-3") && allows(&["0,5"], "1.234,5"));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
 use super::fields::{Splitter, trimmed};
-use super::numbers::{Whole, in_brackets, number};
+use super::numbers::{OfFile, in_brackets, number};
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::several::Several;
@@ -32,8 +32,8 @@ pub(super) struct Rows<'a> {
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
-    /// Of the time and of each column, whether its whole numbers have points or commas between their thousands.
-    whole: Vec<Whole>,
+    /// How the numbers are written, of the time (0) and of each column (from 1).
+    written: OfFile,
     /// Fields in brackets that are read as negative numbers.
     pub bracketed: Blanks,
     /// The count of a clock in whole ticks, or the number of a row.
@@ -104,7 +104,7 @@ impl<'a> Rows<'a> {
             several: Several::default(),
             last: vec![None; count],
             held: vec![Blanks::default(); count],
-            whole: vec![Whole::default(); count + 1],
+            written: OfFile::default(),
             bracketed: Blanks::default(),
             ticks: match wanted.time {
                 TimeSource::Numbered(..) => Ticks::of_rows(),
@@ -207,7 +207,7 @@ impl<'a> Rows<'a> {
             }
             let value = match column.quantity {
                 Quantity::Direction => direction(text),
-                _ => field(text, self.whole[k + 1].read(text)).map(|value| column.unit.to_si(value)),
+                _ => field(text, self.written.read(k + 1, text)).map(|value| column.unit.to_si(value)),
             };
             let value = value
                 .and_then(|value| less.map_or(Ok(value), |text| Ok(value - in_si(text, column)?)))
@@ -248,7 +248,7 @@ impl<'a> Rows<'a> {
             }
             TimeSource::Intervals(column) => {
                 let text = self.splitter.get(column.index).unwrap_or_default();
-                let interval = field(text, self.whole[0].read(text)).and_then(|dt| {
+                let interval = field(text, self.written.read(0, text)).and_then(|dt| {
                     if dt < 0.0 {
                         Err(format!("\"{text}\" is no time since the row before"))
                     } else {
@@ -265,7 +265,7 @@ impl<'a> Rows<'a> {
 
     fn moment(&mut self, column: &'a Wanted, unit_s: f64) -> Result<f64, (&'a str, String)> {
         let text = self.splitter.get(column.index).unwrap_or_default();
-        let number = self.whole[0].read(text);
+        let number = self.written.read(0, text);
         let number = number.map(|count| self.ticks.read(count));
         if number.is_some_and(|value| value.is_finite())
             && let Some(time) = self.clock.read(text, unit_s, number)

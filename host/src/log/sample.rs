@@ -7,7 +7,7 @@ use super::clock::Clock;
 use super::direction;
 use super::fields::trimmed;
 use super::guess;
-use super::numbers::Whole;
+use super::numbers::OfFile;
 use super::preamble::{Preamble, remark_in};
 use super::text::cannot_read;
 use super::unsigned;
@@ -54,7 +54,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     };
     let mut clocks: Vec<Clock> = Vec::new();
     let mut clocked: Vec<bool> = Vec::new();
-    let mut whole: Vec<Whole> = Vec::new();
+    let mut written = OfFile::default();
     let mut take = |line: &str, sample: &mut Sample| {
         let text = trimmed(line);
         if text.is_empty() || remark_in(text.trim_start()).is_some() || !splitter.split(text) {
@@ -62,10 +62,9 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         }
         clocks.resize(clocks.len().max(splitter.len()), Clock::default());
         clocked.resize(clocked.len().max(splitter.len()), false);
-        whole.resize(whole.len().max(splitter.len()), Whole::default());
         let value = |(k, text): (usize, &str)| {
-            whole[k]
-                .read(text)
+            written
+                .read(k, text)
                 .or_else(|| clocks[k].read(text, 1.0, None).inspect(|_| clocked[k] = true))
                 .or_else(|| direction::named(text))
                 .unwrap_or(f64::NAN)
