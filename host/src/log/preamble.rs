@@ -6,7 +6,7 @@ use std::path::Path;
 use super::fields::{Hexadecimal, Separator, Splitter, trimmed};
 use super::layout::Layout;
 use super::text::cannot_read;
-use super::{Metadata, beside, rates};
+use super::{Metadata, beside, rates, sample};
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
@@ -17,6 +17,9 @@ const LOOKED_AT_BYTES: usize = 1 << 16;
 
 /// How SimpleFOC's messages begin, which stand before the lines of its monitor.
 const SIMPLEFOC: &str = "MOT: ";
+
+/// Why columns are not understood that have no header.
+pub(super) const NAMELESS: &str = "the first row holds numbers, so the columns have no names";
 
 /// What stands before the data, and how the data are written.
 #[derive(Debug)]
@@ -110,19 +113,13 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         if let Some((at, with_header)) = behind.filter(|(_, layout)| layout.header == Some(0)) {
             line = at;
             layout = Layout { rows: with_header.rows - 1, ..with_header };
-        } else if !by_number {
-            let remedy = if texts[..layout.rows.min(texts.len())]
-                .iter()
-                .any(|line| line.starts_with(SIMPLEFOC))
-            {
-                "these are the lines of SimpleFOC's monitor(), in the order of its monitor_variables; as it begins with (target, voltage q, \
+        } else if !by_number
+            && texts[..layout.rows.min(texts.len())].iter().any(|line| line.starts_with(SIMPLEFOC))
+        {
+            let remedy = "these are the lines of SimpleFOC's monitor(), in the order of its monitor_variables; as it begins with (target, voltage q, \
                  velocity, angle) that is --map voltage=1:V,speed=2:rad/s,angle=3:rad --rate 100 (put your lines per second in the place of \
-                 100), or print micros() before them and count from 1"
-            } else {
-                "add a header line such as time_s,voltage_v,angle_rad, or give numbers: --map time=0:s,voltage=1:V,angle=2:rad"
-            };
-            let why = "the first row holds numbers, so the columns have no names";
-            return Err(BadInput::new(path, why, remedy).at_line(line).into());
+                 100), or print micros() before them and count from 1";
+            return Err(BadInput::new(path, NAMELESS, remedy).at_line(line).into());
         }
     }
     check(path, &layout, &texts, line)?;
@@ -151,7 +148,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     for (unit, beside) in units.iter_mut().zip(&beside).filter(|(unit, _)| unit.is_empty()) {
         unit.clone_from(beside);
     }
-    Ok(Preamble {
+    let head = Preamble {
         meta,
         headers: (!layout.names.is_empty()).then_some(layout.names),
         units,
@@ -165,7 +162,11 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         rate,
         rows,
         read: number,
-    })
+    };
+    if head.headers.is_none() && !by_number {
+        return Err(sample::nameless(path, input, &head)?.into());
+    }
+    Ok(head)
 }
 
 /// What a line says that is a remark: behind `#`, MATLAB's `%` or `//`.

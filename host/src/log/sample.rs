@@ -6,12 +6,12 @@ use std::path::Path;
 use super::clock::Clock;
 use super::direction;
 use super::fields::trimmed;
-use super::guess;
+use super::guess::{self, by_numbers};
 use super::numbers::OfFile;
-use super::preamble::{Preamble, remark_in};
+use super::preamble::{NAMELESS, Preamble, remark_in};
 use super::text::cannot_read;
 use super::unsigned;
-use crate::error::Result;
+use crate::error::{BadInput, Result};
 
 /// Rows in succession from which a mapping is guessed.
 const GUESSED_FROM: usize = 2000;
@@ -134,6 +134,27 @@ pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Res
     Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(question(&sample)), Guess::Proposed))
 }
 
+/// The fault of a table whose columns have no names, with what their numbers say of them.
+///
+/// # Errors
+/// What reading says.
+pub(super) fn nameless(path: &Path, input: &mut impl BufRead, head: &Preamble) -> Result<BadInput> {
+    let rows = read(path, input, head, 0)?.rows;
+    let proposal = by_numbers::propose(&rows);
+    let remedy = match &proposal {
+        Some(proposal) => format!(
+            "say by its number which column is what, or add a header line; it looks like {} ({})",
+            proposal.options(),
+            proposal.assumptions()
+        ),
+        None => format!(
+            "add a header line such as time_s,voltage_v,angle_rad, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
+            by_numbers::described(&rows)
+        ),
+    };
+    Ok(BadInput::new(path, NAMELESS, remedy).at_line(head.line).proposing(proposal))
+}
+
 /// What a table leaves open in which too little is recognised.
 fn question(sample: &Sample) -> Option<String> {
     let questions = [
@@ -141,6 +162,7 @@ fn question(sample: &Sample) -> Option<String> {
         guess::levels_question,
         guess::loop_question,
         guess::sampled_question,
+        guess::error_question,
         guess::half_question,
     ];
     questions.into_iter().find_map(|question| question(sample))

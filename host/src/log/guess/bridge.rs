@@ -124,7 +124,9 @@ pub(super) fn join(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
 
 /// What is asked where what drives the motor may be one side of a bridge, and nothing tells.
 pub(super) fn question(parts: &[Part], names: &[String], rows: &[Vec<f64>]) -> Option<String> {
-    parts.iter().filter(|part| part.rest.is_none()).find_map(|part| {
+    // The number of a column is no name that says a side.
+    let is_named = |part: &&Part| part.rest.is_none() && names[part.index].parse::<u32>().is_err();
+    parts.iter().filter(is_named).find_map(|part| {
         let (other, is_forth) = other_side(names, rows, part)?;
         let (forth, back) = if is_forth { (part.index, other) } else { (other, part.index) };
         Some(format!(

@@ -11,7 +11,7 @@ use super::super::read::Json;
 use super::super::sample;
 use super::super::text;
 use super::super::units::Quantity;
-use super::{Proposal, parts, propose_for};
+use super::{Proposal, by_numbers, parts, propose_for};
 use crate::error::Result;
 
 /// Rows that are shown.
@@ -82,7 +82,12 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
             }
         }
     } else {
-        for part in parts(&sample.with_units, &sample.rows) {
+        let parts = if sample.names.is_empty() {
+            by_numbers::parts(&sample.rows)
+        } else {
+            parts(&sample.with_units, &sample.rows)
+        };
+        for part in parts {
             // The unit of a time in two columns is that of the fraction, that of a bridge both sides'.
             let (whole, second) = match part.rest {
                 Some(_) if part.quantity == Quantity::Time => (Quantity::Time.si(), part.unit.as_str()),

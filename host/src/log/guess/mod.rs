@@ -4,6 +4,7 @@
 //! time in steps of 10 counts milliseconds, a voltage that never moves beside a duty is the supply.
 
 mod bridge;
+pub(super) mod by_numbers;
 mod clocks;
 mod columns;
 mod look;
@@ -20,8 +21,10 @@ use std::fmt::Write as _;
 pub use columns::{Part, parts};
 pub use look::{Look, look};
 use preview::preview;
-use questions::{given_sign, guessed_unit, lost_sign, other_clock, taken_for, unknown_unit};
-pub(super) use questions::{half_question, levels_question, loop_question, sampled_question};
+pub(super) use questions::{error_question, half_question, levels_question, loop_question, sampled_question};
+use questions::{
+    given_sign, guessed_unit, lost_sign, other_clock, size_of_an_error, taken_for, unknown_unit,
+};
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
@@ -140,6 +143,9 @@ pub fn quoted(text: &str) -> String {
 
 /// Guesses from the beginning of a table.
 pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
+    if sample.names.is_empty() {
+        return by_numbers::propose(&sample.rows);
+    }
     let parts = parts(&sample.with_units, &sample.rows);
     let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?;
     if let (Some(rate), Some(told)) = (&mut proposal.rate, sample.rate) {
@@ -148,6 +154,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
     proposal.unknown_units.extend(other_clock(sample, &parts));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| lost_sign(sample, part)));
+    proposal.unknown_units.extend(parts.iter().filter_map(|part| size_of_an_error(sample, part)));
     Some(proposal)
 }
 
@@ -385,6 +392,37 @@ mod tests {
             "time=timestamp:s,target=goal_position:rad,angle=present_position:rad,supply=volts:V"
         );
         assert_eq!(proposal.supply_volts, None);
+    }
+
+    #[test]
+    fn a_duty_that_goes_with_the_size_of_an_error_is_asked_for_its_sign() {
+        let swing = |k: f64| 20.0 * (0.1 * k).sin();
+        let said = |duty: fn(f64) -> f64| {
+            let rows =
+                rows(|k| vec![10.0 * k, 45.0, 45.0 - swing(k), duty(15.0 * swing(k)).clamp(-255.0, 255.0)]);
+            let names = names("ms;target;current;pwm");
+            let sample = Sample {
+                with_units: names.clone(),
+                names,
+                rows,
+                texts: Vec::new(),
+                stamped: false,
+                signed: Vec::new(),
+                rate: None,
+            };
+            let part = Part {
+                quantity: Quantity::Duty,
+                index: 3,
+                rest: None,
+                unit: "255".into(),
+                guessed: false,
+                turn: None,
+            };
+            size_of_an_error(&sample, &part)
+        };
+        assert!(said(f64::abs).is_some_and(|said| said.contains("\"pwm\" is never negative")));
+        assert_eq!(said(|u| u), None);
+        assert_eq!(said(|u| u + 255.0), None);
     }
 
     #[test]

@@ -62,6 +62,12 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
     text
 }
 
+/// The range of a column that is not used, by its place.
+pub(super) fn range_of(rows: &[Vec<f64>], index: usize) -> String {
+    let range = Range::of(rows.iter().filter_map(|row| row.get(index)).copied().filter(|v| v.is_finite()));
+    format!("{index}: {} .. {}", short(range.low), short(range.high))
+}
+
 fn short(x: f64) -> String {
     let digits = (3.0 - x.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{x:.digits$}");

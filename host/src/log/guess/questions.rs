@@ -3,6 +3,7 @@
 use super::clocks::DAYS;
 use super::columns::{self, Part, Range};
 use super::{column, options_as_if, quoted, unit_names, words};
+use crate::log::motion;
 use crate::log::sample::Sample;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -35,6 +36,50 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
         )
     })
 }
+
+/// What is asked of a duty or voltage that is never negative though it goes with the size of an error that changes its sign: what a
+/// controller commanded, without its sign.
+pub(super) fn size_of_an_error(sample: &Sample, part: &Part) -> Option<String> {
+    let rows = |k: usize| sample.rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
+    let size: Vec<f64> = rows(part.index).collect();
+    let limit = motion::peak(&size);
+    let drives = [Quantity::Duty, Quantity::Voltage].contains(&part.quantity) && part.rest.is_none();
+    if !drives || size.iter().any(|value| !(*value >= 0.0)) {
+        return None;
+    }
+    let said: Vec<words::Said> = sample.names.iter().map(|name| words::said(name)).collect();
+    let wanted = (0..said.len()).find(|k| said[*k].target || said[*k].wanted && *k != part.index)?;
+    let is_motion = |k: &usize| *k != part.index && *k != wanted && !said[*k].wanted;
+    (0..said.len()).filter(is_motion).find_map(|k| {
+        // At its limit a command goes with nothing.
+        let all = rows(wanted).zip(rows(k)).map(|(wanted, is)| wanted - is).zip(&size);
+        let (error, size): (Vec<f64>, Vec<f64>) = all.filter(|(_, size)| **size < limit).unzip();
+        let (low, high) = motion::ends(&error);
+        let of_error: Vec<f64> = error.iter().map(|e| e.abs()).collect();
+        let goes_with = error.len() >= FEWEST_ERRORS && motion::correlation(&of_error, &size) > GOES_WITH;
+        (low < -BOTH_SIGNS * high && high > -BOTH_SIGNS * low && goes_with).then(|| {
+            let [size, wanted, is] = [part.index, wanted, k].map(|k| &sample.names[k]);
+            format!(
+                "\"{size}\" is never negative and goes with the size of \"{wanted}\" less \"{is}\", which changes its sign: log it with its sign, \
+                 or put a column of directions beside it (direction=COLUMN)"
+            )
+        })
+    })
+}
+
+/// The same where the motion is recognised by nothing but that.
+pub(in crate::log) fn error_question(sample: &Sample) -> Option<String> {
+    let parts = columns::parts(&sample.with_units, &sample.rows);
+    let said = parts.iter().find_map(|part| size_of_an_error(sample, part))?;
+    Some(format!(
+        "{said}; what is taken off there is the motion: --map ...,angle=COLUMN:deg (or rad, counts)"
+    ))
+}
+
+/// What the size of an error and what a controller commands have in common, and how far the error goes the other way.
+const GOES_WITH: f64 = 0.98;
+const BOTH_SIGNS: f64 = 0.05;
+const FEWEST_ERRORS: usize = 20;
 
 /// What is asked where another column has the clock's name and other times: each signal has its own.
 pub(super) fn other_clock(sample: &Sample, parts: &[Part]) -> Option<String> {
