@@ -83,7 +83,7 @@ fn one_bad_field_is_left_out_and_told() {
 
 #[test]
 fn motors_that_teach_nothing_are_named_with_the_column() {
-    refused(table(HEADER, |_| 5.0, |t| 4.0 * t).as_bytes(), &["column voltage_v", "5 V"]);
+    refused(table(HEADER, |_| 5.0, |t| 4.0 * t).as_bytes(), &["column voltage_v", "5.000 V"]);
     refused(table(HEADER, square, |_| 1.0).as_bytes(), &["column angle_rad", "never moves"]);
     refused(table(HEADER, square, |t| -follows(t)).as_bytes(), &["column angle_rad", "sign"]);
 }
