@@ -44,7 +44,7 @@ pub(super) fn size_of_an_error(sample: &Sample, part: &Part) -> Option<String> {
     let size: Vec<f64> = rows(part.index).collect();
     let limit = motion::peak(&size);
     let drives = [Quantity::Duty, Quantity::Voltage].contains(&part.quantity) && part.rest.is_none();
-    if !drives || size.iter().any(|value| !(*value >= 0.0)) {
+    if !drives || size.iter().any(|value| value.is_nan() || *value < 0.0) {
         return None;
     }
     let said: Vec<words::Said> = sample.names.iter().map(|name| words::said(name)).collect();
