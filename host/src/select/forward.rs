@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::fitted::Fitted;
-use super::starts::{Start, plain_starts, starts, straightened};
+use super::starts::{Start, besides, plain_starts, starts};
 use crate::diagnose::contained::{extended, may_join};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::tangent::Tangent;
@@ -60,7 +60,6 @@ pub fn tried(
     tick: &mut dyn FnMut(Kind),
 ) -> (Vec<Fitted>, Vec<Values>) {
     let values = model.values();
-    let straight = straightened(&data.train, &values);
     let rough = Screen::new(data, model, ROUGH, FIRST);
     let at = rough.problem.search(&model.layout, Objective::Scales, &model.x, 0, 1e-3);
     let tangent = Tangent::of(&rough.problem, &model.layout, &at, true, Objective::Scales);
@@ -69,8 +68,8 @@ pub fn tried(
         tick(*kind);
         let (layout, mut starts) = starts(&rough.problem, &values, &tangent, *kind);
         starts.truncate(STARTS);
-        if let Some(straight) = &straight {
-            starts.extend(plain_starts(&rough.problem, straight, *kind).into_iter().take(STARTS));
+        for other in besides(&data.train, &values, *kind) {
+            starts.extend(plain_starts(&rough.problem, &other, *kind).into_iter().take(STARTS));
         }
         trials.push((layout, starts));
     }

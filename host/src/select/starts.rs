@@ -6,7 +6,7 @@ use crate::diagnose::contained::{extended, replaces};
 use crate::diagnose::ripple;
 use crate::diagnose::tangent::{Projected, Tangent};
 use crate::fit::cost::Objective;
-use crate::fit::layout::{Layout, Values};
+use crate::fit::layout::{BaseValues, Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
 
@@ -36,7 +36,7 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
 pub fn places(kind: Kind) -> usize {
     match kind.spec().search {
         Search::Orders => ripple::HIGHEST_ORDER,
-        Search::Probes | Search::Hold(_) => 1,
+        Search::Probes | Search::Hold(_) | Search::Damped(_) => 1,
     }
 }
 
@@ -53,6 +53,19 @@ pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
     let mut usual = values.clone();
     (usual.base.tau_e, usual.base.viscous_share) = (prior.tau_e.0, prior.viscous_share.0);
     Some(usual)
+}
+
+/// The models from which `kind` is looked for beside `values` itself: with the usual time constants where the fit has bent them, and with the
+/// viscous share that the effect asks for.
+pub fn besides(problem: &Problem, values: &Values, kind: Kind) -> Vec<Values> {
+    let damped = match kind.spec().search {
+        Search::Damped(viscous_share) => {
+            let base = BaseValues { viscous_share, ..values.base };
+            Some(Values { base, ..values.clone() })
+        }
+        _ => None,
+    };
+    straightened(problem, values).into_iter().chain(damped).collect()
 }
 
 /// The search of `values` with `kind` of each of `sizes` added.

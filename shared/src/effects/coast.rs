@@ -37,7 +37,7 @@ pub(super) const SPEC: Spec = Spec {
     probes: &[
         &[0.4, 300.0], &[0.4, 700.0], &[0.7, 300.0], &[0.7, 700.0], &[1.0, 300.0], &[1.0, 700.0], &[0.7, 4000.0],
     ],
-    search: Search::Probes,
+    search: Search::Damped(0.5),
     laws: EXPLICIT,
     remembers: true,
     contains: &[],

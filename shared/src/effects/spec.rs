@@ -103,7 +103,7 @@ impl Parameter {
 }
 
 /// Where a search for an effect begins, beside the row's probes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Search {
     /// Nowhere else.
     Probes,
@@ -112,6 +112,9 @@ pub enum Search {
     Orders,
     /// At the time for which the records show that a reading is held, in this parameter.
     Hold(&'static str),
+    /// Beside a base with this viscous share, too: where the winding does not brake the motor, friction alone does, and next to a base
+    /// without friction the effect looks wrong.
+    Damped(f64),
 }
 
 /// A row of the registry.
