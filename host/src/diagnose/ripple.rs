@@ -14,6 +14,11 @@ use crate::fit::simulate::LANES;
 
 /// Highest order looked for, periods per motor revolution.
 pub const HIGHEST_ORDER: usize = 24;
+/// Lowest order looked for on `problem`: a torque that repeats once a turn of the output shaft is gravity's.
+fn lowest_order(problem: &Problem) -> usize {
+    if problem.rig.gear_ratio == 1.0 { 2 } else { 1 }
+}
+
 /// Size of a probe, V of a 12 V motor.
 const PROBE_V: f64 = 0.02;
 /// Orders that are tried in earnest.
@@ -29,7 +34,7 @@ pub fn answering(problem: &Problem, tangent: &Tangent, model: &Values, kind: Kin
     let probe = PROBE_V * problem.rig.nominal_v / 12.0;
     let kinds = [model.kinds(), vec![kind]].concat();
     let layout = problem.layout(&kinds);
-    let orders: Vec<f64> = (1..=HIGHEST_ORDER).map(|order| order as f64).collect();
+    let orders: Vec<f64> = (lowest_order(problem)..=HIGHEST_ORDER).map(|order| order as f64).collect();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for orders in orders.chunks(LANES / 2) {
         let with =
@@ -127,7 +132,7 @@ fn shares(problem: &Problem, model: &Values) -> Vec<(f64, Vec<f64>)> {
             }
         }
     }
-    let solved = balances.iter().enumerate().filter_map(|(k, balance)| {
+    let solved = balances.iter().enumerate().skip(lowest_order(problem) - 1).filter_map(|(k, balance)| {
         let (held, [sine, cosine]) = balance.solved()?;
         Some((held / whole, ripple(sine, cosine, (k + 1) as f64)))
     });
@@ -151,6 +156,16 @@ mod tests {
         let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
         let shares = shares(&evidence.train, &base.values());
         assert!(shares[0].1[4] == 12.0 && shares[0].0 > 0.3, "{shares:?}");
+    }
+
+    #[test]
+    fn once_a_turn_of_the_output_shaft_nothing_is_cogging() {
+        let case = Case::new(32, &[Hidden::Gravity], Conditions { disturbed: 0.0, spoilt: 0.0 });
+        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
+        let mut problem = evidence.train.clone();
+        assert!(problem.rig.gear_ratio > 1.0 && lowest_order(&problem) == 1);
+        problem.rig.gear_ratio = 1.0;
+        assert!(shares(&problem, &base.values()).iter().all(|(_, start)| start[4] >= 2.0));
     }
 
     #[test]

@@ -133,6 +133,8 @@ impl Findings {
         let no_experiment = plan.as_ref().and_then(Plan::why_none);
         let next_experiment = NextExperiment::of(plan, &found.limits);
         let mut later = shown_by_fit::faults(&parameters, &found.effects);
+        let accepted = found.selected.model();
+        later.extend(shown_by_fit::at_the_end(&accepted.layout, &accepted.x));
         let standing = Standing::of(&Facts {
             errors,
             effects: &named(in_model, &parameters),

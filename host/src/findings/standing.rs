@@ -208,9 +208,10 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
         };
         let strength = kind.spec().parameters.iter().find(|p| p.strength && p.unit != "1")?;
         let first = of(strength.name)?;
-        // A ripple or an unbalance is the length of its two components.
-        let other = if strength.name == "sine" { of("cosine") } else { None };
-        let length = other.map_or(first.value.abs(), |other| first.value.hypot(other.value));
+        // A ripple or an unbalance is the length of its two components, and of its larger harmonic.
+        let wave = |names: [&str; 2]| Some(of(names[0])?.value.hypot(of(names[1])?.value));
+        let length = [["sine", "cosine"], ["sine2", "cosine2"]].into_iter().filter_map(wave).reduce(f64::max);
+        let length = length.unwrap_or(first.value.abs());
         (length > 0.0).then(|| in_words(length, &first.unit))
     };
     effects
@@ -313,5 +314,13 @@ mod tests {
             [of("coulomb.level", 0.4, "V"), of("gravity.sine", 0.3, "V"), of("gravity.cosine", -0.4, "V")];
         let told = named(&[Kind::Coulomb, Kind::Gravity, Kind::Delay], &all);
         assert_eq!(told, ["coulomb (0.4 V)", "gravity (0.5 V)", "delay"]);
+        let names = ["cogging.sine", "cogging.cosine", "cogging.sine2", "cogging.cosine2"];
+        let teeth: Vec<Estimate> =
+            names.into_iter().zip([0.3, 0.0, 0.0, -1.2]).map(|(name, value)| of(name, value, "V")).collect();
+        assert_eq!(
+            named(&[Kind::Cogging], &teeth),
+            ["cogging (1.2 V)"],
+            "the second harmonic is the larger one"
+        );
     }
 }

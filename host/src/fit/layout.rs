@@ -77,6 +77,8 @@ pub struct Axis {
     pub low: f64,
     /// Upper bound.
     pub high: f64,
+    /// Whether the lower and the upper bound are only where the search ends: nature goes on.
+    pub ends: [bool; 2],
     /// Difference used for derivatives.
     pub delta: f64,
     /// Known and not fitted.
@@ -98,6 +100,9 @@ pub struct Layout {
 /// is known. A slower winding answers as a filter does, which is the likelier where nothing is known.
 pub const REACH: f64 = 3.0;
 
+/// So near to a bound, as a share of the whole axis, a value stands at it.
+const END: f64 = 1e-3;
+
 /// What is believed about the base before seeing data.
 #[derive(Debug, Clone, Copy)]
 pub struct Prior {
@@ -116,6 +121,7 @@ impl Layout {
             unit_value: 0.0,
             low: low.ln(),
             high: high.ln(),
+            ends: [true; 2],
             delta: 1e-3,
             fixed: false,
             prior: None,
@@ -124,13 +130,14 @@ impl Layout {
         let mut tau_e = log("tau_e", "s", 1.0, 1.0);
         let reach = REACH * prior.tau_e.1;
         (tau_e.low, tau_e.high) = (centre - reach, centre + reach);
-        tau_e.prior = Some((centre, prior.tau_e.1));
+        (tau_e.ends, tau_e.prior) = ([false; 2], Some((centre, prior.tau_e.1)));
         let share = Axis {
             name: "viscous_share".into(),
             unit: "1",
             unit_value: 1.0,
             low: 0.0,
             high: 0.6,
+            ends: [false; 2],
             delta: 2e-3,
             fixed: false,
             prior: Some(prior.viscous_share),
@@ -151,6 +158,8 @@ impl Layout {
                     unit_value,
                     low: p.low / p.typical,
                     high: p.high / p.typical,
+                    // A strength cannot be less than nothing, and a share not more than all.
+                    ends: [p.strength && p.low != 0.0, p.strength && (p.unit, p.high) != ("1", 1.0)],
                     delta: 4e-3,
                     fixed: !p.searched,
                     prior: None,
@@ -217,6 +226,16 @@ impl Layout {
         Values { base, effects }
     }
 
+    /// The places of the axes on which `x` stands where the search ends though nature goes on: no minimum was found there.
+    pub fn at_the_end(&self, x: &[f64]) -> Vec<usize> {
+        let stands = |k: &usize| {
+            let axis = &self.axes[*k];
+            let near = END * (axis.high - axis.low);
+            axis.ends[0] && x[*k] < axis.low + near || axis.ends[1] && x[*k] > axis.high - near
+        };
+        self.free().into_iter().filter(stands).collect()
+    }
+
     /// Step for the derivative along axis `k` at `x`, turned inward at the upper bound.
     pub fn step(&self, k: usize, x: f64) -> f64 {
         let a = &self.axes[k];
@@ -229,27 +248,48 @@ impl Layout {
 mod tests {
     use super::*;
 
+    const RIG: Rig = Rig {
+        step_s: 1e-3,
+        gear_ratio: 50.0,
+        encoder_on_motor: true,
+        nominal_v: 12.0,
+        supply_v: 12.0,
+        reference_speed: 10.0,
+        count_rad: 1e-3,
+    };
+    const PRIOR: Prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
+
     #[test]
     fn packing_and_unpacking_are_inverse() {
-        let rig = Rig {
-            step_s: 1e-3,
-            gear_ratio: 50.0,
-            encoder_on_motor: true,
-            nominal_v: 12.0,
-            supply_v: 12.0,
-            reference_speed: 10.0,
-            count_rad: 1e-3,
-        };
-        let prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
         let values = Values {
             base: BaseValues { gain: 0.9, tau_m: 0.05, tau_e: 6e-4, viscous_share: 0.1 },
             effects: vec![(Kind::Stribeck, vec![0.3, 0.2, 0.15, 0.5]), (Kind::Delay, vec![0.004])],
         };
-        let layout = Layout::new(&values.kinds(), &rig, &prior);
+        let layout = Layout::new(&values.kinds(), &RIG, &PRIOR);
         let back = layout.unpack(&layout.pack(&values));
         for (a, b) in layout.pack(&values).iter().zip(layout.pack(&back)) {
             assert!((a - b).abs() < 1e-12);
         }
         assert_eq!(layout.axes[4].name, "stribeck.level");
+    }
+
+    #[test]
+    fn a_value_at_the_end_of_its_search_is_named_and_one_at_an_end_of_nature_is_not() {
+        let ends = |tau_m, viscous_share, share, level| {
+            let base = BaseValues { gain: 0.9, tau_m, tau_e: 6e-4, viscous_share };
+            let effects = vec![(Kind::Coulomb, vec![level]), (Kind::Coast, vec![share, 500.0])];
+            let values = Values { base, effects };
+            let layout = Layout::new(&values.kinds(), &RIG, &PRIOR);
+            let x = layout.pack(&values);
+            let names = layout.at_the_end(&x).into_iter().map(|k| layout.axes[k].name.clone());
+            names.collect::<Vec<_>>()
+        };
+        assert!(ends(0.05, 0.1, 0.5, 0.3).is_empty());
+        assert!(
+            ends(0.05, 0.0, 1.0, 0.0).is_empty(),
+            "no viscous friction, a driver that floats, no friction"
+        );
+        assert_eq!(ends(1e-5, 0.1, 0.5, 0.3), ["tau_m"]);
+        assert_eq!(ends(80.0, 0.1, 0.5, 40.0), ["tau_m", "coulomb.level"]);
     }
 }

@@ -3,8 +3,10 @@
 use motorlens_shared::effects::Kind;
 
 use crate::diagnose::ladder::Rung;
+use crate::fit::layout::Layout;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
+use crate::report::figure::in_words;
 
 /// Those that the `parameters` and the accepted `effects` of a model show.
 pub fn faults(parameters: &[Estimate], effects: &[Kind]) -> Vec<Warning> {
@@ -27,6 +29,27 @@ pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
         fix:
             "record a programme that accelerates, brakes and holds several speeds (motorlens plan writes one)"
                 .into(),
+    })
+}
+
+/// The parameters of `layout` that stand at `x` where the search for them ends: no motor has such values, so that something else made them.
+pub fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
+    let value = |k: usize| {
+        let axis = &layout.axes[k];
+        format!("{} = {}", axis.name, in_words(layout.plain(k, x[k]), axis.unit))
+    };
+    let standing: Vec<String> = layout.at_the_end(x).into_iter().map(value).collect();
+    let them = if standing.len() == 1 {
+        "is where the search for it ends"
+    } else {
+        "are where the searches for them end"
+    };
+    (!standing.is_empty()).then(|| Warning {
+        place: "all records together".into(),
+        what: format!("at_the_end: {} {them}: no motor is like that", standing.join(" and ")),
+        fix: "look at the plots (motorlens serve LOG...) for readings that are garbled or late, a unit or a clock that is wrong, or a motor \
+              that hardly moves; leave such times out (--skip FROM..TO)"
+            .into(),
     })
 }
 

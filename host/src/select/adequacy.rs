@@ -17,6 +17,9 @@ const MUCH: f64 = 0.2;
 /// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows.
 const MOST_DISTURBANCE: f64 = 0.1;
 
+/// A model whose error is so many times that of kS-kV-kA is beaten by it.
+const BEATEN: f64 = 1.1;
+
 /// What a model leaves of the records.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Adequacy {
@@ -37,7 +40,15 @@ impl Adequacy {
     ///
     /// A torque that the model lacks depends on voltage, speed, angle or time. Where what is left does not, it is noise or a disturbance:
     /// no more than two runs of one programme differ by, or, where nothing was run twice, of any size that a disturbance may have.
+    ///
+    /// A model with a value where its search ends is at no minimum, and one that kS-kV-kA beats lacks what that has: what they leave is
+    /// not looked at.
     pub fn of(evidence: &Evidence, plain: &Fitted, model: &Fitted, floor: f64) -> Self {
+        let error = simulated(&evidence.whole, &model.values()).unwrap_or_default().rmse;
+        let is_beaten = evidence.usual.is_some_and(|usual| error > BEATEN * usual);
+        if is_beaten || !model.layout.at_the_end(&model.x).is_empty() {
+            return Self::Something;
+        }
         let values = model.values();
         let torque = |run| residual_torque(run, &values.base);
         let torques: Vec<_> = free_runs(&evidence.train, &values).iter().map(torque).collect();
@@ -51,7 +62,7 @@ impl Adequacy {
         if depends {
             return trifle().unwrap_or_default();
         }
-        if simulated(&evidence.whole, &values).unwrap_or_default().rmse < LITTLE * floor {
+        if error < LITTLE * floor {
             return Self::Noise;
         }
         let beside = match (evidence.left_over(model) < LITTLE, evidence.repeats.is_empty()) {

@@ -17,6 +17,8 @@ use crate::fit::sketch::Sketch;
 const FOLDS: usize = 6;
 /// Share of a single record that is fitted.
 const BEGINNING: f64 = 0.6;
+/// Pieces of its rest, which tell how sure the error is as records do elsewhere.
+const PIECES: usize = 4;
 /// All of the records, in cells of two milliseconds.
 const SKETCH: Sketch = Sketch { samples: f64::MAX, cell_s: 2.01e-3, interval_s: 0.0 };
 /// Steps of a fit from the parameters of all records.
@@ -29,6 +31,8 @@ pub struct Fold {
     /// Which of all records those to fit are.
     places: Vec<usize>,
     test: Vec<(Grid, usize)>,
+    /// Pieces of what is simulated whose errors are told one by one.
+    pieces: usize,
 }
 
 /// The folds of records laid out as `train`, of which `repeats` run one programme: those stay together.
@@ -42,7 +46,7 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
     if leaders.len() < 2 {
         let fit = train.on(train.grids.iter().map(|g| g.beginning(BEGINNING)).collect());
         let test = train.grids.iter().map(|g| (g.clone(), (g.len() as f64 * BEGINNING) as usize)).collect();
-        return vec![Fold { fit, places: (0..count).collect(), test }];
+        return vec![Fold { fit, places: (0..count).collect(), test, pieces: PIECES }];
     }
     let fold_of =
         |k: usize| leaders.iter().position(|l| *l == leader(k)).unwrap_or(0) % FOLDS.min(leaders.len());
@@ -50,16 +54,16 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
         let places: Vec<usize> = (0..count).filter(|k| fold_of(*k) != f).collect();
         let kept = places.iter().map(|k| train.grids[*k].clone());
         let test = (0..count).filter(|k| fold_of(*k) == f).map(|k| (train.grids[k].clone(), 0));
-        Fold { fit: train.on(kept.collect()), places, test: test.collect() }
+        Fold { fit: train.on(kept.collect()), places, test: test.collect(), pieces: 1 }
     };
     (0..FOLDS.min(leaders.len())).map(fold).collect()
 }
 
-/// Logarithm of the root mean square error on each record, simulated by the model at `x` as the other folds fit it.
+/// Logarithm of the root mean square error on each record, or on each piece of the end of the only one, simulated by the model at `x` as the other folds fit it.
 pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Vec<f64> {
     let mut errors_ln = Vec::new();
     let mut beginning = Beginning::default();
-    for Fold { fit, places, test } in &data.folds {
+    for Fold { fit, places, test, pieces } in &data.folds {
         let mut fit = fit.clone();
         noise.weigh(&mut fit, CHOOSING);
         let (_, x) = fit.race_on(layout, Objective::Scales, x, STEPS, 1e-3, places, &mut beginning);
@@ -71,8 +75,10 @@ pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Ve
                 grid.measured.iter().zip(run).skip(*from).map(|(y, p)| (y - p).clamp(-1e9, 1e9)).collect();
             let n = errors.len().max(1) as f64;
             let mean = if grid.quantity == Quantity::Angle { errors.iter().sum::<f64>() / n } else { 0.0 };
-            let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n;
-            errors_ln.push(0.5 * (square + data.reading).ln());
+            for piece in errors.chunks(errors.len().div_ceil(*pieces).max(1)) {
+                let square = piece.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / piece.len() as f64;
+                errors_ln.push(0.5 * (square + data.reading).ln());
+            }
         }
     }
     errors_ln
@@ -85,21 +91,23 @@ pub struct Fall {
     mean: f64,
     /// Its standard error.
     error: f64,
-    /// Records.
+    /// Records or pieces.
     records: usize,
+    /// Whether they were simulated by fits to different records.
+    apart: bool,
 }
 
 impl Fall {
-    /// Of `new` below `old`, logarithms of errors record by record ([`crossed`]).
-    pub fn of(new: &[f64], old: &[f64]) -> Self {
+    /// Of `new` below `old`, logarithms of errors record by record ([`crossed`]), simulated by fits to different records or by one.
+    pub fn of(new: &[f64], old: &[f64], apart: bool) -> Self {
         let falls: Vec<f64> = old.iter().zip(new).map(|(old, new)| old - new).collect();
         let n = falls.len().max(1) as f64;
         let mean = falls.iter().sum::<f64>() / n;
         let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        Self { mean, error: (variance / n).sqrt(), records: falls.len() }
+        Self { mean, error: (variance / n).sqrt(), records: falls.len(), apart }
     }
 
-    /// What of a rise exceeds its standard error: under a disturbance each record drifts by chance. Of a single record all of it.
+    /// What of a rise exceeds its standard error: under a disturbance each record drifts by chance.
     pub fn rise(self) -> f64 {
         (-self.mean - self.error).max(0.0)
     }
@@ -112,7 +120,7 @@ impl Fall {
     /// Whether the error falls by at least a factor of e^`least`, and by `sure` standard errors for so many records; of a single record that
     /// cannot be said.
     pub fn is_beyond_doubt(self, least: f64, sure: impl Fn(usize) -> f64) -> bool {
-        self.records > 1 && self.mean > least && self.mean > sure(self.records) * self.error
+        self.apart && self.records > 1 && self.mean > least && self.mean > sure(self.records) * self.error
     }
 }
 
@@ -124,18 +132,20 @@ mod tests {
     fn a_fall_that_all_records_share_is_beyond_doubt_and_one_of_a_single_record_is_not() {
         let old = [0.0; 5];
         let sure = |_: usize| 3.0;
-        assert!(Fall::of(&[-0.5, -0.4, -0.6, -0.5, -0.45], &old).is_beyond_doubt(0.1, sure));
-        assert!(!Fall::of(&[-2.5, 0.0, 0.0, 0.0, 0.0], &old).is_beyond_doubt(0.1, sure));
-        assert!(!Fall::of(&[-0.05; 5], &old).is_beyond_doubt(0.1, sure), "less than a tenth");
-        assert!(!Fall::of(&[-0.5], &[0.0]).is_beyond_doubt(0.1, sure), "one record");
+        let shared = [-0.5, -0.4, -0.6, -0.5, -0.45];
+        assert!(Fall::of(&shared, &old, true).is_beyond_doubt(0.1, sure));
+        assert!(!Fall::of(&[-2.5, 0.0, 0.0, 0.0, 0.0], &old, true).is_beyond_doubt(0.1, sure));
+        assert!(!Fall::of(&[-0.05; 5], &old, true).is_beyond_doubt(0.1, sure), "less than a tenth");
+        assert!(!Fall::of(&[-0.5], &[0.0], true).is_beyond_doubt(0.1, sure), "one record");
+        assert!(!Fall::of(&shared, &old, false).is_beyond_doubt(0.1, sure), "pieces of one record");
     }
 
     #[test]
     fn a_rise_counts_where_records_share_it() {
         let old = [0.0; 4];
-        assert!((Fall::of(&[0.1; 4], &old).rise() - 0.1).abs() < 1e-12);
-        assert_eq!(Fall::of(&[0.3, -0.25, 0.2, -0.15], &old).rise(), 0.0);
-        assert_eq!(Fall::of(&[-0.1; 4], &old).rise(), 0.0);
-        assert!((Fall::of(&[0.2], &[0.0]).rise() - 0.2).abs() < 1e-12);
+        assert!((Fall::of(&[0.1; 4], &old, true).rise() - 0.1).abs() < 1e-12);
+        assert_eq!(Fall::of(&[0.3, -0.25, 0.2, -0.15], &old, true).rise(), 0.0);
+        assert_eq!(Fall::of(&[-0.1; 4], &old, true).rise(), 0.0);
+        assert!((Fall::of(&[0.2], &[0.0], true).rise() - 0.2).abs() < 1e-12);
     }
 }

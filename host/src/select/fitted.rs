@@ -13,6 +13,7 @@ use super::gain::Gain;
 use super::score::Scored;
 use super::starts::places;
 use crate::diagnose::evidence::Evidence;
+use crate::diagnose::ladder::simulated;
 use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::noise::{Coefficients, Noise, Response, coefficients};
@@ -20,6 +21,9 @@ use crate::fit::scales::{CHOOSING, KEEPING};
 
 /// Rounds of weighing of a model that is kept, and steps of each.
 pub const SETTLED: (usize, usize) = (3, 12);
+
+/// A simulation error so many times that of the model before is no improvement, whatever the likelihood says.
+const STRAYS: f64 = 3.0;
 
 /// Steps of the last correction.
 const LAST: usize = 12;
@@ -190,6 +194,18 @@ impl Fitted {
             || kind.spec().is_late() && is_late_enough(gain, all)
     }
 
+    /// Whether the search for one of its parameters ended at its bound, which is no minimum, while none of `other` did.
+    pub fn is_lost(&self, other: &Self) -> bool {
+        !self.layout.at_the_end(&self.x).is_empty() && other.layout.at_the_end(&other.x).is_empty()
+    }
+
+    /// Whether it simulates the records that it was fitted to much worse than `other` does. Fits hold the phase of what repeats with the angle at
+    /// the measured angle; a model that only runs so is of no use.
+    pub fn strays(&self, other: &Self, data: &Evidence) -> bool {
+        let error = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);
+        error(self) > STRAYS * error(other)
+    }
+
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.
     pub fn adds_a_trifle(&self, other: &Self, data: &Evidence) -> bool {
         let (values, highest) = (self.values(), data.highest_voltage());
@@ -213,7 +229,7 @@ impl Fitted {
     }
 
     fn fall(&self, other: &Self, data: &Evidence) -> Fall {
-        Fall::of(self.unseen(data), other.unseen(data))
+        Fall::of(self.unseen(data), other.unseen(data), data.folds.len() > 1)
     }
 
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.

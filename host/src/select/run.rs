@@ -2,7 +2,7 @@
 
 use std::cell::LazyCell;
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Search};
 use motorlens_shared::simulator::MAX_EFFECTS;
 
 use super::criterion::WORTH;
@@ -47,6 +47,21 @@ impl Selected {
 /// Candidates of a step that are searched to the end, best first, until one is believed.
 const TRIED: usize = 3;
 
+/// The model of which what is left counts as all that is to be explained: the first one, or the one that knows how long its readings are
+/// held. That is read off the records, and no idealised law; beside a reading that is 20 ms old nothing else would be worth a word.
+fn reference(steps: &[Fitted]) -> &Fitted {
+    let held = |model: &&Fitted| {
+        let values = model.values();
+        let added = values.effects.get(steps[0].kinds().len()..).unwrap_or_default();
+        let is_held = |(kind, parameters): &(Kind, Vec<f64>)| match kind.spec().search {
+            Search::Hold(name) => kind.spec().place(name).is_some_and(|place| parameters[place] > 0.0),
+            _ => false,
+        };
+        added.iter().all(is_held)
+    };
+    steps.iter().take_while(held).last().unwrap_or(&steps[0])
+}
+
 /// Selects from `base`, adding at most `most` effects of `library`.
 pub fn run(
     data: &Evidence,
@@ -62,23 +77,23 @@ pub fn run(
     let mut all: Vec<Vec<Fitted>> = Vec::new();
     let mut came_near = Vec::new();
     while steps.len() <= most && steps[steps.len() - 1].kinds().len() < MAX_EFFECTS {
-        let model = &steps[steps.len() - 1];
+        let (base, model) = (reference(&steps), &steps[steps.len() - 1]);
         let depth = steps.len() - 1;
         let (mut candidates, near) = tried(data, model, library, WORTH, &mut |kind| tick(depth, kind));
         candidates.extend(pairs(data, model, &came_near, WORTH));
         candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
         came_near = near;
-        let mut next = step_up(data, &steps[0], model, &mut candidates);
+        let mut next = step_up(data, base, model, &mut candidates);
         if next.is_none() && depth == 0 && most > 1 {
             // None alone explains anything: two may.
             let mut two = pairs(data, model, &came_near, WORTH);
-            next = step_up(data, &steps[0], model, &mut two);
+            next = step_up(data, base, model, &mut two);
             candidates.extend(two);
         }
         all.push(candidates);
         let Some(next) = next else { break };
-        let next = simpler(data, next, &steps[0]);
-        let next = pruned(data, next, &given, &steps[0]);
+        let next = simpler(data, next, base);
+        let next = pruned(data, next, &given, model.score(), base);
         step(&next);
         steps.push(next);
     }
@@ -104,7 +119,7 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
     let mut settled = Vec::new();
     for candidate in worth.take(TRIED) {
         let candidate = candidate.clone().settled(data);
-        if candidate.adds_a_trifle(model, data) {
+        if candidate.is_lost(model) || candidate.adds_a_trifle(model, data) || candidate.strays(model, data) {
             continue;
         }
         if candidate.beats_surely(model, data, base) {
@@ -164,8 +179,9 @@ fn may_be_nothing(spread: &Spread, kind: Kind, beside: Option<usize>) -> bool {
     (beside.is_some() || sizes.peek().is_some()) && sizes.all(is_near_zero)
 }
 
-/// `model` without the effects that may be nothing or that it does as well without (backward elimination); never without those `given`.
-fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitted {
+/// `model` without the effects that may be nothing or that it does as well without (backward elimination), as long as its score stays
+/// above the `least`, that of the model before; never without those `given`.
+fn pruned(data: &Evidence, model: Fitted, given: &[Kind], least: f64, base: &Fitted) -> Fitted {
     let mut model = model;
     if model.kinds().len() < given.len() + 2 {
         return model;
@@ -177,9 +193,8 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
         }
         let values = model.values();
         let fewer = Fitted::of(data, &values.without(kind), 2, 8);
-        if may_be_nothing(&Spread::of(&data.train, &values), kind, None)
-            || fewer.is_as_good_as(&model, data, base)
-        {
+        let is_nothing = || may_be_nothing(&Spread::of(&data.train, &values), kind, None);
+        if fewer.score() > least && (is_nothing() || fewer.is_as_good_as(&model, data, base)) {
             model = fewer;
         }
     }
@@ -189,7 +204,7 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], base: &Fitted) -> Fitt
 /// What could stand in an accepted effect's place: every other one that came near when the effect was chosen is tried there, and those
 /// that the accepted model does not beat are its rivals. `tried` holds the candidates of each step.
 fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kind]) -> Vec<Rivals> {
-    let model = &steps[steps.len() - 1];
+    let (base, model) = (reference(steps), &steps[steps.len() - 1]);
     let values = model.values();
     let of = |kind: &Kind| {
         let step = steps.iter().position(|step| covers(step.kinds(), *kind))?;
@@ -208,14 +223,14 @@ fn rivals(data: &Evidence, steps: &[Fitted], tried: &[Vec<Fitted>], given: &[Kin
             && others.clone().all(|k| before.kinds().contains(k))
         {
             let added = |c: &&Fitted| before.kinds().iter().all(|k| covers(c.kinds(), *k));
-            return alike(data, &accepted, near.iter().filter(added).cloned().collect(), &steps[0]);
+            return alike(data, &accepted, near.iter().filter(added).cloned().collect(), base);
         }
         let without = Fitted::of(data, &rest, 2, 8);
         let mut library: Vec<Kind> = near.iter().filter_map(|c| c.kinds().last().copied()).collect();
         library.sort_unstable_by_key(|k| k.name());
         library.dedup();
         let gain = model.score() - without.score();
-        alike(data, &accepted, forward(data, &without, &library, gain, &mut |_| ()), &steps[0])
+        alike(data, &accepted, forward(data, &without, &library, gain, &mut |_| ()), base)
     };
     model.kinds().iter().filter(|kind| !given.contains(kind)).filter_map(of).collect()
 }

@@ -17,13 +17,25 @@ use crate::fit::scales::levels;
 use crate::fit::search::{PRIOR_WEIGHT, Problem};
 use crate::fit::simulate::LANES;
 
-/// Length of a block, s: several mechanical time constants.
+/// Length of a block, s: several mechanical time constants ...
 const BLOCK_S: f64 = 1.0;
+/// ... and less where so few blocks would be all: of four blocks nothing is sure.
+const FEWEST: f64 = 16.0;
 
-/// Blocks of a record.
-fn blocks(grid: &Grid) -> usize {
-    let span = grid.time_s.last().unwrap_or(&0.0) - grid.time_s.first().unwrap_or(&0.0);
-    ((span / BLOCK_S).round() as usize).max(1)
+/// Duration of a record, s.
+fn span(grid: &Grid) -> f64 {
+    grid.time_s.last().unwrap_or(&0.0) - grid.time_s.first().unwrap_or(&0.0)
+}
+
+/// Blocks of each record of `problem`.
+fn blocks(problem: &Problem) -> Vec<usize> {
+    counts(&problem.grids.iter().map(span).collect::<Vec<_>>())
+}
+
+/// The same of records of so many seconds.
+fn counts(spans: &[f64]) -> Vec<usize> {
+    let length = BLOCK_S.min(spans.iter().sum::<f64>() / FEWEST);
+    spans.iter().map(|span| ((span / length).round() as usize).max(1)).collect()
 }
 
 /// The block that coefficient `k` of level `j` of a record belongs to, of `count` blocks and `samples` samples: where its middle lies. It is one
@@ -63,7 +75,7 @@ impl Scored {
     /// Of `errors` that no fit to the records of `problem` has made smaller.
     pub fn unfitted(problem: &Problem, errors: Vec<Coefficients>) -> Self {
         let shapes: Vec<(usize, usize)> =
-            problem.grids.iter().map(|grid| (blocks(grid), grid.len())).collect();
+            blocks(problem).into_iter().zip(problem.grids.iter().map(Grid::len)).collect();
         let influences = vec![Vec::new(); shapes.iter().map(|(blocks, _)| blocks).sum()];
         Self { errors, shapes, influences }
     }
@@ -117,8 +129,9 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Vec<(i32, f6
     let n = free.len();
     let mut h = DMatrix::<f64>::zeros(n, n);
     let mut gradients: Vec<BTreeMap<i32, DVector<f64>>> = Vec::new();
+    let mut counts = blocks(problem).into_iter();
     problem.neighbours(layout, Objective::Scales, x, &free, &mut |grid, record, inverse| {
-        let count = blocks(grid);
+        let count = counts.next().unwrap_or(1);
         let mut own = vec![BTreeMap::new(); count];
         let sizes = levels(grid.len());
         // The plain error stands before the coefficients.
@@ -175,5 +188,12 @@ mod tests {
         assert_eq!(holder(0, 8, 4, 400), 2);
         assert_eq!(holder(1, 6, 4, 400), 1);
         assert_eq!(holder(0, 40, 4, 400), 3, "longer than the record");
+    }
+
+    #[test]
+    fn blocks_last_a_second_and_less_where_the_records_are_short() {
+        assert_eq!(counts(&[24.0, 12.4]), [24, 12]);
+        assert_eq!(counts(&[4.0]), [16], "whatever clock a log of no stamps is given, it has as many");
+        assert_eq!(counts(&[0.4, 0.4, 0.0]), [8, 8, 1]);
     }
 }

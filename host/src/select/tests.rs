@@ -3,7 +3,10 @@
 use motorlens_shared::effects::Kind;
 use motorlens_virtual_motor::Kind as Hidden;
 
-use crate::diagnose::discover::{Discovery, Options, discover};
+use super::adequacy::Adequacy;
+use super::fitted::Fitted;
+use super::starts::besides;
+use crate::diagnose::discover::{Discovery, Options, discover, prepare, reading_noise};
 use crate::exam::case::{Case, Conditions};
 use crate::log::Record;
 
@@ -30,4 +33,46 @@ fn validation_records_change_no_fit_and_no_choice() {
     let (without, with) = (found(&case, &[]), found(&case, &case.held_out));
     assert_eq!(without.effects, with.effects);
     assert_eq!(without.model.values(), with.model.values());
+}
+
+const CALM: Conditions = Conditions { disturbed: 0.0, spoilt: 0.0 };
+
+#[test]
+fn a_model_at_the_end_of_its_search_or_far_from_what_it_was_fitted_to_is_not_taken() {
+    let case = Case::new(32, &[], CALM);
+    let (evidence, base) = prepare(&case.records, &[], &case.motor).unwrap();
+    let at = |change: fn(&mut crate::fit::layout::BaseValues)| {
+        let mut values = base.values();
+        change(&mut values.base);
+        Fitted::new(&evidence, base.layout.clone(), &base.layout.pack(&values), 1, 0)
+    };
+    let (end, off) = (at(|b| b.tau_m = 1e-9), at(|b| b.gain *= 4.0));
+    assert!(end.is_lost(&base) && !base.is_lost(&end) && !off.is_lost(&base));
+    assert!(off.strays(&base, &evidence) && !base.strays(&off, &evidence) && !base.strays(&base, &evidence));
+}
+
+#[test]
+fn a_model_that_the_usual_one_beats_is_not_explained() {
+    let case = Case::new(32, &[], CALM);
+    let (mut evidence, base) = prepare(&case.records, &[], &case.motor).unwrap();
+    let floor = reading_noise(&evidence.whole);
+    assert!(evidence.usual.is_some());
+    assert!(Adequacy::of(&evidence, &base, &base, floor).is_explained());
+    evidence.usual = Some(1e-9);
+    assert!(!Adequacy::of(&evidence, &base, &base, floor).is_explained());
+}
+
+#[test]
+fn a_driver_that_floats_is_looked_for_beside_friction_that_stops_the_motor() {
+    let case = Case::new(32, &[], CALM);
+    let (evidence, base) = prepare(&case.records, &[], &case.motor).unwrap();
+    let shares = |kind| {
+        besides(&evidence.train, &base.values(), kind)
+            .iter()
+            .map(|v| v.base.viscous_share)
+            .collect::<Vec<_>>()
+    };
+    let plain = shares(Kind::Coulomb);
+    assert_eq!(shares(Kind::Coast).len(), plain.len() + 1);
+    assert!(shares(Kind::Coast).iter().any(|share| *share > 0.3) && plain.iter().all(|share| *share < 0.3));
 }

@@ -13,7 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     equation: "K_t and k_e scale with (35 + 10 q) / (35 + 45 q + 3 q^2),  q = strength (u / nominal)^2",
     source: "tanh(x) / x, the usual curve of magnetisation with one knee, as its Pade quotient in x^2 = 3 q",
     signature: "jumps of the voltage accelerate less than the model says; slow motion fits",
-    parameters: &[strength("strength", "1", "loss at stall, where it is small", Scale::One, [0.0, 0.3, 8.0])],
+    // At most two thirds of the torque at stall.
+    parameters: &[strength("strength", "1", "loss at stall, where it is small", Scale::One, [0.0, 0.3, 2.0])],
     probes: &[&[0.15], &[0.6], &[2.0]],
     search: Search::Probes,
     laws: TORQUE,

@@ -14,7 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "a bridge at duty d draws d i from a source of resistance R_s behind a capacitor, and passes on d of what is left",
     signature: "too little torque at full duty and high current, none missing at low duty",
     parameters: &[
-        strength("resistance", "1", "source resistance per winding resistance", Scale::One, [0.0, 0.2, 4.0]),
+        // A source that weak gives less than half of its voltage at stall.
+        strength("resistance", "1", "source resistance per winding resistance", Scale::One, [0.0, 0.2, 1.5]),
         shape("buffer", "s", "time constant of source and capacitor", Scale::Millisecond, [0.0, 2.0, 50.0]),
     ],
     probes: &[&[0.1, 1.5], &[0.35, 1.5], &[0.8, 1.5]],

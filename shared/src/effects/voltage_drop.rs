@@ -13,7 +13,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "brush contact drop, saturation voltage of bipolar bridges (L298)",
     signature: "residual voltage steps with the sign of the current, not of the speed",
     parameters: &[
-        strength("drop", "V", "voltage lost to a large current", Scale::Volt, [0.0, 0.3, 10.0]),
+        // An L298N loses 4.9 V at its highest current (its data sheet), other bridges less.
+        strength("drop", "V", "voltage lost to a large current", Scale::Volt, [0.0, 0.3, 5.0]),
         shape("knee", "V", "current well above which all is lost, as a voltage", Scale::Volt, [0.01, 0.2, 3.0]),
     ],
     probes: &[&[0.1, 0.2], &[0.4, 0.2], &[1.0, 0.2], &[2.0, 0.2]],

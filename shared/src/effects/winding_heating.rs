@@ -14,7 +14,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "one thermal capacity heated by R i^2, R as it has become; copper gains 0.39 % a kelvin",
     signature: "the model fits the beginning of a record and drifts off towards its end",
     parameters: &[
-        strength("rate", "1/s", "rise of resistance per second at stall", Scale::One, [0.0, 0.05, 2.0]),
+        // Half more in a second would burn the winding within a few.
+        strength("rate", "1/s", "rise of resistance per second at stall", Scale::One, [0.0, 0.05, 0.5]),
         shape("cooling", "s", "thermal time constant", Scale::One, [2.0, 30.0, 300.0]),
     ],
     probes: &[&[0.02, 30.0], &[0.1, 30.0], &[0.3, 30.0], &[0.3, 8.0]],
