@@ -18,15 +18,13 @@ const BETTER: f64 = 0.4;
 /// Under either sign the motor turns about as far per volt: within this factor.
 const ALIKE: f64 = 2.0;
 
-/// Share of the voltage's variation that the motor's equation leaves, where the motor turns with its voltage.
-fn left(weak: Option<&Weak>) -> Option<f64> {
-    let best = weak?.under_any_latency()?;
-    (best.gain > 0.0).then_some(best.left)
-}
-
-/// Whether a record that is `seen` so must be `other`, since that explains it; in percent what is left of both.
+/// Whether a record that is `seen` so must be `other`, since that explains it; in percent what is left of both. Of the other the motor
+/// must turn with its voltage; as it was read it may turn against it, since a sign that is turned round is a fault of its own, of which
+/// another one tells, and makes no angle a speed.
 fn is_rather(seen: &Seen, other: &Record) -> Option<(f64, f64)> {
-    let (right, wrong) = (left(Weak::new(other).as_ref())?, left(seen.weak.as_ref()).unwrap_or(1.0));
+    let other = Weak::new(other)?.under_any_latency().filter(|best| best.gain > 0.0)?;
+    let as_read = seen.weak.as_ref().and_then(Weak::under_any_latency);
+    let (right, wrong) = (other.left, as_read.map_or(1.0, |best| best.left));
     (right < EXPLAINS && right < BETTER * wrong).then_some((100.0 * right, 100.0 * wrong.min(1.0)))
 }
 
@@ -154,7 +152,11 @@ mod tests {
             Record { angle_rad: right.speed_rad_s.clone(), speed_rad_s: None, map: map.clone(), ..right };
         let (name, _, _, fix) = speed_as_angle(&Seen::of(&counted)).unwrap();
         assert!(name == "speed_as_angle" && fix.contains("speed=ticks:counts/s*"), "{fix}");
-        assert_eq!(speed_as_angle(&Seen::of(&Record { map, ..motor() })), None);
+        assert_eq!(speed_as_angle(&Seen::of(&Record { map: map.clone(), ..motor() })), None);
+        // One that is turned round is an angle too, and told by its sign alone.
+        let mut turned = Record { map, ..motor() };
+        turned.angle_rad.iter_mut().flatten().for_each(|x| *x = -*x);
+        assert_eq!(speed_as_angle(&Seen::of(&turned)), None);
     }
 
     #[test]

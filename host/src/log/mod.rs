@@ -40,6 +40,7 @@ mod remap;
 mod renewed;
 mod repair;
 pub mod repeats;
+mod reversed;
 mod ripple;
 mod robot_loop;
 pub mod roles;

@@ -13,9 +13,10 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
+use super::usable::faults_of;
 use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
-use super::{Record, Warning, faults, together};
+use super::{Record, Warning, together};
 
 /// A finding about one record: short name, column, cause, remedy.
 pub(super) type Odd = (&'static str, &'static str, String, String);
@@ -34,7 +35,7 @@ impl<'a> Seen<'a> {
 
 /// What reader and judge found odd, and everything odd about the content: all that is told before any physics.
 pub fn data_faults<'a>(records: impl IntoIterator<Item = &'a Record> + Clone) -> Vec<Warning> {
-    together(records.clone().into_iter().flat_map(faults).chain(suspicions(records)))
+    together(faults_of(records.clone()).into_iter().chain(suspicions(records)))
 }
 
 /// Everything odd about `records`, each by itself and against each other.

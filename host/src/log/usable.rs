@@ -3,16 +3,12 @@
 //! The reader takes every well-formed log. The verbs that fit call [`check_usable`]; a diagnosis lists
 //! [`content_faults`] instead and goes on where it can.
 
-use super::motion::{alignment, correlation, low_pass, peak, slope, span, speed};
+use super::motion::{peak, span, speed};
 use super::quantum::quantum;
-use super::remap::{Change, remapped};
-use super::units::Quantity;
-use super::weak::Weak;
+use super::reversed::{self, SIGN_FLIPPED, reversed};
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Result};
 
-/// Time constants by which the voltage is smoothed before the motion is compared with it, s.
-const SMOOTHING_S: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 /// Less motion than this in a whole record is none, rad (or rad/s).
 const NO_MOTION: f64 = 1e-4;
 
@@ -47,13 +43,12 @@ impl Fault {
 /// As [`check_usable`].
 pub fn check_all_usable<'a>(records: impl IntoIterator<Item = &'a Record>) -> Result<()> {
     let peak = |record: &Record| record.voltage_v.iter().fold(0.0_f64, |peak, v| peak.max(v.abs()));
-    let judged = records.into_iter().map(|record| (peak(record), record, content_faults(record)));
-    let judged: Vec<(f64, &Record, Vec<Fault>)> = judged.collect();
-    let aligned = judged.iter().filter(|(.., faults)| faults.is_empty()).map(|(peak, ..)| *peak);
+    let judged = content_faults_of(records);
+    let aligned = judged.iter().filter(|(_, faults)| faults.is_empty()).map(|(record, _)| peak(record));
     let aligned = aligned.fold(0.0, f64::max);
-    let excused = |peak: f64, fault: &Fault| fault.name == SIGN_FLIPPED && 2.0 * peak < aligned;
-    for (peak, record, faults) in judged {
-        if let Some(fault) = faults.into_iter().find(|fault| !excused(peak, fault)) {
+    let excused = |record: &Record, fault: &Fault| fault.name == SIGN_FLIPPED && 2.0 * peak(record) < aligned;
+    for (record, faults) in judged {
+        if let Some(fault) = faults.into_iter().find(|fault| !excused(record, fault)) {
             return Err(refusal(record, fault));
         }
     }
@@ -77,9 +72,6 @@ fn refusal(record: &Record, fault: Fault) -> crate::error::Error {
     BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into()
 }
 
-/// A motor that turns against its voltage.
-const SIGN_FLIPPED: &str = "sign_flipped";
-
 /// All that is wrong with the content of `record`, the gravest first.
 pub fn content_faults(record: &Record) -> Vec<Fault> {
     let mut faults = unit_check::unit_faults(record);
@@ -91,10 +83,36 @@ pub fn content_faults(record: &Record) -> Vec<Fault> {
     faults
 }
 
+/// The content faults of each of `records`, with remedies that are right for the others of them too: a column is turned round for all
+/// that are read by one mapping.
+pub(super) fn content_faults_of<'a>(
+    records: impl IntoIterator<Item = &'a Record>,
+) -> Vec<(&'a Record, Vec<Fault>)> {
+    let mut judged: Vec<(&Record, Vec<Fault>)> =
+        records.into_iter().map(|record| (record, content_faults(record))).collect();
+    let right: Vec<&Record> =
+        judged.iter().filter(|(_, faults)| faults.is_empty()).map(|(record, _)| *record).collect();
+    for (record, faults) in &mut judged {
+        let has_right = right.iter().any(|other| other.map == record.map);
+        for fault in faults.iter_mut().filter(|fault| fault.name == SIGN_FLIPPED && has_right) {
+            fault.fix = reversed::remedy_beside_others(record);
+        }
+    }
+    judged
+}
+
 /// What the reader and the judge of its content found odd about `record`.
 pub fn faults(record: &Record) -> Vec<Warning> {
-    let judged = content_faults(record).into_iter().map(|fault| fault.to_warning(record));
-    record.warnings.iter().cloned().chain(judged).collect()
+    faults_of([record])
+}
+
+/// What the reader and the judge of their content found odd about `records`, one after the other.
+pub(super) fn faults_of<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
+    let of = |(record, faults): (&Record, Vec<Fault>)| {
+        let judged: Vec<Warning> = faults.into_iter().map(|fault| fault.to_warning(record)).collect();
+        record.warnings.iter().cloned().chain(judged).collect::<Vec<_>>()
+    };
+    content_faults_of(records).into_iter().flat_map(of).collect()
 }
 
 fn no_excitation(record: &Record) -> Option<Fault> {
@@ -174,53 +192,10 @@ fn no_motion(record: &Record) -> Option<Fault> {
     })
 }
 
-/// Compares motion and voltage by correlation after several smoothings, so that neither delay nor inertia matters; a record that looks
-/// reversed so is fitted with friction, a load and a pendulum beside the motor, which may drive it backwards.
-fn reversed(record: &Record) -> Option<Fault> {
-    if let (Some(angle), Some(measured)) = (&record.angle_rad, &record.speed_rad_s)
-        && correlation(&slope(&record.time_s, angle), measured) < -0.5
-    {
-        return Some(Fault {
-            name: "angle_against_speed",
-            column: "speed_rad_s",
-            why: "the speed has the opposite sign of the change of the angle".into(),
-            fix: format!(
-                "turn one of them round: {}",
-                remapped(record, &[(Quantity::Speed, Quantity::Speed, "*-1")])
-            ),
-        });
-    }
-    let motion = speed(record);
-    let smoothed = SMOOTHING_S.map(|tau| low_pass(&record.time_s, &record.voltage_v, tau));
-    let together = smoothed.iter().map(|voltage| correlation(voltage, &motion));
-    let (lowest, highest) = together.fold((0.0, 0.0), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));
-    let same_sign = smoothed.iter().map(|voltage| alignment(voltage, &motion)).fold(1.0, f64::min);
-    let opposed = highest < 0.2 && (lowest < -0.5 || same_sign < -0.8);
-    let driven = || Weak::new(record).and_then(|weak| weak.gain_under_load()).is_some_and(|gain| gain > 0.0);
-    (opposed && !driven()).then(|| {
-        let present = [
-            (Quantity::Angle, "angle_rad", record.angle_rad.is_some()),
-            (Quantity::Speed, "speed_rad_s", record.speed_rad_s.is_some()),
-        ];
-        let of = || present.into_iter().filter(|(.., present)| *present);
-        let column = of().next().map_or("angle_rad", |(_, column, _)| column);
-        let changes: Vec<Change> = of().map(|(quantity, ..)| (quantity, quantity, "*-1")).collect();
-        let turn = remapped(record, &changes);
-        Fault {
-            name: SIGN_FLIPPED,
-            column,
-            why: format!(
-                "the motor turns against its voltage (correlation {:.2}): the sign of the encoder or of the voltage is reversed",
-                lowest.min(same_sign)
-            ),
-            fix: format!("swap the encoder's A and B or the motor's wires, or turn the column round with {turn}"),
-        }
-    })
-}
-
 #[cfg(test)]
 pub(in crate::log) mod tests {
     use super::*;
+    use crate::log::motion::slope;
     use crate::log::read_tests::assert_bad;
 
     /// A first-order motor under a staircase that reverses, 100 Hz, 20 s.
@@ -244,7 +219,7 @@ pub(in crate::log) mod tests {
         }
     }
 
-    fn as_speed(mut record: Record) -> Record {
+    pub(in crate::log) fn as_speed(mut record: Record) -> Record {
         record.speed_rad_s = record.angle_rad.take().map(|angle| slope(&record.time_s, &angle));
         record
     }
@@ -284,71 +259,5 @@ pub(in crate::log) mod tests {
         let mut record = as_speed(record);
         record.speed_rad_s = Some(vec![0.0; 2000]);
         assert_bad(&check_usable(&record).unwrap_err(), "column speed_rad_s", "never moves", "encoder");
-    }
-
-    #[test]
-    fn a_flipped_encoder_is_refused_and_the_remedy_turns_it_round() {
-        let mut record = motor();
-        record.angle_rad.as_mut().unwrap().iter_mut().for_each(|angle| *angle = -*angle);
-        assert_bad(
-            &check_usable(&record).unwrap_err(),
-            "column angle_rad",
-            "against its voltage",
-            "angle_rad:rad*-1",
-        );
-        assert_bad(
-            &check_usable(&as_speed(record.clone())).unwrap_err(),
-            "speed_rad_s",
-            "against",
-            "rad/s*-1",
-        );
-        // A drive in one direction only, seen backwards.
-        record.voltage_v.iter_mut().for_each(|v| *v = v.abs() + 3.0);
-        record.angle_rad = Some(record.time_s.iter().map(|t| -3.0 * t - 0.01 * (5.0 * t).sin()).collect());
-        assert!(check_usable(&record).is_err());
-    }
-
-    #[test]
-    fn a_speed_that_contradicts_the_angle_is_refused() {
-        let mut record = as_speed(motor());
-        record.speed_rad_s.as_mut().unwrap().iter_mut().for_each(|speed| *speed = -*speed);
-        record.angle_rad = motor().angle_rad;
-        assert_eq!(content_faults(&record)[0].name, "angle_against_speed");
-    }
-
-    /// A servo that lets a pendulum down: its voltage holds against the motion nearly all the time.
-    #[test]
-    fn a_pendulum_that_is_lowered_is_no_flipped_encoder_and_a_flipped_one_is_found() {
-        let mut record = motor();
-        let (mut angle, mut speed) = (2.5_f64, 0.0);
-        let mut angles = Vec::new();
-        for (k, v) in record.voltage_v.iter_mut().enumerate() {
-            angles.push(angle);
-            let target = 1.4 + 1.2 * (0.4 * 0.01 * k as f64).cos();
-            let falling = 6.0 * angle.sin();
-            *v = 8.0 * (target - angle) + falling - 0.4 * speed;
-            speed += 0.1 * (0.6 * (*v - falling) - speed);
-            angle += 0.01 * speed;
-        }
-        let lowered = Record { angle_rad: Some(angles.clone()), ..record.clone() };
-        assert_eq!(content_faults(&lowered), []);
-        let flipped: Vec<f64> = angles.iter().map(|angle| -angle).collect();
-        let gain = |angles: &[f64]| {
-            let record = Record { angle_rad: Some(angles.to_vec()), ..record.clone() };
-            Weak::new(&record).and_then(|weak| weak.gain_under_load())
-        };
-        assert!((gain(&angles).unwrap() / 0.6 - 1.0).abs() < 0.2, "{:?}", gain(&angles));
-        assert!((gain(&flipped).unwrap() / 0.6 + 1.0).abs() < 0.2, "{:?}", gain(&flipped));
-    }
-
-    #[test]
-    fn a_load_that_drives_the_motor_is_no_flipped_encoder() {
-        // A hoist that is let down: voltage and speed opposed on the whole, together in their changes.
-        let mut record = motor();
-        let lowered: Vec<f64> =
-            record.angle_rad.as_ref().unwrap().iter().zip(&record.time_s).map(|(a, t)| a - 2.0 * t).collect();
-        record.voltage_v.iter_mut().for_each(|v| *v += 7.0);
-        record.angle_rad = Some(lowered);
-        assert_eq!(content_faults(&record), []);
     }
 }
