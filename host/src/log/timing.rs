@@ -1,4 +1,28 @@
-//! The clock of a record: interval, rate, jitter.
+//! The clock of a record: interval, rate, jitter, and which of them a log may have.
+
+use super::units::{Quantity, Unit};
+
+/// Slower samples than this say nothing about a motor, s.
+pub const SLOWEST_INTERVAL: f64 = 5.0;
+/// Faster samples than this are not logged, s.
+pub const FASTEST_INTERVAL: f64 = 1e-6;
+/// The interval of most logs, in its order of magnitude, s.
+const USUAL_INTERVAL: f64 = 5e-3;
+
+/// Whether a motor may be logged at such an interval, s.
+pub fn is_plausible(interval_s: f64) -> bool {
+    (FASTEST_INTERVAL..=SLOWEST_INTERVAL).contains(&interval_s)
+}
+
+/// The unit of a time, as `--map` writes it, of which an interval of `interval` is plausible, and most usual of all; none where it is in no
+/// unit.
+pub fn plausible_unit(interval: f64) -> Option<&'static str> {
+    let seconds =
+        |unit: &str| Unit::parse(Quantity::Time, unit).map_or(f64::NAN, |unit| interval * unit.factor);
+    let off = |unit: &str| (seconds(unit) / USUAL_INTERVAL).ln().abs();
+    let units = ["s", "ms", "us", "ns"].into_iter().filter(|unit| is_plausible(seconds(unit)));
+    units.min_by(|one, other| off(one).total_cmp(&off(other)))
+}
 
 /// Median of the differences of `time_s`, s; 0 for fewer than two samples.
 pub fn median_interval(time_s: &[f64]) -> f64 {
@@ -55,6 +79,21 @@ mod tests {
         }
         assert!((median_interval(&time) - 0.011).abs() < 1e-12);
         assert!((jitter(&time) - 0.001).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_unit_of_an_interval_is_that_in_which_it_is_usual() {
+        for (interval, unit) in [
+            (5e-4, Some("s")),
+            (0.02, Some("s")),
+            (0.5, Some("ms")),
+            (10.0, Some("ms")),
+            (5000.0, Some("us")),
+            (1e7, Some("ns")),
+            (1e-7, None),
+        ] {
+            assert_eq!(plausible_unit(interval), unit, "{interval}");
+        }
     }
 
     #[test]

@@ -9,16 +9,13 @@ use super::motion::{peak, slope, speed};
 use super::quantum::quantum;
 use super::remap::remapped;
 use super::sysid::TEST_KEY;
-use super::timing::median_interval;
+use super::timing::{FASTEST_INTERVAL, SLOWEST_INTERVAL, median_interval, plausible_unit};
 use super::units::Quantity::{Angle, Duty, Speed, Time, Voltage};
+use super::units::Unit;
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
 const HIGHEST_VOLTAGE: f64 = 1000.0;
-/// Slower samples than this say nothing about a motor, s.
-const SLOWEST_INTERVAL: f64 = 5.0;
-/// Faster samples than this are not logged, s.
-const FASTEST_INTERVAL: f64 = 1e-6;
 /// Output speed per volt: below it at slow sampling the clock is suspect, rad/s per V.
 const SLUGGISH: f64 = 0.05;
 /// Output speed per volt beyond any brushed motor (10,000 turns a minute per volt), rad/s per V.
@@ -55,9 +52,21 @@ fn time(record: &Record) -> Option<Fault> {
         fault(
             "time_s",
             format!("a sample every {interval:e} s is too fast to be logged; the unit looks too small"),
-            "check the unit given with --map time=...; a column in seconds needs none",
+            match slower_unit(record, interval) {
+                Some(unit) => {
+                    format!("if the column is in {unit}, say {}", remapped(record, &[(Time, Time, unit)]))
+                }
+                None => "check the unit given with --map time=...; a column in seconds needs none".into(),
+            },
         )
     })
+}
+
+/// The unit in which the times of a log that was mapped are plausible, where in the one they were read in they are `interval` s apart.
+fn slower_unit(record: &Record, interval: f64) -> Option<&'static str> {
+    let source = record.map.as_ref()?.source(Time)?;
+    let written = if source.written.is_empty() { Time.si() } else { &source.written };
+    plausible_unit(interval / Unit::parse(Time, written).ok()?.factor)
 }
 
 fn voltage(record: &Record) -> Option<Fault> {

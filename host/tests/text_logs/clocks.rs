@@ -34,6 +34,31 @@ fn milliseconds_apart_and_behind_a_colon_are_read() {
 }
 
 #[test]
+fn a_unit_that_no_motor_is_logged_in_gives_way_to_one_it_may_be_and_is_said() {
+    for (name, per_s, unit, rate) in [
+        ("time_us", 1.0, "s", "1.0e8 samples a second"),
+        ("time_us", 0.1, "s", "1.0e9 samples a second"),
+        ("time [us]", 1.0, "s", "1.0e8 samples a second"),
+        ("t_ns", 1000.0, "ms", "1.0e8 samples a second"),
+        ("time_s", 1e6, "us", "1.0e-4 samples a second"),
+    ] {
+        let text = lines(&format!("{name},u,theta\n"), |_, t, u, x| format!("{:.3},{u},{x}", per_s * t));
+        let proposal = refusal(&text).proposal.unwrap();
+        assert_eq!(proposal.map, format!("time={name}:{unit},voltage=u:V,angle=theta:rad"));
+        let said = proposal.assumptions();
+        assert!(said.contains(rate) && said.contains(&format!("{unit} is proposed")), "{said}");
+        read_bytes(text.as_bytes(), &mapped(&proposal.map)).unwrap();
+    }
+    // A unit that may be is left alone, be it unusual.
+    for (name, per_s, unit) in [("time_us", 1e6, "us"), ("t_ms", 1000.0, "ms"), ("t_s", 100.0, "s")] {
+        let text = lines(&format!("{name},u,theta\n"), |_, t, u, x| format!("{:.3},{u},{x}", per_s * t));
+        let proposal = refusal(&text).proposal.unwrap();
+        assert_eq!(proposal.map, format!("time={name}:{unit},voltage=u:V,angle=theta:rad"));
+        assert!(!proposal.assumptions().contains("samples a second"), "{}", proposal.assumptions());
+    }
+}
+
+#[test]
 fn days_of_excel_and_matlab_are_proposed_as_days_and_said() {
     for first in [45_987.123_456, 739_900.5] {
         let text = lines("time,u,theta\n", |_, t, u, x| format!("{:.11},{u},{x}", first + t / 86_400.0));

@@ -39,6 +39,24 @@ pub(super) fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
+/// The unit that a time is plausible in, where the one that its name tells makes a rate that no motor is logged at: `time_us` in seconds.
+pub(super) fn plausible(quantity: Quantity, told: &str, values: &[f64]) -> Option<&'static str> {
+    let (interval, interval_s) = interval(quantity, told, values)?;
+    // Times that stand still have their fraction elsewhere, or too few digits.
+    let is_odd = interval > 0.0 && !timing::is_plausible(interval_s);
+    is_odd.then(|| timing::plausible_unit(interval))?
+}
+
+/// The median time from row to row, in the column's own unit and in s if that is `unit`.
+pub(super) fn interval(quantity: Quantity, unit: &str, values: &[f64]) -> Option<(f64, f64)> {
+    let interval = match quantity {
+        Quantity::Time => timing::median_interval(values),
+        Quantity::Interval => timing::median(&mut values.to_vec()),
+        _ => return None,
+    };
+    Some((interval, interval * Unit::parse(quantity, unit).ok()?.factor))
+}
+
 /// Rows a second by the clock among `parts`, or by the intervals.
 pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
     let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);

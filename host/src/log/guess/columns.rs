@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::clocks::{FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
+use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
+use super::turns::Turn;
 use super::{bridge, registers, sides, words};
 use crate::log::direction;
 use crate::log::units::{Quantity, Unit};
@@ -23,7 +24,7 @@ pub struct Part {
     /// Neither a name nor the values tell the unit.
     pub guessed: bool,
     /// Of an angle in counts, those of a turn by the speed beside it.
-    pub turn: Option<f64>,
+    pub turn: Option<Turn>,
 }
 
 impl Part {
@@ -142,6 +143,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let register = register.or(in_degrees.then_some("deg/s"));
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
         let unit = unit + said[index].scale.unwrap_or_default();
+        let unit = clocks::plausible(quantity, &unit, &all).map_or(unit, str::to_owned);
         let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
         // Whole numbers may be of any unit; those with a fraction are of seconds, or their interval tells.
         let of_time = || quantity == Quantity::Time && all.iter().all(|value| value.fract() == 0.0);
@@ -266,13 +268,13 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
 
 /// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
 /// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
-pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<f64> {
+pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<Turn> {
     // Units of a turn, by the size of one.
     const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
     const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     let (angle, speed) = (place(Quantity::Angle)?, place(Quantity::Speed)?);
-    let ratio = ratio(parts, rows)?;
+    let (ratio, uncertainty) = ratio(parts, rows)?;
     let is_open = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
     let (of_angle, of_speed) = (parts[angle].unit.clone(), parts[speed].unit.clone());
     if of_angle == "counts" {
@@ -283,7 +285,8 @@ pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>])
         }
         // What reads the speed in a unit that is guessed has to read the angle so that both are one motion.
         let turn = SPEEDS.iter().find(|(unit, _)| *unit == of_speed).map(|(_, turn)| turn / ratio);
-        return turn.filter(|turn| !is_open(&parts[speed]) || *turn >= FEWEST_COUNTS);
+        let is_known = |turn: &f64| !is_open(&parts[speed]) || *turn >= FEWEST_COUNTS;
+        return turn.filter(is_known).map(|turn| Turn::of(turn, uncertainty));
     }
     let angles = ANGLES.iter().filter(|(unit, _)| is_open(&parts[angle]) || *unit == of_angle);
     let pairs = angles.flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
@@ -301,8 +304,8 @@ pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>])
     None
 }
 
-/// How many times the change of the angle a second the speed is, where they are one motion.
-fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
+/// How many times the change of the angle a second the speed is, where they are one motion, and to what share of it that is certain.
+fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
     let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
     let time = of(Quantity::Time).filter(|time| time.rest.is_none())?;
     let (angle, speed) = (of(Quantity::Angle)?.index, of(Quantity::Speed)?.index);
@@ -322,8 +325,11 @@ fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
                 (product + change * speed, changes + change * change, speeds + speed * speed);
         }
     }
-    // Readings that jump tell no ratio.
-    (product > ONE_MOTION * (changes * speeds).sqrt()).then_some(product / changes)
+    // Readings that jump tell no ratio. Two standard errors of the slope, of which each row has a part in three changes.
+    let together = product / (changes * speeds).sqrt();
+    let own = whole.len() as f64 / 3.0;
+    let uncertainty = 2.0 * ((together.powi(-2) - 1.0).max(0.0) / own).sqrt();
+    (together > ONE_MOTION).then_some((product / changes, uncertainty))
 }
 
 /// Correlation of an angle's change with the speed of the same motion, and how near the ratio of both must come to that of two units: 60 and

@@ -12,6 +12,7 @@ mod preview;
 mod questions;
 mod registers;
 mod sides;
+mod turns;
 pub mod unit_names;
 mod vocabulary;
 pub mod words;
@@ -23,8 +24,10 @@ pub use look::{Look, look};
 use preview::preview;
 pub(super) use questions::{error_question, half_question, levels_question, loop_question, sampled_question};
 use questions::{
-    given_sign, guessed_unit, lost_sign, other_clock, size_of_an_error, taken_for, unknown_unit,
+    given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, taken_for, unknown_unit,
 };
+
+use turns::Turn;
 
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
@@ -152,6 +155,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
         *rate = told.to_string();
     }
     proposal.unknown_units.extend(other_clock(sample, &parts));
+    proposal.unknown_units.extend(parts.iter().filter_map(|part| other_rate(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| lost_sign(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| size_of_an_error(sample, part)));
@@ -262,7 +266,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
         counts_per_rev: needs(PerTurn::Counts)
-            .then(|| turn.map_or("1320".into(), |turn| turn.round().to_string())),
+            .then(|| turn.map_or("1320".into(), |turn| turn.taken.round().to_string())),
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
@@ -271,9 +275,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .filter_map(|part| unknown_unit(&names[part.index], part))
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
-            .chain(turn.map(|turn| {
-                format!("by the speed beside them {turn:.0} counts are a turn, if both are of one shaft and its unit is right")
-            }))
+            .chain(turn.map(Turn::said))
             .chain(bridge::question(parts, names, rows))
             .collect(),
     }

@@ -1,6 +1,6 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
-use super::clocks::DAYS;
+use super::clocks::{self, DAYS};
 use super::columns::{self, Part, Range};
 use super::{column, options_as_if, quoted, unit_names, words};
 use crate::log::motion;
@@ -282,6 +282,23 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// What is said of a time whose name tells a unit in which no motor is logged, so that another one was taken.
+pub(super) fn other_rate(sample: &Sample, part: &Part) -> Option<String> {
+    let said = words::said(sample.with_units.get(part.index)?);
+    let told = format!("{}{}", said.unit?, said.scale.unwrap_or_default());
+    let values = sample.rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite());
+    let values: Vec<f64> = values.collect();
+    let taken = clocks::plausible(part.quantity, &told, &values).filter(|unit| *unit == part.unit)?;
+    let (_, interval_s) = clocks::interval(part.quantity, &told, &values)?;
+    Some(format!(
+        "\"{}\" tells {told}, in which these would be {:.1e} samples a second: {taken} is proposed, in which they are {:.4}; put the right unit in its \
+         place if it is another",
+        sample.names[part.index],
+        1.0 / interval_s,
+        1.0 / clocks::interval(part.quantity, taken, &values)?.1
+    ))
 }
 
 /// What is said of a unit that nothing tells.
