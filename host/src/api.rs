@@ -223,19 +223,30 @@ pub fn discover(
 /// # Errors
 /// As [`discover`].
 ///
-/// ```no_run
+/// ```
 /// use std::ops::ControlFlow;
-/// use motorlens::{Options, discover_records, log, motor_file};
+/// use motorlens::{Measured, Options, discover_records, record};
 ///
-/// let motor = motor_file::read("motor.toml".as_ref())?;
-/// let reading = log::ReadOptions { motor: motor.clone(), ..log::ReadOptions::default() };
-/// let [run, unseen] = ["run.csv", "unseen.csv"].map(|path| log::read(path.as_ref(), &reading));
-/// let options = Options { validation: unseen?, motor, ..Options::default() };
-/// let found = discover_records(&run?, &options, &mut |event| {
+/// # // A motor with a friction of 0.4 V.
+/// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
+/// # let model = motorlens::Model::read(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json").as_ref())?;
+/// # let moved = |steps: [f64; 5]| -> motorlens::Result<(Vec<f64>, Vec<f64>)> {
+/// #     let volts: Vec<f64> = (0..1500).map(|k| steps[k / 200 % 5]).collect();
+/// #     let angle = model.simulate(&time, &volts, 0.0)?.iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+/// #     Ok((volts, angle))
+/// # };
+/// # let (volts, angle) = moved([6.0, 0.0, -4.0, 2.0, 9.0])?;
+/// # let (other_volts, other_angle) = moved([-3.0, 7.0, 0.0, -8.0, 4.0])?;
+/// // Two runs as slices; log::read makes records of files.
+/// let run = record("run", &time, &volts, Measured::Angle(&angle))?;
+/// let unseen = record("unseen", &time, &other_volts, Measured::Angle(&other_angle))?;
+/// let options = Options { validation: vec![unseen], most: 1, ..Options::default() };
+/// let found = discover_records(&[run], &options, &mut |event| {
 ///     eprintln!("{event:?}");
 ///     ControlFlow::Continue(())
 /// })?;
 /// println!("{}", found.findings.headline);
+/// assert_eq!(found.findings.effects.len(), 1);
 /// # Ok::<(), motorlens::Error>(())
 /// ```
 pub fn discover_records(records: &[Record], options: &Options, observer: Observer) -> Result<Discovered> {

@@ -11,33 +11,53 @@ use crate::error::{Error, Result};
 /// A failure of `fill` or of the disk leaves an older file of that name as it was and nothing else behind.
 ///
 /// # Errors
-/// [`Error::Usage`] if the directory is absent or not writable, [`Error::Io`] if the disk is full or `fill` fails; either names the path.
+/// Wrong usage naming the path if its folder is absent or not writable, or if it is a folder itself; [`Error::Io`] if the disk is full, or
+/// `fill` fails.
 pub fn write_with<F>(path: &Path, fill: F) -> Result<()>
 where
     F: FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 {
-    replace(path, fill).map_err(|source| cannot_write(path, source))
+    may_write(path)?;
+    replace(path, fill).map_err(|source| refused(path, source))
 }
 
-/// Why a file was not written, with what to do where the place that was given is at fault.
-fn cannot_write(path: &Path, source: io::Error) -> Error {
+/// Whether a file may be made at `path`, to be asked before a search of minutes whose result is to be kept there.
+///
+/// # Errors
+/// Wrong usage where its folder is absent, or `path` is a folder itself.
+pub fn may_write(path: &Path) -> Result<()> {
     let directory = directory_of(path);
-    let why = |what: &str| format!("cannot write {}: {what}", path.display());
-    if !directory.is_dir() {
-        let absent = why(&format!("there is no directory {}", directory.display()));
-        return Error::usage(absent, "make the directory first, or give a path in one that there is");
-    }
+    let cannot = |why: String| format!("cannot write {}: {why}", path.display());
     if path.is_dir() {
-        return Error::usage(why("this is a directory"), "give the name of a file in it");
+        let why = cannot("it is a folder".into());
+        return Err(Error::usage(why, "give the name of a file in it"));
     }
-    if source.kind() == io::ErrorKind::PermissionDenied {
-        let denied = why("this user may not write there");
-        return Error::usage(denied, "give a path in a directory of your own");
+    if !directory.is_dir() {
+        let why = cannot(format!("there is no folder {}", directory.display()));
+        return Err(Error::usage(
+            why,
+            format!("make it first (mkdir {}), or write elsewhere", directory.display()),
+        ));
     }
-    Error::Io { doing: format!("cannot write {}", path.display()), source }
+    Ok(())
 }
 
-/// The directory that holds `path`.
+/// What the operating system refused, with what to do where that is the user's to mend.
+fn refused(path: &Path, source: io::Error) -> Error {
+    let doing = format!("cannot write {}", path.display());
+    match source.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            let directory = directory_of(path).display().to_string();
+            Error::usage(
+                format!("{doing}: this user may make no file in {directory}"),
+                "write elsewhere, or take the right to write there",
+            )
+        }
+        _ => Error::Io { doing, source },
+    }
+}
+
+/// The folder in which the file at `path` is to be.
 fn directory_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -110,12 +130,17 @@ mod tests {
     }
 
     #[test]
-    fn an_absent_directory_is_named_with_what_to_do_and_so_is_one_in_the_place_of_a_file() {
+    fn an_absent_folder_is_named_with_what_to_do() {
         let directory = tempfile::tempdir().unwrap();
-        let error = write(&directory.path().join("absent/model.json"), "").unwrap_err().to_string();
-        assert!(error.contains("absent/model.json: there is no directory"), "{error}");
-        assert!(error.contains("do: make the directory"), "{error}");
-        let error = write(directory.path(), "").unwrap_err().to_string();
-        assert!(error.contains("this is a directory") && error.contains("do: give the name"), "{error}");
+        for (path, cause, remedy) in [
+            (directory.path().join("absent/model.json"), "there is no folder", "do: make it first (mkdir "),
+            (directory.path().to_owned(), "it is a folder", "do: give the name of a file"),
+        ] {
+            let error = write(&path, "").unwrap_err();
+            let said = error.to_string();
+            assert!(said.contains(&path.display().to_string()) && said.contains(cause), "{said}");
+            assert!(error.exit_code() == 2 && said.contains(remedy), "{said}");
+        }
+        assert!(names(directory.path()).is_empty());
     }
 }

@@ -97,6 +97,30 @@ pub struct Comparison {
 ///
 /// # Errors
 /// Records that no fit can use.
+///
+/// ```
+/// use motorlens::same::{Verdict, same};
+/// use motorlens::{Measured, motor_file::MotorFile, record};
+/// # let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 2e-3).collect();
+/// # let run = |name: &str, steps: [f64; 5], gain: f64| {
+/// #     let volts: Vec<f64> = (0..1000).map(|k| steps[k / 100 % 5]).collect();
+/// #     let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
+/// #     for k in 0..999 {
+/// #         for _ in 0..20 {
+/// #             w += 1e-4 * (gain * volts[k] - w) / 0.05;
+/// #             x += 1e-4 * w;
+/// #         }
+/// #         angle.push((x / 1e-3).round() * 1e-3);
+/// #     }
+/// #     record(name, &time, &volts, Measured::Angle(&angle))
+/// # };
+/// # let one = run("one", [6.0, 0.0, -4.0, 2.0, 9.0], 0.9)?;
+/// # let other = run("other", [-3.0, 7.0, 0.0, -8.0, 4.0], 1.2)?;
+/// // Two records, of motors that turn 0.9 and 1.2 rad/s per volt.
+/// let found = same(&[one], &[other], &MotorFile::default(), &[])?;
+/// assert_eq!(found.verdict, Verdict::Different);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<Comparison> {
     let how = estimate::Options { effects: effects.to_vec(), ..estimate::Options::default() };
     let fit = |records: &[Record]| estimate::fit(records, &[], motor, &how, &mut |_, _| {});

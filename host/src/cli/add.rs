@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::discover::unit;
 use super::input::LogArgs;
 use super::{Console, prose};
+use crate::atomic_file;
 use crate::error::Result;
 use crate::estimate::{Addition, add, effect_by_name};
 use crate::estimate::{Errors, Moved};
@@ -47,6 +48,7 @@ struct Document<'a> {
 
 /// Adds, writes, tells.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
     let effect = effect_by_name(&args.effect)?;
     let model = Model::read(&args.model)?;
     let logs = args.input.load()?;

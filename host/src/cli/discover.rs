@@ -6,6 +6,7 @@ use motorlens_shared::effects::Kind;
 
 use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
+use crate::atomic_file;
 use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::error::{Error, Result};
 use crate::estimate::feedforward;
@@ -32,6 +33,7 @@ pub struct Args {
 
 /// Runs the loop and tells what it found.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
     let logs = or_bad_data(args.input.load(), &[], console)?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;

@@ -95,7 +95,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         }
         Some(cost(&model, &exported, &records, &motor)?)
     };
-    let Told { lacking, to_know } = told(&exported, &model, format, &options, price.as_ref());
+    let Told { lacking, mut to_know } = told(&exported, &model, format, &options, price.as_ref());
+    if price.is_some() && args.on.is_empty() {
+        // A target of which nothing is lost but numbers may be as good as the model, or not, on what the motor is to do.
+        to_know
+            .push("--on LOG tells what that costs on a log of yours, beside the model's own error.".into());
+    }
     let too_high = price.as_ref().is_some_and(Cost::is_too_high);
     if (!exported.lost.is_empty() || too_high) && !args.allow_missing {
         let why = lacking.join("\n  ");

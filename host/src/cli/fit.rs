@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::discover::unit;
 use super::input::LogArgs;
 use super::{Console, prose, watch};
+use crate::atomic_file;
 use crate::compare::measures::Measures;
 use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
@@ -80,6 +81,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         generations: args.generations,
         seed: args.seed,
     };
+    args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
     let logs = args.input.load()?;
     logs.warn(console);
     let bar = watch::bar(console, u64::from(args.generations), "generations");

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::discover::search;
 use super::input::LogArgs;
 use super::{Console, prose};
+use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
 use crate::findings::Verdict;
@@ -40,6 +41,7 @@ struct Document {
 
 /// Discovers, and writes what was found.
 pub fn run(args: &Args, console: &Console) -> Result<()> {
+    atomic_file::may_write(&args.out)?;
     let logs = args.input.load()?;
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = search(&logs, &options, console)?;
