@@ -68,7 +68,8 @@ pub(super) fn range_of(rows: &[Vec<f64>], index: usize) -> String {
     format!("{index}: {} .. {}", short(range.low), short(range.high))
 }
 
-fn short(x: f64) -> String {
+/// A figure in as many digits as a person reads.
+pub(super) fn short(x: f64) -> String {
     let digits = (3.0 - x.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }

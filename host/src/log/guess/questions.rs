@@ -2,6 +2,7 @@
 
 use super::clocks::{self, DAYS};
 use super::columns::{self, Part, Range};
+use super::preview::short;
 use super::{column, options_as_if, quoted, unit_names, words};
 use crate::log::motion;
 use crate::log::sample::Sample;
@@ -293,11 +294,11 @@ pub(super) fn other_rate(sample: &Sample, part: &Part) -> Option<String> {
     let taken = clocks::plausible(part.quantity, &told, &values).filter(|unit| *unit == part.unit)?;
     let (_, interval_s) = clocks::interval(part.quantity, &told, &values)?;
     Some(format!(
-        "\"{}\" tells {told}, in which these would be {:.1e} samples a second: {taken} is proposed, in which they are {:.4}; put the right unit in its \
+        "\"{}\" tells {told}, in which these would be {:.1e} samples a second: {taken} is proposed, in which they are {}; put the right unit in its \
          place if it is another",
         sample.names[part.index],
         1.0 / interval_s,
-        1.0 / clocks::interval(part.quantity, taken, &values)?.1
+        short(1.0 / clocks::interval(part.quantity, taken, &values)?.1)
     ))
 }
 
