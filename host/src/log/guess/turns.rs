@@ -35,7 +35,9 @@ impl Turn {
     pub fn said(self) -> String {
         let (measured, taken) = (self.measured.round(), self.taken.round());
         if measured == taken {
-            return format!("by the speed beside them {taken} counts are a turn, if both are of one shaft and its unit is right");
+            return format!(
+                "by the speed beside them {taken} counts are a turn, if both are of one shaft and its unit is right"
+            );
         }
         format!(
             "by the speed beside them about {measured} counts are a turn, if both are of one shaft and its unit is right; {taken} is a usual encoder's within that"
