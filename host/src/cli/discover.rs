@@ -82,7 +82,7 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    text += &match baseline(found, records) {
+    text += &match baseline(&found.evidence) {
         Some(usual) if usual.train.missed() <= prose::RUN_AWAY => {
             format!("{}\n", watch::errors("kS-kV-kA, the usual model", &usual, unit))
         }

@@ -1,6 +1,6 @@
 //! The evidence: records to learn from, as models are fitted to them and simulated on them, and records kept out of everything.
 
-use crate::estimate::feedforward;
+use crate::estimate::feedforward::Usual;
 use crate::fit::fixed;
 use crate::fit::grid::Grid;
 use crate::fit::layout::{Layout, Values};
@@ -29,8 +29,8 @@ pub struct Evidence {
     pub folds: Vec<Fold>,
     /// Pairs of records that run one programme, by their places.
     pub repeats: Vec<(usize, usize)>,
-    /// Simulation error of kS-kV-kA fitted to the records, rms in the measured unit; none where it cannot be.
-    pub usual: Option<f64>,
+    /// kS-kV-kA fitted to the records; none where they do not give it.
+    pub usual: Option<Usual>,
     /// Variance of one reading by its quantisation, in the square of the measured unit.
     pub reading: f64,
 }
@@ -39,7 +39,7 @@ impl Evidence {
     /// Of `records`, laid out as `whole`, and of `validation` records, which are only simulated.
     pub fn new(whole: Problem, records: &[Record], validation: &[Record], motor: &MotorFile) -> Self {
         let kept_out = (!validation.is_empty()).then(|| whole.on(whole.lay_out(validation, motor)));
-        let usual = feedforward::errors(&whole, records, None).map(|(usual, _)| usual.rmse);
+        let usual = Usual::of(&whole, records);
         Self { kept_out, usual, ..Self::of(whole, find_repeats(records)) }
     }
 

@@ -78,6 +78,24 @@ pub(crate) fn why_not(problem: &Problem, records: &[Record]) -> Option<String> {
     }
 }
 
+/// kS-kV-kA fitted to records, once for all who compare with it.
+#[derive(Debug, Clone)]
+pub struct Usual {
+    /// The model.
+    pub values: Values,
+    /// What it leaves on the records, rms in the measured unit; infinite where it cannot run on them.
+    pub rmse: f64,
+}
+
+impl Usual {
+    /// Of `records` as `problem` lays them out; none where they do not give it.
+    pub fn of(problem: &Problem, records: &[Record]) -> Option<Self> {
+        let values = search(problem, records).ok()?.values;
+        let rmse = simulated(problem, &values).map_or(f64::INFINITY, |left| left.rmse);
+        Some(Self { values, rmse })
+    }
+}
+
 /// What kS-kV-kA fitted to `records` leaves on them, and on those of `unseen`; none where a record does not give it.
 pub(crate) fn errors(
     problem: &Problem,

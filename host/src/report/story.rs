@@ -8,8 +8,8 @@ use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::compare::rise::{Rise, worst_rise};
 use crate::diagnose::discover::Discovery;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Ranked, Rung};
-use crate::estimate::feedforward;
 use crate::findings::{Findings, Standing};
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -105,7 +105,7 @@ impl Story {
             records: shown,
             floor: discovery.noise_floor,
             rises: rises(discovery),
-            baseline: baseline(discovery, records),
+            baseline: baseline(&discovery.evidence),
             ladder: discovery.ladder.clone(),
             suspects: suspects(discovery),
             rivals: discovery.open_sets(),
@@ -132,9 +132,8 @@ fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
 }
 
 /// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
-pub(crate) fn baseline(discovery: &Discovery, records: &[Record]) -> Option<Rung> {
-    let usual = feedforward::search(&discovery.evidence.whole, records).ok()?;
-    Some(ladder::rung(&discovery.evidence, &usual.values))
+pub(crate) fn baseline(evidence: &Evidence) -> Option<Rung> {
+    evidence.usual.as_ref().map(|usual| ladder::rung(evidence, &usual.values))
 }
 
 /// The candidates in order, and after them what only a later diagnosis brought.

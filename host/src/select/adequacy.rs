@@ -45,8 +45,8 @@ impl Adequacy {
     /// not looked at.
     pub fn of(evidence: &Evidence, plain: &Fitted, model: &Fitted, floor: f64) -> Self {
         let error = simulated(&evidence.whole, &model.values()).unwrap_or_default().rmse;
-        let is_beaten = evidence.usual.is_some_and(|usual| error > BEATEN * usual);
-        if is_beaten || !model.layout.at_the_end(&model.x).is_empty() {
+        let is_beaten = evidence.usual.as_ref().is_some_and(|usual| error > BEATEN * usual.rmse);
+        if is_beaten || model.is_at_the_end() {
             return Self::Something;
         }
         let values = model.values();

@@ -31,8 +31,6 @@ pub struct Fold {
     /// Which of all records those to fit are.
     places: Vec<usize>,
     test: Vec<(Grid, usize)>,
-    /// Pieces of what is simulated whose errors are told one by one.
-    pieces: usize,
 }
 
 /// The folds of records laid out as `train`, of which `repeats` run one programme: those stay together.
@@ -46,7 +44,7 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
     if leaders.len() < 2 {
         let fit = train.on(train.grids.iter().map(|g| g.beginning(BEGINNING)).collect());
         let test = train.grids.iter().map(|g| (g.clone(), (g.len() as f64 * BEGINNING) as usize)).collect();
-        return vec![Fold { fit, places: (0..count).collect(), test, pieces: PIECES }];
+        return vec![Fold { fit, places: (0..count).collect(), test }];
     }
     let fold_of =
         |k: usize| leaders.iter().position(|l| *l == leader(k)).unwrap_or(0) % FOLDS.min(leaders.len());
@@ -54,16 +52,18 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
         let places: Vec<usize> = (0..count).filter(|k| fold_of(*k) != f).collect();
         let kept = places.iter().map(|k| train.grids[*k].clone());
         let test = (0..count).filter(|k| fold_of(*k) == f).map(|k| (train.grids[k].clone(), 0));
-        Fold { fit: train.on(kept.collect()), places, test: test.collect(), pieces: 1 }
+        Fold { fit: train.on(kept.collect()), places, test: test.collect() }
     };
     (0..FOLDS.min(leaders.len())).map(fold).collect()
 }
 
-/// Logarithm of the root mean square error on each record, or on each piece of the end of the only one, simulated by the model at `x` as the other folds fit it.
+/// Logarithm of the root mean square error on each record, or on each piece of the end of the only one, simulated by the model at `x` as
+/// the other folds fit it.
 pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Vec<f64> {
     let mut errors_ln = Vec::new();
     let mut beginning = Beginning::default();
-    for Fold { fit, places, test, pieces } in &data.folds {
+    let pieces = if data.folds.len() > 1 { 1 } else { PIECES };
+    for Fold { fit, places, test } in &data.folds {
         let mut fit = fit.clone();
         noise.weigh(&mut fit, CHOOSING);
         let (_, x) = fit.race_on(layout, Objective::Scales, x, STEPS, 1e-3, places, &mut beginning);
@@ -75,7 +75,7 @@ pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Ve
                 grid.measured.iter().zip(run).skip(*from).map(|(y, p)| (y - p).clamp(-1e9, 1e9)).collect();
             let n = errors.len().max(1) as f64;
             let mean = if grid.quantity == Quantity::Angle { errors.iter().sum::<f64>() / n } else { 0.0 };
-            for piece in errors.chunks(errors.len().div_ceil(*pieces).max(1)) {
+            for piece in errors.chunks(errors.len().div_ceil(pieces).max(1)) {
                 let square = piece.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / piece.len() as f64;
                 errors_ln.push(0.5 * (square + data.reading).ln());
             }

@@ -196,7 +196,12 @@ impl Fitted {
 
     /// Whether the search for one of its parameters ended at its bound, which is no minimum, while none of `other` did.
     pub fn is_lost(&self, other: &Self) -> bool {
-        !self.layout.at_the_end(&self.x).is_empty() && other.layout.at_the_end(&other.x).is_empty()
+        self.is_at_the_end() && !other.is_at_the_end()
+    }
+
+    /// Whether one of its parameters stands where the search for it ends.
+    pub fn is_at_the_end(&self) -> bool {
+        !self.layout.at_the_end(&self.x).is_empty()
     }
 
     /// Whether it simulates the records that it was fitted to much worse than `other` does. Fits hold the phase of what repeats with the angle at

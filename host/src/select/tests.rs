@@ -58,7 +58,7 @@ fn a_model_that_the_usual_one_beats_is_not_explained() {
     let floor = reading_noise(&evidence.whole);
     assert!(evidence.usual.is_some());
     assert!(Adequacy::of(&evidence, &base, &base, floor).is_explained());
-    evidence.usual = Some(1e-9);
+    evidence.usual.iter_mut().for_each(|usual| usual.rmse = 1e-9);
     assert!(!Adequacy::of(&evidence, &base, &base, floor).is_explained());
 }
 

@@ -12,13 +12,12 @@ use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
-use crate::estimate::feedforward;
 use crate::findings::{Doubted, Facts, Standing, errors_of, named};
 use crate::fit::layout::Values;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::{Story, Suspect, missing, shown_by_fit, title};
+use crate::report::{Story, Suspect, baseline, missing, shown_by_fit, title};
 use crate::select::DetectionLimit;
 use crate::select::fitted::Fitted;
 use crate::simulate::Answer;
@@ -131,7 +130,7 @@ impl Session {
         let tracks = Arc::new(Tracks::new(&evidence));
         let values = current.values();
         // Records on which it learns nothing have no baseline.
-        let usual = feedforward::search(&evidence.whole, &records).ok().map(|found| found.values);
+        let usual = evidence.usual.as_ref().map(|usual| usual.values.clone());
         let mut passed: Vec<Passed> =
             usual.iter().map(|v| Passed { name: USUAL.into(), values: v.clone() }).collect();
         passed.push(Passed { name: "base model".into(), values: values.clone() });
@@ -139,7 +138,7 @@ impl Session {
             faults: data_faults(records.iter().chain(&validation)),
             title: title(&records),
             ladder: vec![rung(&evidence, &current)],
-            baseline: usual.map(|values| ladder::rung(&evidence, &values)),
+            baseline: baseline(&evidence),
             view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), values)),
             rises: vec![None],
             passed,
