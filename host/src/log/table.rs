@@ -126,8 +126,8 @@ fn by_clock_or_rate(
     let about = About { path, head: &head, meta, map, part };
     let read = taken.finish(&about, None);
     let header = wanted.time.header();
-    let arrived = read.as_ref().is_ok_and(|read| bursts(&read.time_s).is_some());
-    if let Some(evenly) = evenly.take_if(|_| arrived) {
+    // Asked only where a rate could take the place of the stamps: it takes a pass over all of them.
+    if let Some(evenly) = evenly.take_if(|_| read.as_ref().is_ok_and(|read| bursts(&read.time_s).is_some())) {
         *clock = before;
         return evenly.finish(&about, Some((header, "its rows are stamped in bursts, as they arrived")));
     }

@@ -6,7 +6,7 @@
 use super::columns::{Part, agree, unit_of};
 use super::preview::range_of;
 use super::{Proposal, Quantity, words, written};
-use crate::log::motion::correlation;
+use crate::log::motion::{correlation, peak, span};
 use crate::log::timing::{jitter, median, median_interval};
 
 /// Rows that tell a course.
@@ -142,10 +142,6 @@ impl Found {
     }
 }
 
-fn span(values: &[f64]) -> f64 {
-    crate::log::motion::span(values)
-}
-
 /// The column that rises most evenly, but for one that numbers the rows.
 fn clock(columns: &[Vec<f64>]) -> Option<usize> {
     let unevenness = |values: &Vec<f64>| {
@@ -238,7 +234,7 @@ fn is_speed(drive: &[f64], motion: &[f64]) -> bool {
 
 /// Whether what drives the motor is told in volts or as a duty.
 fn drive_of(values: &[f64]) -> Quantity {
-    let peak = crate::log::motion::peak(values);
+    let peak = peak(values);
     let whole = values.iter().all(|value| value.fract() == 0.0);
     let is_volts = peak > 1.2 && peak <= if whole { WHOLE_VOLTS } else { VOLTS };
     if is_volts { Quantity::Voltage } else { Quantity::Duty }
