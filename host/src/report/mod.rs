@@ -22,7 +22,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 use serde_json::json;
 
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "serve"))]
 pub(crate) use story::baseline;
 pub use story::{DRAWN, Shown, Story, Suspect, Torques, title, torques};
 
