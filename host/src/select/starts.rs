@@ -1,5 +1,7 @@
 //! Where the search for an effect begins.
 
+use std::collections::BTreeSet;
+
 use motorlens_shared::effects::{Kind, Parameter, Search};
 
 use crate::diagnose::contained::{extended, replaces};
@@ -36,8 +38,18 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
 pub fn places(kind: Kind) -> usize {
     match kind.spec().search {
         Search::Orders => ripple::HIGHEST_ORDER,
-        Search::Probes | Search::Hold(_) | Search::Damped(_) => 1,
+        Search::Probes | Search::Hold(_) | Search::Damped(_) => shapes(kind),
     }
+}
+
+/// How many different shapes an effect is begun with: while it is nothing, the records say nothing of its shape, and the best of them gains
+/// by chance (R. Davies, *Biometrika* 74, 1987).
+fn shapes(kind: Kind) -> usize {
+    let spec = kind.spec();
+    let shape = |probe: &&[f64]| -> Vec<u64> {
+        spec.parameters.iter().zip(*probe).filter(|(of, _)| !of.strength).map(|(_, x)| x.to_bits()).collect()
+    };
+    spec.probes.iter().map(shape).collect::<BTreeSet<_>>().len().max(1)
 }
 
 /// `values` with the time constant and the viscous share that are usual, where the fit has bent them far from that: what a model lacks
@@ -104,4 +116,16 @@ pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind)
     }
     let starts = problem.costed(&layout, Objective::Scales, moved);
     (layout, starts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_looked_for_at_one_place_and_every_order_and_shape_is_one_more() {
+        assert_eq!([Kind::Coulomb, Kind::Delay, Kind::Gravity].map(places), [1; 3]);
+        assert_eq!(places(Kind::Coast), 3, "frequencies of the PWM");
+        assert_eq!(places(Kind::Cogging), ripple::HIGHEST_ORDER);
+    }
 }

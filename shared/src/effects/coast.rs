@@ -1,18 +1,19 @@
 //! A driver that lets the motor float in the off part of the PWM.
 //!
-//! Of a PWM period T the driver gives the whole supply V for the duty d, shorts the winding for what does not float,
-//! and switches off for the share f. With u the current, E the back-EMF and D the drop of two diodes:
+//! Of a PWM period T the driver gives the whole supply V for the duty d, switches off for the share f, and shorts the
+//! winding for what is left: mixed decay, which is fast first and slow then. With u the current, E the back-EMF and D
+//! the drop of two diodes:
 //!
 //! ```text
 //! driven         d T                  tau u' = V - E - u
-//! shorted        (1 - d - f) T        tau u' = -E - u
 //! floating       f T                  tau u' = -(V + D) - E - u   until u = 0: the diodes return it to the supply
 //!                                     terminals at E, no current  for the rest
+//! shorted        (1 - d - f) T        tau u' = -E - u
 //! ```
-//! From u = 0 the current left when the driver switches off is
-//! u_b = ((V - E)(1 - e^(-dT/tau)) + E) e^(-(1-d-f)T/tau) - E, and the diodes conduct for the share
-//! min(f, tau/T ln(1 + |u_b| / (V + D +- E))) of the period, + where u_b > 0. That is exact for a current that ends
-//! within the period, and for one that never ends, where the share is f whatever the current began with. The mean
+//! Where the diodes have ended the current, the short leaves u_0 = -E (1 - e^(-(1-d-f)T/tau)) for the next period, and
+//! u_b = (V - E)(1 - e^(-dT/tau)) + u_0 e^(-dT/tau) is there when the driver switches off. The diodes conduct for the
+//! share min(f, tau/T ln(1 + |u_b| / (V + D +- E))) of the period, + where u_b > 0. That is exact for a current that
+//! ends within the period, and for one that never ends, where the share is f whatever the current began with. The mean
 //! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model.
 
 use super::decay::decay;
@@ -78,8 +79,9 @@ impl<S: Scalar> Coast<S> {
         let (zero, one) = (S::zero(), S::one());
         let off = one - (command * self.per_supply).min(one);
         let floating = self.share * off;
-        let driven = (self.supply - emf) * (one - decay((one - off) * self.period));
-        let left = (driven + emf) * decay((off - floating) * self.period) - emf;
+        let begun = emf * (decay((off - floating) * self.period) - one);
+        let driven = decay((one - off) * self.period);
+        let left = (self.supply - emf) * (one - driven) + begun * driven;
         let way = S::pick_gt(left, zero, one, -one);
         let against = way.mul_add(emf, self.supply + S::lit(DIODES_V));
         let conducting = (self.per_period * ln_one_and(left.abs(), against)).min(floating);
@@ -124,14 +126,14 @@ mod tests {
     fn switched(command: f64, emf: f64, [share, frequency]: [f64; 2], tau: f64) -> f64 {
         const PARTS: usize = 20_000;
         let (supply, duty) = (RIG.supply_v, command / RIG.supply_v);
-        let braked = duty + (1.0 - duty) * (1.0 - share);
+        let floated = duty + (1.0 - duty) * share;
         let h = 1.0 / (frequency * PARTS as f64);
         let (mut u, mut sum) = (0.0_f64, 0.0);
         for _ in 0..(20.0 * tau * frequency) as usize + 3 {
             sum = 0.0;
             for k in 0..PARTS {
                 let phase = (k as f64 + 0.5) / PARTS as f64;
-                let floats = phase > braked;
+                let floats = phase >= duty && phase < floated;
                 let terminal = match phase {
                     p if p < duty => supply,
                     _ if !floats => 0.0,

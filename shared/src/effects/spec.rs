@@ -134,7 +134,7 @@ pub struct Spec {
     pub signature: &'static str,
     /// Parameters, in order.
     pub parameters: &'static [Parameter],
-    /// Finite trial values for the diagnosis, in each parameter's scale.
+    /// Finite trial values for the diagnosis, in each parameter's scale. The more shapes are tried, the more the best has to gain.
     pub probes: &'static [&'static [f64]],
     /// Where else a search for it begins.
     pub search: Search,

@@ -85,17 +85,17 @@ impl Driver {
         let Some(coast) = &self.coast else {
             return (Bridge::Volts(magnitude.copysign(asked)), until);
         };
-        // One period: driven fully for its duty, braked for what does not float, then floating.
+        // One period: driven fully for its duty, then floating for its share of the rest, then braked.
         let duty = magnitude / self.nominal_v;
-        let braked = duty + (1.0 - duty) * (1.0 - coast.share);
+        let floated = duty + (1.0 - duty) * coast.share;
         let periods = now / coast.period_s + state.phase + 1e-9;
         let (start, part) = ((periods.floor() - state.phase) * coast.period_s, periods.fract());
         let (bridge, edge) = if part < duty {
             (Bridge::Volts(self.nominal_v.copysign(asked)), duty)
-        } else if part < braked {
-            (Bridge::Volts(0.0), braked)
+        } else if part < floated {
+            (Bridge::Floating, floated)
         } else {
-            (Bridge::Floating, 1.0)
+            (Bridge::Volts(0.0), 1.0)
         };
         until = until.min(start + edge * coast.period_s);
         (bridge, until)
