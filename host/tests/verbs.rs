@@ -181,7 +181,10 @@ fn discover_diagnose_and_compare_say_one_thing_of_one_model_and_its_records() {
     let again = run(directory.path(), &format!("diagnose d.json {logs} --json")).ends(0).json();
     assert_eq!(again["effects"], Value::Array(vec![]), "nothing further");
     assert_eq!((&again["verdict"], &again["headline"]), (&found["verdict"], &found["headline"]));
-    run(directory.path(), &format!("fit {logs} --out base.json")).ends(0);
+    let fit = run(directory.path(), &format!("fit {logs} --out base.json --json")).ends(0).json();
+    let compared = run(directory.path(), &format!("compare base.json {logs} --json")).ends(0).json();
+    let [by_fit, by_compare] = [&fit["train"], &compared["pooled"]].map(|m| number(&m["rmse"]));
+    assert!((by_fit / by_compare - 1.0).abs() < 1e-9, "{by_fit} {by_compare}");
     let first = run(directory.path(), &format!("diagnose base.json {logs} --json")).ends(0).json();
     assert_eq!((&first["effects"][0], &first["verdict"]), (&"coulomb".into(), &"unexplained".into()));
     assert_eq!(first["next_step"]["action"], "add");

@@ -43,8 +43,11 @@ pub fn within_a_count(errors: impl ExactSizeIterator<Item = f64>, quantum: f64) 
     (errors.sum::<f64>() / n).clamp(-quantum, quantum)
 }
 
-/// Runs `values` over every record of `problem`.
+/// Runs `values` over every record of `problem`. Records that begin in motion do so at the speeds that this model finds for them, whatever
+/// model they were laid out under: so a model has one error, whoever asks for it.
 pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
+    let mut problem = problem.clone();
+    problem.find_moving_starts(values);
     let kinds = values.kinds();
     let layout: Layout = problem.layout(&kinds);
     let plain = layout.all_plain(&layout.pack(values));

@@ -50,12 +50,9 @@ fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
     evidence.kept_out.as_ref().and_then(|kept_out| simulated(kept_out, values))
 }
 
-/// The errors of `values` on the records of `problem` as `compare` has them: those that begin in motion do so at the speeds that this model
-/// finds for them.
+/// The errors of `values` on the records of `problem`, as `compare` has them.
 pub(crate) fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
-    let mut problem = problem.clone();
-    problem.find_moving_starts(values);
-    pooled(&free_runs(&problem, values))
+    pooled(&free_runs(problem, values))
 }
 
 /// The `candidates` of the first step in order, with the share of the error that each takes away from `base`, as multiples of the noise.

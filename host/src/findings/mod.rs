@@ -2,6 +2,7 @@
 
 mod standing;
 mod verdict;
+mod yardstick;
 
 use std::path::Path;
 
@@ -23,7 +24,8 @@ use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
-pub use verdict::{Errors, Verdict, multiple, times};
+pub use verdict::{Errors, Verdict, multiple};
+pub use yardstick::Yardstick;
 
 /// Everything found, in the order of the published layout.
 #[derive(Debug, Serialize)]

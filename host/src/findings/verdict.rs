@@ -4,6 +4,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::standing::Doubted;
+use super::yardstick::is_known;
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::report::figure::in_words;
@@ -18,9 +19,6 @@ const CLOSE: f64 = 1.5;
 const STRAYED: f64 = 0.25;
 /// What equations that are idealised may leave of it beside any noise: readings of a fine encoder show what nobody needs to know.
 const IDEALISED: f64 = 0.005;
-/// A noise level that is a smaller share of the motion is that of a file's decimals or of a filter: a geared motor's encoder has no such steps.
-const SMOOTH: f64 = 1e-6;
-
 /// How a diagnosis ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -70,8 +68,7 @@ impl Errors {
 
     /// Error of the accepted model in multiples of the noise level; none where the readings are too smooth to have one.
     pub fn left_over(&self) -> Option<f64> {
-        let motion = if self.missed > 0.0 { self.model / self.missed } else { 0.0 };
-        (self.noise > SMOOTH * motion).then(|| self.model / self.noise)
+        is_known(self.noise, self.model, self.missed).then(|| self.model / self.noise)
     }
 
     /// Fraction of the error above the noise level that the effects explain: negative where the error rose, none where

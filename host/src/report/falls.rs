@@ -1,4 +1,4 @@
-//! Step 5, Error: the models from the base model to the accepted one, in multiples of the noise.
+//! Step 5, Error: the models from the base model to the accepted one, in multiples of the noise where that is known.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::{multiple, times};
+use crate::findings::Yardstick;
 
 /// The error that counts for a model: on validation records where there are any.
 pub fn judged(rung: &Rung) -> Measures {
@@ -42,6 +42,8 @@ pub struct Ladder<'a> {
     pub baseline: Option<&'a Rung>,
     /// Noise level, in the measured unit.
     pub noise: f64,
+    /// The measured unit.
+    pub unit: &'static str,
 }
 
 /// A step as the table tells it.
@@ -53,21 +55,27 @@ pub struct Row {
     pub fit: String,
     /// Error on the validation records.
     pub validation: Option<String>,
-    /// The error that counts, in multiples of the noise.
-    pub multiple: String,
+    /// The error that counts, in multiples of the noise; none where that is too small to be known.
+    pub multiple: Option<String>,
     /// Where the error rose most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rise: Option<String>,
 }
 
 impl Ladder<'_> {
-    fn multiples(&self, of: impl Fn(&Rung) -> f64) -> Vec<f64> {
-        self.rungs.iter().map(|rung| of(rung) / self.noise.max(1e-300)).collect()
+    fn yardstick(&self) -> Yardstick {
+        let measures = self.rungs.first().map_or_else(Measures::default, judged);
+        Yardstick::new(self.noise, &measures, self.unit)
     }
 
-    /// The error of the last model in multiples of the noise.
-    pub fn last_over_noise(&self) -> f64 {
-        self.multiples(|rung| judged(rung).rmse).last().copied().unwrap_or(0.0)
+    fn on_axis(&self, of: impl Fn(&Rung) -> f64) -> Vec<f64> {
+        let yardstick = self.yardstick();
+        self.rungs.iter().map(|rung| yardstick.on_axis(of(rung))).collect()
+    }
+
+    /// The error of the last model in multiples of the noise; none where that is not known.
+    pub fn last_over_noise(&self) -> Option<f64> {
+        self.yardstick().over_noise(judged(self.rungs.last()?).rmse)
     }
 
     /// Steps whose error is higher than that of the step before.
@@ -83,13 +91,14 @@ impl Ladder<'_> {
     }
 
     /// The steps as a table; kS-kV-kA stands first.
-    pub fn rows(&self, unit: &str) -> Vec<Row> {
+    pub fn rows(&self) -> Vec<Row> {
+        let (yardstick, unit) = (self.yardstick(), self.unit);
         let rising: Vec<usize> = self.rising().collect();
         let row = |step: String, rung: &Rung, rise: Option<String>| Row {
             step,
             fit: in_words(rung.train.rmse, unit),
             validation: rung.validation.map(|m| in_words(m.rmse, unit)),
-            multiple: multiple(judged(rung).rmse / self.noise.max(1e-300)),
+            multiple: yardstick.noise().map(|_| yardstick.words(judged(rung).rmse)),
             rise,
         };
         let usual = self.baseline.map(|rung| row("kS-kV-kA".into(), rung, None));
@@ -102,9 +111,10 @@ impl Ladder<'_> {
     }
 
     fn reading(&self) -> String {
-        let values = self.multiples(|rung| judged(rung).rmse);
+        let yardstick = self.yardstick();
         let on = if self.validated() { " on validation records" } else { " on the records fitted" };
-        let [first, last] = [values.first(), values.last()].map(|v| multiple(v.copied().unwrap_or(0.0)));
+        let told = |rung: Option<&Rung>| yardstick.words(rung.map_or(0.0, |rung| judged(rung).rmse));
+        let [first, last] = [self.rungs.first(), self.rungs.last()].map(told);
         let mut text = match self.rungs.len() {
             0 | 1 => format!("The base model's error is {first}{on}."),
             _ => format!("The error goes from {first} to {last}{on}."),
@@ -115,8 +125,8 @@ impl Ladder<'_> {
             text += &format!(" Step {} raised it{place}.", names[k]);
         }
         if let Some(usual) = self.baseline {
-            let usual = judged(usual).rmse / self.noise.max(1e-300);
-            text += &format!(" kS-kV-kA, the usual model, leaves {}.", multiple(usual));
+            let left = yardstick.words(judged(usual).rmse);
+            text += &format!(" kS-kV-kA, the usual model, leaves {left}.");
         }
         text
     }
@@ -125,19 +135,20 @@ impl Ladder<'_> {
         self.rungs.iter().any(|r| r.validation.is_some())
     }
 
-    /// The models in order, each a dot at its error in multiples of the noise; a rise is a red line.
+    /// The models in order, each a dot at its error; a rise is a red line.
     pub fn figure(&self) -> Figure {
-        let values = self.multiples(|rung| judged(rung).rmse);
+        let yardstick = self.yardstick();
+        let values = self.on_axis(|rung| judged(rung).rmse);
         let name = if self.validated() { "on validation records" } else { "on the records fitted" };
         let mut columns = vec![Numbers::new((0..values.len()).map(|k| k as f64), 5)];
         let mut curves = vec![Curve {
             draw: Draw::Dotted,
-            words: values.iter().map(|v| times(*v)).collect(),
+            words: self.rungs.iter().map(|rung| yardstick.label(judged(rung).rmse)).collect(),
             ..Curve::line("model", name, 0, Numbers::new(values.iter().copied(), 5))
         }];
         let mut all = values.clone();
         if self.validated() {
-            let train = self.multiples(|rung| rung.train.rmse);
+            let train = self.on_axis(|rung| rung.train.rmse);
             all.extend(&train);
             let train = Numbers::new(train, 5);
             curves.push(Curve {
@@ -152,25 +163,23 @@ impl Ladder<'_> {
             curves.push(Curve { draw: Draw::Dotted, ..Curve::line("fault", name, columns.len() - 1, rise) });
         }
         if let Some(usual) = self.baseline {
-            let usual = judged(usual).rmse / self.noise.max(1e-300);
+            let usual = yardstick.on_axis(judged(usual).rmse);
             all.push(usual);
             let level = Numbers::new(values.iter().map(|_| usual), 5);
             curves.push(Curve { draw: Draw::Points, ..Curve::line("base", "kS-kV-kA", 0, level) });
         }
-        let high = all.iter().copied().fold(1.0, f64::max);
-        let low = all.iter().copied().filter(|v| *v > 0.0).fold(1.0, f64::min);
+        all.extend(yardstick.noise());
+        let some = || all.iter().copied().filter(|v| *v > 0.0 && v.is_finite());
+        let (low, high) = (some().fold(f64::MAX, f64::min), some().fold(0.0, f64::max));
+        let range = if high > 0.0 { [0.6 * low, 2.0 * high] } else { [0.5, 2.0] };
         Figure {
             x: Axis { names: steps(self.rungs), ..Axis::titled("Model (step)") },
             columns,
             panels: vec![Panel {
-                y: Axis {
-                    log: true,
-                    range: Some([0.6 * low, 2.0 * high]),
-                    ..Axis::titled("Error, multiples of the noise (1)")
-                },
+                y: Axis { log: true, range: Some(range), ..Axis::titled(yardstick.axis()) },
                 height: 300,
                 curves,
-                floor: Some([1.0, 1.0]),
+                floor: yardstick.noise().map(|noise| [noise, noise]),
             }],
             ..Figure::titled("ladder", "Error of each model", self.reading())
         }
@@ -204,7 +213,13 @@ mod tests {
     fn a_rise_is_red_and_names_record_and_time() {
         let rungs = [rung(&[], 0.1), rung(&[Kind::Delay], 0.2), rung(&[Kind::Delay, Kind::Coulomb], 0.002)];
         let rise = Rise { record: "stairs".into(), at_s: 3.25, times: 2.0 };
-        let ladder = Ladder { rungs: &rungs, rises: &[None, Some(rise), None], baseline: None, noise: 0.001 };
+        let ladder = Ladder {
+            rungs: &rungs,
+            rises: &[None, Some(rise), None],
+            baseline: None,
+            noise: 0.001,
+            unit: "rad",
+        };
         let figure = ladder.figure();
         assert!(figure.reading.contains("from 100 x the noise to 2.0 x"), "{}", figure.reading);
         assert!(
@@ -214,15 +229,16 @@ mod tests {
         );
         let red: Vec<_> = figure.panels[0].curves.iter().filter(|c| c.role == "fault").collect();
         assert_eq!(red.len(), 1);
-        let rows = ladder.rows("rad");
+        let rows = ladder.rows();
         assert!(rows[0].rise.is_none() && rows[1].rise.is_some() && rows[2].rise.is_none());
     }
 
     #[test]
     fn the_usual_model_stands_beside_the_others() {
         let (rungs, usual) = ([rung(&[], 0.1)], rung(&[Kind::Coulomb], 0.05));
-        let ladder = Ladder { rungs: &rungs, rises: &[None], baseline: Some(&usual), noise: 0.01 };
+        let ladder =
+            Ladder { rungs: &rungs, rises: &[None], baseline: Some(&usual), noise: 0.01, unit: "rad" };
         assert!(ladder.figure().reading.ends_with("kS-kV-kA, the usual model, leaves 5.0 x the noise."));
-        assert_eq!(ladder.rows("rad")[0].step, "kS-kV-kA");
+        assert_eq!(ladder.rows()[0].step, "kS-kV-kA");
     }
 }

@@ -87,6 +87,7 @@ fn ladder(story: &Story) -> falls::Ladder<'_> {
         rises: &story.rises,
         baseline: story.baseline.as_ref(),
         noise: story.floor,
+        unit: story.unit,
     }
 }
 
@@ -125,7 +126,7 @@ pub fn html(story: &Story) -> Result<String> {
         "records": words::record_rows(story),
         "rivals": story.rivals,
         "next": story.next,
-        "rungs": ladder(story).rows(story.unit),
+        "rungs": ladder(story).rows(),
         "terms": glossary::terms(&in_model(story)),
         "words": glossary::WORDS,
         "equations": glossary::BASE_EQUATIONS,

@@ -1,10 +1,10 @@
 //! Step 1, Compare: measurement and model over time, one figure a record.
 
 use super::decimate::keep;
-use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
+use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel};
 use super::story::Shown;
 use crate::compare::free_run::FreeRun;
-use crate::findings::multiple;
+use crate::findings::Yardstick;
 use crate::fit::grid::Quantity;
 use crate::log::timing::median_interval;
 
@@ -96,7 +96,8 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
     }
     let residuals =
         vec![curve("base", &shown.against, &base_left), slid("left", curve("model", "model", &left))];
-    let told = |error: f64| multiple(error / floor.max(1e-300));
+    let measures = shown.model.measures();
+    let told = Yardstick::new(floor, &measures, unit);
     let noise = Some([-2.0 * floor, 2.0 * floor]);
     panels.push(Panel { floor: noise, ..panel(format!("Residual ({unit})"), 170, residuals) });
     let volts = Curve { draw: Draw::Steps, ..curve("voltage", "voltage", &run.voltage_v) };
@@ -107,12 +108,12 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
-            "{}: the error is {} with the model and {} with {}; the noise level is {}.",
+            "{}: the error is {} with the model and {} with {}; {}.",
             if shown.unseen { "Validation record" } else { "Record fitted" },
-            told(shown.model.measures().rmse),
-            told(shown.base.measures().rmse),
+            told.words(measures.rmse),
+            told.words(shown.base.measures().rmse),
             shown.against,
-            in_words(floor, unit),
+            told.noise_in_words(),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
         columns,

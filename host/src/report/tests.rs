@@ -3,6 +3,7 @@ use std::sync::LazyLock;
 use motorlens_virtual_motor::{Effect, Motor};
 
 use super::*;
+use crate::compare::free_run::pooled;
 use crate::diagnose::discover::{Options, discover};
 use crate::findings::Findings;
 use crate::fit::uncertainty::Estimate;
@@ -30,6 +31,30 @@ static STORY: LazyLock<Story> = LazyLock::new(|| {
     }];
     Story::of(&found, &Findings::new(&found, &faults), &fitted)
 });
+
+#[test]
+fn table_and_ladder_tell_one_error_of_records_that_begin_in_motion() {
+    let plays = plays(Excitation::Default, 3.0, 12.0, None, 1);
+    let effects = vec![Effect::parse("coulomb=0.4").unwrap()];
+    let mut records = Scenario::new(Motor::paper(), effects, 1).records(&plays[..2]).unwrap();
+    for record in &mut records {
+        let from = record.len() / 4;
+        record.time_s.drain(..from);
+        record.voltage_v.drain(..from);
+        record.angle_rad.as_mut().unwrap().drain(..from);
+    }
+    let options = Options { library: vec![Kind::Coulomb], most: 1 };
+    let found = discover(&records, &[], &MotorFile::default(), &options, &mut |_| ()).unwrap();
+    let story = Story::of(&found, &Findings::new(&found, &[]), &records);
+    let (bases, models): (Vec<_>, Vec<_>) =
+        story.records.iter().map(|s| (s.base.clone(), s.model.clone())).unzip();
+    let [base, model] = [bases, models].map(|runs| pooled(&runs).unwrap().rmse);
+    let [first, last] = [&found.ladder[0], found.ladder.last().unwrap()].map(|rung| rung.train.rmse);
+    assert!(
+        (base / first - 1.0).abs() < 1e-9 && (model / last - 1.0).abs() < 1e-9,
+        "{base} {first} {model} {last}"
+    );
+}
 
 #[test]
 fn a_report_of_the_default_protocol_needs_no_network_and_less_than_6_megabytes() {

@@ -6,6 +6,7 @@ use super::falls::judged;
 use super::figure::in_words;
 use super::story::Story;
 use crate::diagnose::ladder::Rung;
+use crate::findings::Yardstick;
 use crate::fit::uncertainty::Estimate;
 use crate::formula;
 use crate::glossary;
@@ -35,12 +36,12 @@ pub struct RecordRow {
 }
 
 /// The errors behind the verdict, in the measured unit.
-pub fn summary(ladder: &[Rung], floor: f64, unit: &str) -> String {
+pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str) -> String {
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let error = |m: f64| in_words(m, unit);
     let (before, after) = (judged(first).rmse, judged(last).rmse);
     let on = if last.validation.is_some() { "validation records" } else { "the records fitted" };
-    let noise = format!("the noise level is {}", error(floor));
+    let noise = Yardstick::new(floor, &judged(last), unit).noise_in_words();
     if last.effects.is_empty() {
         return format!("Simulation error of the base model on {on}: {} rms; {noise}.", error(before));
     }

@@ -137,10 +137,11 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                     rises: &scene.rises,
                     baseline: scene.baseline.as_ref(),
                     noise: scene.floor,
+                    unit: scene.unit,
                 };
                 json!({
                     "figures": [ladder.figure()],
-                    "rows": ladder.rows(scene.unit),
+                    "rows": ladder.rows(),
                     "last_over_floor": ladder.last_over_noise(),
                     "summary": words::summary(&scene.ladder, scene.floor, scene.unit),
                     "standing": scene.standing(),
