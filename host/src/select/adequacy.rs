@@ -14,8 +14,9 @@ const LITTLE: f64 = 2.0;
 const NEXT_TO_NOTHING: f64 = 0.01;
 /// A larger share than this is no chance, however few stretches show it.
 const MUCH: f64 = 0.2;
-/// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows.
-const MOST_DISTURBANCE: f64 = 0.1;
+/// A larger torque than this, of the stall torque at the highest voltage, is no disturbance but something that nobody knows: a rough floor or
+/// cable comes to a twentieth (docs/EXAM.md), and what the derivatives of the readings add is beside it.
+const MOST_DISTURBANCE: f64 = 0.06;
 
 /// A model whose error is so many times that of kS-kV-kA is beaten by it.
 const BEATEN: f64 = 1.1;
