@@ -345,8 +345,7 @@ pub fn fit(
 ///
 /// ```
 /// use std::ops::ControlFlow;
-/// use motorlens::{Measured, Options, add, estimate, fit, record};
-/// use motorlens_shared::effects::Kind;
+/// use motorlens::{Kind, Measured, Options, add, estimate, fit, record};
 /// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
 /// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
 /// # let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
@@ -372,6 +371,56 @@ pub fn add(
     observer: Observer,
 ) -> Result<estimate::Addition> {
     watched(observer, move |_| estimate::add(model, effect, records, &options.validation, &options.motor))
+}
+
+/// Whether two sets of records come from one motor. Models with `effects` are fitted to either set and to both; without `effects`, those
+/// that [`discover_records`] finds on the first set.
+///
+/// # Errors
+/// As [`fit()`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use motorlens::same::Verdict;
+/// use motorlens::{Measured, Options, record, same};
+/// # let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 2e-3).collect();
+/// # let run = |name: &str, steps: [f64; 5], gain: f64| {
+/// #     let volts: Vec<f64> = (0..1000).map(|k| steps[k / 100 % 5]).collect();
+/// #     let (mut angle, mut x, mut w) = (vec![0.0], 0.0_f64, 0.0_f64);
+/// #     for k in 0..999 {
+/// #         for _ in 0..20 {
+/// #             w += 1e-4 * (gain * volts[k] - w) / 0.05;
+/// #             x += 1e-4 * w;
+/// #         }
+/// #         angle.push((x / 1e-3).round() * 1e-3);
+/// #     }
+/// #     record(name, &time, &volts, Measured::Angle(&angle))
+/// # };
+/// # let one = run("one", [6.0, 0.0, -4.0, 2.0, 9.0], 0.9)?;
+/// # let other = run("other", [-3.0, 7.0, 0.0, -8.0, 4.0], 1.2)?;
+/// // Two records, of motors that turn 0.9 and 1.2 rad/s per volt.
+/// let found = same(&[one], &[other], &Options::default(), Some(&[]), &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(found.verdict, Verdict::Different);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
+pub fn same(
+    first: &[Record],
+    second: &[Record],
+    options: &Options,
+    effects: Option<&[Kind]>,
+    observer: Observer,
+) -> Result<crate::same::Comparison> {
+    watched(observer, move |tell| {
+        let motor = &options.motor;
+        let kinds = match effects {
+            Some(kinds) => kinds.to_vec(),
+            None => {
+                let asked = search::Options { library: options.library.clone(), most: options.most };
+                search::discover(first, &[], motor, &asked, &mut |progress| tell(event(progress)))?.effects
+            }
+        };
+        crate::same::same(first, second, motor, &kinds)
+    })
 }
 
 fn event(progress: Progress) -> Event {

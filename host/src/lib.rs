@@ -1,12 +1,14 @@
 //! Fits a geared DC motor's model to logs, and names the missing physical effect.
 //!
 //! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
-//! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts. A [`Model`] simulates
-//! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]) and gets its gains
-//! ([`tune`]). All quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
+//! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts, and [`same()`] compares
+//! two sets of records. An effect is a [`Kind`]. A [`Model`] simulates ([`Model::simulate`]), runs step by step ([`Model::start`]), is
+//! written for other tools ([`export`]) and gets its gains ([`tune`]). All quantities are SI and of the output shaft; torques are
+//! volts, as voltage and motion tell no more.
 //!
-//! Features, all on by default: `cli` (the program), `serve` (the page in a browser), `device` (boards at a serial port).
-//! Without them (`default-features = false`) the library reads logs, fits, diagnoses, simulates and exports.
+//! Features, all on by default: `cli` (the program), `serve` (the page in a browser), `device` (boards at a serial port), and `logs`,
+//! the readers that need a crate: `log-xlsx` (spreadsheets), `log-parquet`, `log-mat` (MATLAB, HDF5), `log-mcap` and `log-npz`, each by
+//! its own name too. Without any (`default-features = false`) the library reads text logs, fits, diagnoses, simulates and exports.
 //!
 //! ```no_run
 //! use std::ops::ControlFlow;
@@ -54,6 +56,7 @@ pub mod tune;
 
 pub use api::{
     Discovered, Error, Event, Measured, Model, Observer, Options, Result, add, discover, discover_records,
-    fit, plan, record,
+    fit, plan, record, same,
 };
+pub use motorlens_shared::effects::Kind;
 pub use run::Running;

@@ -187,9 +187,21 @@ impl Model {
     /// No such file, not JSON, another schema, or parameters that do not fit their effect.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| crate::log::cannot_read(path, &e))?;
+        Self::of(path, &text)
+    }
+
+    /// The model that the content of a model file describes.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn from_json(text: &str) -> Result<Self> {
+        Self::of("model".as_ref(), text)
+    }
+
+    fn of(path: &Path, text: &str) -> Result<Self> {
         let bad = |why: String, remedy: &str| Error::from(BadInput::new(path, why, remedy));
         let refit = "make it anew with motorlens fit or motorlens discover --out model.json";
-        let json: serde_json::Value = serde_json::from_str(&text).map_err(|e| {
+        let json: serde_json::Value = serde_json::from_str(text).map_err(|e| {
             let place = BadInput::new(path, format!("this is not a model file: {e}"), refit);
             Error::from(place.at_line(e.line() as u64).at_character(e.column()))
         })?;
@@ -201,7 +213,7 @@ impl Model {
             }
             None => return Err(bad("this JSON has no schema number, so it is no model file".into(), refit)),
         }
-        let model: Self = serde_json::from_str(&text).map_err(|e| {
+        let model: Self = serde_json::from_str(text).map_err(|e| {
             let place = BadInput::new(path, format!("the model cannot be used: {e}"), refit);
             Error::from(place.at_line(e.line() as u64).at_character(e.column()))
         })?;

@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motorlens::{Discovered, Error, Event, Measured, Options, discover, estimate, fit, record};
-use motorlens_shared::effects::Kind;
+use motorlens::{
+    Discovered, Error, Event, Kind, Measured, Options, discover, discover_records, estimate, fit, plan,
+    record, same,
+};
 
 /// A second-order motor with dry friction, by semi-implicit Euler at 0.1 ms: 6 s of steps at 500 Hz.
 fn measured(friction: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -115,4 +117,46 @@ fn slices_that_do_not_belong_together_are_refused_with_the_place() {
     );
     let short = record("bench", &time[1..], &angle, Measured::Angle(&angle)).unwrap_err().to_string();
     assert!(short.contains("3000 values, and 2999 times"), "{short}");
+}
+
+/// A list that came out empty, of a folder without logs for example.
+#[test]
+fn no_record_at_all_is_refused_and_no_panic() {
+    let (options, how) = (Options::default(), estimate::Options::default());
+    let go = &mut |_: &Event| ControlFlow::Continue(());
+    let (time, volts, angle) = measured(0.6);
+    let one = [record("run", &time, &volts, Measured::Angle(&angle)).unwrap()];
+    for refused in [
+        discover_records(&[], &options, go).err(),
+        fit(&[], &options, &how, go).err(),
+        plan(&[], &options, None, 4.0, go).err(),
+        same(&[], &one, &options, None, go).err(),
+        same(&one, &[], &options, Some(&[]), go).err(),
+    ] {
+        assert!(
+            matches!(&refused, Some(Error::Usage { why, .. }) if why == "there is no record"),
+            "{refused:?}"
+        );
+    }
+}
+
+#[test]
+fn a_comparison_of_two_sets_is_stopped_in_its_fits_too() {
+    let (time, volts, angle) = measured(0.6);
+    let one = [record("run", &time, &volts, Measured::Angle(&angle)).unwrap()];
+    let stopped = same(&one, &one, &Options::default(), Some(&[Kind::Coulomb, Kind::Backlash]), &mut |_| {
+        ControlFlow::Break(())
+    });
+    assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
+}
+
+#[test]
+fn a_model_is_read_from_its_own_text() {
+    let text = include_str!("../examples/model.json");
+    let model = motorlens::Model::from_json(text).unwrap();
+    assert_eq!(
+        serde_json::to_value(&model).unwrap(),
+        serde_json::from_str::<serde_json::Value>(text).unwrap()
+    );
+    assert!(motorlens::Model::from_json("{}").is_err());
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
-use crate::log::{Record, check_all_usable};
+use crate::log::{Record, check_all_usable, check_some};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
 
@@ -13,6 +13,7 @@ use crate::motor_file::MotorFile;
 /// # Errors
 /// Records that say nothing about a motor; see [`check_all_usable`].
 pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
+    check_some(records)?;
     check_all_usable(records)?;
     let (mut problem, _) = laid_out(model, records, motor);
     problem.find_moving_starts(&model.values());

@@ -109,6 +109,7 @@ pub fn diagnose(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
     let at = Instant::now();
+    crate::log::check_some(records)?;
     crate::log::check_all_usable(records.iter().chain(validation))?;
     let (evidence, plain) = settled(laid_out(model, records, motor), records, validation, motor);
     let given = model.values();
@@ -131,6 +132,7 @@ pub fn diagnose(
 /// # Errors
 /// Records that no fit can use.
 pub fn prepare(records: &[Record], validation: &[Record], motor: &MotorFile) -> Result<(Evidence, Fitted)> {
+    crate::log::check_some(records)?;
     crate::log::check_all_usable(records.iter().chain(validation))?;
     Ok(settled(setup::problem(records, motor), records, validation, motor))
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
-use crate::log::{Record, check_all_usable};
+use crate::log::{Record, check_all_usable, check_some};
 use crate::motor_file::MotorFile;
 
 /// Lays out the records and fits the base model to all of them.
@@ -12,6 +12,7 @@ use crate::motor_file::MotorFile;
 /// # Errors
 /// Records that no fit can use.
 pub fn prepare(records: &[Record], motor: &MotorFile) -> Result<(Problem, Values)> {
+    check_some(records)?;
     check_all_usable(records)?;
     let (problem, start) = setup::problem(records, motor);
     let (layout, x) = problem.fit_base(&start);

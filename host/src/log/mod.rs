@@ -87,6 +87,7 @@ pub use still::{breakaway, set_aside_still, still_beside};
 pub use suspicion::{data_faults, suspicions};
 pub(crate) use text::{cannot_read, open as open_text};
 pub use together::together;
+pub(crate) use usable::check_some;
 pub use usable::{Fault, check_all_usable, check_usable, content_faults, faults};
 pub use write::write_canonical;
 

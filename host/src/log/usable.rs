@@ -7,7 +7,7 @@ use super::motion::{peak, span, speed};
 use super::quantum::quantum;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
 use super::{Record, Warning, sysid, unit_check};
-use crate::error::{BadInput, Result};
+use crate::error::{BadInput, Error, Result};
 
 /// Less motion than this in a whole record is none, rad (or rad/s).
 const NO_MOTION: f64 = 1e-4;
@@ -51,6 +51,17 @@ pub fn check_all_usable<'a>(records: impl IntoIterator<Item = &'a Record>) -> Re
         if let Some(fault) = faults.into_iter().find(|fault| !excused(record, fault)) {
             return Err(refusal(record, fault));
         }
+    }
+    Ok(())
+}
+
+/// Refuses to begin without any record.
+///
+/// # Errors
+/// Wrong usage.
+pub(crate) fn check_some(records: &[Record]) -> Result<()> {
+    if records.is_empty() {
+        return Err(Error::usage("there is no record", "give at least one, of a motor that turns"));
     }
     Ok(())
 }
