@@ -3,7 +3,9 @@
 //! One model is fitted to either set and to both together. Where one motor made them, the model of both is as good on each set as
 //! that set's own, and no parameter differs by more than both intervals explain. A parameter's difference is measured in standard
 //! deviations of the difference, from the intervals of [`crate::fit::uncertainty`]; the bar is Bonferroni's for all parameters
-//! that both sets determine. A model that does not explain everything gives other values on every record of one motor, which
+//! that both sets determine. Intervals are those of the place that a fit came to: two effects that do alike trade along a curve, and two
+//! fits of one motor may end at either end of it. So a difference counts only where the likelihood ratio says so too, that is, where
+//! one model of both leaves more error than chance would, taking every sample for independent. A model that does not explain everything gives other values on every record of one motor, which
 //! intervals do not know: so each record (or half of the only one) is fitted by itself too, and what parts the records of a set
 //! counts as uncertainty of the set, in parameters and in errors.
 
@@ -55,7 +57,7 @@ pub struct Difference {
     pub deviations: f64,
     /// Standard deviation by which the records of each set part among themselves.
     pub scatter: [f64; 2],
-    /// Beyond the bar.
+    /// Beyond the bar, and one model of both is worse for it than chance would have it.
     pub differs: bool,
 }
 
@@ -81,6 +83,8 @@ pub struct Comparison {
     pub effects: Vec<Kind>,
     /// Errors on the first set and on the second.
     pub errors: [Errors; 2],
+    /// Twice the logarithm of the likelihood ratio of a model for each set to one of both, samples taken for independent.
+    pub likelihood_ratio: f64,
     /// Share by which a set's model is worse on its own records than the models of single records.
     pub within: f64,
     /// Unit of the errors.
@@ -143,10 +147,19 @@ pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[K
         .zip([&own, &other])
         .map(|(alone, set)| alone.loss(&set.model, motor))
         .fold(0.0, f64::max);
-    let (parameters, open, bar) = differences(&own, &other, &alone);
-    let (verdict, why) = judge(&errors, within, &parameters);
+    let likelihood_ratio = errors
+        .iter()
+        .zip([&own, &other])
+        .map(|(e, set)| 2.0 * set.train.samples as f64 * (e.both / e.own.max(f64::MIN_POSITIVE)).ln())
+        .sum();
+    let (mut parameters, open, bar) = differences(&own, &other, &alone);
+    for parameter in &mut parameters {
+        parameter.differs &= likelihood_ratio > bar * bar;
+    }
+    let (verdict, why) = judge(&errors, within, &parameters, bar);
     let unit = if first.iter().any(|r| r.angle_rad.is_some()) { "rad" } else { "rad/s" };
-    Ok(Comparison { verdict, why, effects: effects.to_vec(), errors, within, unit, bar, parameters, open })
+    let effects = effects.to_vec();
+    Ok(Comparison { verdict, why, effects, errors, likelihood_ratio, within, unit, bar, parameters, open })
 }
 
 fn rmse(records: &[Record], model: &Model, motor: &MotorFile) -> Result<f64> {
@@ -236,7 +249,7 @@ fn differences(first: &Fit, second: &Fit, alone: &[Alone; 2]) -> (Vec<Difference
     (parameters, open, bar)
 }
 
-fn judge(errors: &[Errors; 2], within: f64, parameters: &[Difference]) -> (Verdict, String) {
+fn judge(errors: &[Errors; 2], within: f64, parameters: &[Difference], bar: f64) -> (Verdict, String) {
     let loss = errors.iter().map(|e| e.both / e.own.max(f64::MIN_POSITIVE) - 1.0).fold(0.0, f64::max);
     let names: Vec<&str> = parameters.iter().filter(|p| p.differs).map(|p| p.name.as_str()).collect();
     let percent = 100.0 * loss;
@@ -248,7 +261,17 @@ fn judge(errors: &[Errors; 2], within: f64, parameters: &[Difference]) -> (Verdi
         );
         return (Verdict::Open, why);
     }
+    let elsewhere: Vec<&str> =
+        parameters.iter().filter(|p| p.deviations > bar && !p.differs).map(|p| p.name.as_str()).collect();
     match (names.is_empty(), loss < AS_GOOD) {
+        (true, true) if !elsewhere.is_empty() => (
+            Verdict::Same,
+            format!(
+                "one model is within {percent:.1} % of each set's own, no worse than chance would have it: other values of {} fit \
+                 no better",
+                elsewhere.join(", ")
+            ),
+        ),
         (true, true) => (
             Verdict::Same,
             format!(

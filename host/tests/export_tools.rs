@@ -145,6 +145,31 @@ for line in sys.stdin:
     assert!((volts - cosine).abs() < 1e-6, "{volts}");
 }
 
+/// Units that do not fit, such as radians where a class takes metres, do not compile.
+#[test]
+fn the_lines_for_cpp_compile_with_wpilibs_own_headers() {
+    let Some(python) = python() else { return };
+    let script = "
+import pathlib, subprocess, sys, native.wpimath, native.wpiutil
+lines = pathlib.Path(sys.argv[1]).read_text().split('--- C++ (radians)')[1].split('--- Python')[0]
+source = pathlib.Path(sys.argv[1] + '.cpp')
+source.write_text(lines)
+include = [f'-I{path}/include' for package in (native.wpimath, native.wpiutil) for path in package.__path__]
+subprocess.check_call(['c++', '-std=c++20', '-fsyntax-only', *include, str(source)])
+";
+    let directory = tempfile::tempdir().unwrap();
+    for (name, effects) in [
+        ("simple", vec![(Kind::Coulomb, &[0.3][..])]),
+        ("lift", vec![(Kind::ConstantLoad, &[0.4][..])]),
+        ("arm", vec![(Kind::Gravity, &[0.8, 0.5][..])]),
+    ] {
+        let file = directory.path().join(name);
+        std::fs::write(&file, export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().content).unwrap();
+        let ran = Command::new(&python).args(["-c", script]).arg(&file).output().unwrap();
+        assert!(ran.status.success(), "{name}: {}", String::from_utf8_lossy(&ran.stderr));
+    }
+}
+
 /// Isaac Lab comes with a simulator that needs a graphics card: its configuration is run beside a class of the same fields.
 #[test]
 fn isaac_labs_configuration_and_the_urdf_hold_the_motors_numbers() {

@@ -273,6 +273,70 @@ fn records_of_one_motor_are_the_same_and_of_another_are_not() {
     assert!(misplaced.err.contains("before --"), "{}", misplaced.err);
 }
 
+/// On a single record each two effects that do alike trade: both fits are as good, at other values.
+#[test]
+fn other_values_that_fit_no_better_are_no_other_motor() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    run(here, "simulate --hidden 5 --out s --quiet").ends(0);
+    let words = "same s/prbs.csv --effects delay,winding_heating -m s/motor.toml --json -- s/triangle.csv";
+    let told = run(here, words).ends(0).json();
+    let deviations = told["parameters"][0]["deviations"].as_f64().unwrap();
+    assert!(deviations > told["bar"].as_f64().unwrap(), "no values trade here any more: {told}");
+    assert_eq!(told["verdict"], "same", "{told}");
+    assert_eq!(told["parameters"][0]["differs"], false, "{told}");
+    assert!(told["why"].as_str().unwrap().contains("fit no better"), "{told}");
+}
+
+/// A log of counts and duty, as `discover` reads it with its options.
+#[test]
+fn what_an_export_costs_is_told_on_a_log_that_needs_options_to_be_read() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    model(here, "m.json", 0.9, DRY);
+    let mut log = String::from("pwm,enc\n");
+    for k in 0..400 {
+        let duty = [127, -60, 0, 200][k / 100];
+        log += &format!("{duty},{}\n", k * k % 97 + 3 * k);
+    }
+    std::fs::write(here.join("duty.csv"), log).unwrap();
+    let words = "export m.json -f wpilib -o m.txt --allow-missing --json --on duty.csv --map duty=pwm:255,angle=enc:counts \
+                 --rate 100 --supply-volts 12 --counts-per-rev 1320 --skip 3.5..";
+    let told = run(here, words).ends(0).json();
+    assert_eq!(told["cost"]["unit"], "rad", "{told}");
+    assert!(told["cost"]["errors"][0].as_f64().unwrap() > 0.0, "{told}");
+}
+
+/// Characters that XML keeps for itself, and a name that the target takes.
+#[test]
+fn an_exported_joint_has_the_name_that_was_asked_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    model(here, "m.json", 0.9, DRY);
+    for (format, named) in [
+        ("urdf", "name=\"left&amp;right\""),
+        ("mujoco", "joint=\"left&amp;right\""),
+        ("isaac", "[\"left&right\"]"),
+        ("bam", "\"left&right\""),
+    ] {
+        let words = format!("export m.json -f {format} -o out --torque-per-volt 0.1 --name left&right");
+        run(here, &words).ends(0);
+        let text = std::fs::read_to_string(here.join("out")).unwrap();
+        assert!(text.contains(named), "{format}: {text}");
+        assert!(!text.contains("\"output\""), "{format}: {text}");
+        // ros2_control loads no component without a plugin.
+        assert!(
+            format != "urdf" || text.contains("<plugin>mock_components/GenericSystem</plugin>"),
+            "{text}"
+        );
+    }
+    // The program beside an MJCF knows the name too.
+    model(here, "m.json", 0.9, DEAD);
+    run(here, "export m.json -f mujoco -o m.xml --name wheel").ends(0);
+    let program = std::fs::read_to_string(here.join("m.py")).unwrap();
+    assert!(program.contains("joint=\"wheel\", rotor=\"wheel\""), "{program}");
+}
+
 #[test]
 fn every_shell_gets_its_completions_and_every_verb_its_page() {
     let directory = tempfile::tempdir().unwrap();
@@ -300,6 +364,14 @@ fn every_shell_gets_its_completions_and_every_verb_its_page() {
         let page = pages.iter().find(|p| p.ends_with(format!("motorlens-{verb}.1"))).expect(verb);
         let text = std::fs::read_to_string(page).unwrap();
         assert!(text.starts_with(".ie") && text.contains(".SH NAME"), "{text}");
+    }
+    // Whatever page a page refers to is there.
+    for page in &pages {
+        let text = std::fs::read_to_string(page).unwrap();
+        for word in text.split(|c: char| c.is_whitespace()).filter(|word| word.ends_with("(1)")) {
+            let name = word.trim_end_matches("(1)").replace('\\', "");
+            assert!(here.join(format!("pages/{name}.1")).is_file(), "{} refers to {name}", page.display());
+        }
     }
     assert!(
         std::fs::read_to_string(here.join("pages/motorlens-export.1")).unwrap().contains("allow\\-missing")

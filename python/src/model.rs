@@ -56,15 +56,6 @@ impl NativeModel {
         phase_margin_deg: f64,
         limit_v: Option<f64>,
     ) -> PyResult<(String, Vec<[Bound<'py, PyBytes>; 3]>)> {
-        if limit_v.is_some_and(|limit| !(limit.is_finite() && limit > 0.0)) {
-            return Err(refused("a controller's limit that is no voltage", "give a positive voltage"));
-        }
-        if !(20.0..=80.0).contains(&phase_margin_deg) {
-            return Err(refused(
-                format!("a phase margin of {phase_margin_deg} degrees"),
-                "give 20 to 80 degrees",
-            ));
-        }
         let options = tune::Options { period_s, phase_margin_deg, limit_v };
         let tuned = py.detach(|| tune(&self.0, &options)).map_err(|e| failed(&e))?;
         let courses = tuned.trials.iter().map(|trial| {

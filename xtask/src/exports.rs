@@ -22,7 +22,7 @@ const PYTHON: [(&str, &str); 5] = [
 
 /// Runs the tests that need the tools.
 pub fn tests() -> Result<Count> {
-    apt::ensure_apt(&["python3-venv", "gcc"])?;
+    apt::ensure_apt(&["python3-venv", "gcc", "g++"])?;
     let python = environment(&process::root().join("target/exports/venv"), &PYTHON)?;
     let there = Command::new(&python).args(["-c", "import bam.simulate"]).output();
     if !there.is_ok_and(|output| output.status.success()) {

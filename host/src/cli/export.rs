@@ -11,9 +11,9 @@ use crate::export::cost::{Cost, cost};
 use crate::export::told::{Told, is_simplified, told};
 use crate::export::{Format, Lost, Options, export};
 use crate::log::mapping::Mapping;
-use crate::log::{self, ReadOptions};
+use crate::log::roles::Range;
+use crate::log::{self, Hold, ReadArgs};
 use crate::model_file::Model;
-use crate::motor_file::{self, MotorFile};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -48,12 +48,54 @@ pub struct Args {
     /// A record on which to tell what the target's lack costs; repeatable [default: a standard programme]
     #[arg(long, value_name = "LOG")]
     on: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// How a record of `--on` is read: as `discover` reads it, whose `--format` is of logs.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reading the records of --on, as for motorlens discover")]
+struct Reading {
     /// What is known of the motor that made the record
     #[arg(short, long, value_name = "motor.toml")]
     motor: Option<PathBuf>,
     /// Columns of the record, where it is a foreign table
     #[arg(long, value_name = "MAP")]
     map: Option<Mapping>,
+    /// What the voltage does between samples: stays (zero) or runs straight to the next (first)
+    #[arg(long, value_enum)]
+    hold: Option<Hold>,
+    /// Samples per second, where no column tells the time
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+    /// Supply of the driver in volts, where the log gives duty only
+    #[arg(long, value_name = "VOLTS", value_parser = positive)]
+    supply_volts: Option<f64>,
+    /// Encoder counts per turn of the output shaft
+    #[arg(long, value_name = "COUNTS", value_parser = positive)]
+    counts_per_rev: Option<f64>,
+    /// Metres that a linear axis goes per turn of the output shaft
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    metres_per_rev: Option<f64>,
+    /// Seconds to leave out, of all records or of one; repeatable
+    #[arg(long, value_name = "[RECORD:]FROM..TO")]
+    skip: Vec<Range>,
+}
+
+impl Reading {
+    fn arguments(&self) -> ReadArgs {
+        ReadArgs {
+            motor: self.motor.clone(),
+            map: self.map.clone(),
+            hold: self.hold,
+            rate: self.rate,
+            supply_volts: self.supply_volts,
+            counts_per_rev: self.counts_per_rev,
+            metres_per_rev: self.metres_per_rev,
+            skip: self.skip.clone(),
+            ..ReadArgs::default()
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -87,13 +129,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let price = if !is_simplified(&exported, &model) && args.on.is_empty() {
         None
     } else {
-        let motor = args.motor.as_deref().map_or_else(|| Ok(MotorFile::default()), motor_file::read)?;
-        let reading = ReadOptions { map: args.map.clone(), motor: motor.clone(), ..ReadOptions::default() };
-        let mut records = Vec::new();
-        for path in &args.on {
-            records.extend(log::read(path, &reading)?);
-        }
-        Some(cost(&model, &exported, &records, &motor)?)
+        let reading = args.reading.arguments();
+        let records = log::load(&args.on, &reading)?.records;
+        Some(cost(&model, &exported, &records, &reading.motor_file()?)?)
     };
     let Told { lacking, mut to_know } = told(&exported, &model, format, &options, price.as_ref());
     if price.is_some() && args.on.is_empty() {

@@ -45,14 +45,16 @@ pub fn man(args: &Man, console: &Console) -> Result<()> {
     std::fs::create_dir_all(&args.directory).map_err(failed)?;
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
-    let verbs = program.get_subcommands().map(|verb| {
-        let name = format!("motorlens-{}", verb.get_name());
-        let page = verb.clone().bin_name(name.replace('-', " ")).display_name(name.clone());
-        (name, page)
-    });
-    let pages: Vec<_> = std::iter::once(("motorlens".to_owned(), program.clone())).chain(verbs).collect();
+    let mut pages = vec![("motorlens".to_owned(), program)];
     let mut written = Vec::new();
-    for (name, command) in pages {
+    // A verb's own verbs, as those of device, have pages too: its page refers to them.
+    while let Some((name, command)) = pages.pop() {
+        let below = command.get_subcommands().filter(|verb| verb.get_name() != "help");
+        pages.extend(below.map(|verb| {
+            let name = format!("{name}-{}", verb.get_name());
+            let page = verb.clone().bin_name(name.replace('-', " ")).display_name(name.clone());
+            (name, page)
+        }));
         let mut page = Vec::new();
         clap_mangen::Man::new(command).render(&mut page).map_err(failed)?;
         let path = args.directory.join(format!("{name}.1"));

@@ -142,7 +142,7 @@ fn contact(
 }
 
 /// What stands in the MJCF beside which the program runs.
-pub(super) struct Beside {
+pub(super) struct Beside<'a> {
     /// N m/V.
     pub torque_per_volt: f64,
     /// Ohm.
@@ -153,8 +153,8 @@ pub(super) struct Beside {
     pub step_s: f64,
     /// Steps from one look at the gear contact to the next.
     pub contact_steps: u32,
-    /// The joint that the motor turns.
-    pub rotor: &'static str,
+    /// The joint of the output shaft, and the one that the motor turns.
+    pub names: [&'a str; 2],
 }
 
 /// The program for `effects`.
@@ -212,7 +212,8 @@ pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Besi
         ("FRICTION", format!("{:?}", beside.friction)),
         ("STEP", format!("{:?}", beside.step_s)),
         ("CONTACT_STEPS", beside.contact_steps.to_string()),
-        ("ROTOR", beside.rotor.to_owned()),
+        ("OUTPUT", format!("{:?}", beside.names[0])),
+        ("ROTOR", format!("{:?}", beside.names[1])),
     ];
     for (place, word) in words {
         text = text.replace(&format!("@{place}@"), &word);

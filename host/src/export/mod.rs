@@ -194,6 +194,11 @@ fn effects(model: &Model) -> Vec<(Kind, Vec<f64>)> {
     effects
 }
 
+/// `text` as the value of an XML attribute.
+fn xml(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// What stands between rotor and load among `effects`, with its parameters.
 fn transmission<S>(effects: &[(Kind, Vec<S>)]) -> Option<&(Kind, Vec<S>)> {
     effects.iter().find(|(kind, _)| kind.is_transmission())

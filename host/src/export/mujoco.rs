@@ -10,7 +10,7 @@ use motorlens_shared::effects::{Kind, Port};
 
 use super::hook::{Beside, contact_grid, program};
 use super::two_bodies::{Between, OUTPUT, ROTOR};
-use super::{Exported, Lost, Options, effects};
+use super::{Exported, Lost, Options, effects, xml};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 use crate::sentence::capital;
@@ -61,7 +61,12 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let late = own.iter().any(|(kind, _)| kind.spec().port == Port::Voltage);
     own = kept.iter().filter(|(kind, _)| !native(*kind) || late && *kind == Kind::Delay).cloned().collect();
 
-    let driven = if between.is_some() { ROTOR } else { OUTPUT };
+    let output = options.name.as_deref().unwrap_or(OUTPUT);
+    if between.is_some() && output == ROTOR {
+        let why = format!("{ROTOR} is the name of the motor's own joint beside the load's");
+        return Err(Error::usage(why, "give another --name"));
+    }
+    let driven = if between.is_some() { ROTOR } else { output };
     let mut parts = Parts::default();
     for (kind, p) in kept.iter().filter(|(kind, _)| !own.iter().any(|(other, _)| other == kind)) {
         add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, driven, model });
@@ -77,7 +82,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         .iter()
         .map(|(kind, _)| Lost::new(*kind, "has no place in MJCF: the Python file beside it applies it"))
         .collect();
-    let scales = Scales { driven, scale, step_s, constant, resistance };
+    let scales = Scales { output, driven, scale, step_s, constant, resistance };
     if step_s > between.as_ref().and_then(Between::usual_step_s).unwrap_or(STEP_S) {
         notes.push(format!("With steps of {step_s:e} s MuJoCo may err by more than a hundredth of a good model's error; leave out the step."));
     }
@@ -88,8 +93,8 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let beside = (!own.is_empty()).then(|| {
         let friction = parts.friction;
         let contact_steps = contact_grid(&own).map_or(1, |grid_s| (grid_s / step_s).round() as u32);
-        let beside =
-            Beside { torque_per_volt: scale, resistance, friction, step_s, contact_steps, rotor: driven };
+        let names = [output, driven];
+        let beside = Beside { torque_per_volt: scale, resistance, friction, step_s, contact_steps, names };
         ("py", program(model, &own, &beside))
     });
     Ok(Exported {
@@ -140,7 +145,7 @@ struct Setting<'a> {
     step_s: f64,
     resistance: f64,
     /// The joint that the motor turns.
-    driven: &'static str,
+    driven: &'a str,
     model: &'a Model,
 }
 
@@ -167,7 +172,7 @@ fn add(parts: &mut Parts, kind: Kind, p: &[f64], setting: &Setting) {
                 // An actuator has one ripple; one without a motor constant has nothing else.
                 parts.beside += &format!(
                     "\n    <dcmotor name=\"second_harmonic\" joint=\"{}\" input=\"none\" motorconst=\"0 0\" resistance=\"1\"{}/>",
-                    setting.driven,
+                    xml(setting.driven),
                     ripple((scale * p[2], scale * p[3]), 2.0 * periods)
                 );
             }
@@ -193,8 +198,9 @@ fn ripple((sine, cosine): (f64, f64), periods: f64) -> String {
     format!(" cogging=\"{:e} {periods:e} {:e}\"", sine.hypot(cosine), (-cosine).atan2(-sine))
 }
 
-struct Scales {
-    driven: &'static str,
+struct Scales<'a> {
+    output: &'a str,
+    driven: &'a str,
     scale: f64,
     step_s: f64,
     constant: f64,
@@ -209,13 +215,14 @@ fn mjcf(
     notes: &[String],
 ) -> String {
     let b = &model.base;
-    let Scales { driven, scale, step_s, constant, resistance } = scales;
+    let Scales { scale, step_s, constant, resistance, .. } = scales;
+    let (output, driven) = (&xml(scales.output), &xml(scales.driven));
     let (bob, weight) = parts.weight.map_or((String::new(), 0.0), |w| bob(w, *scale));
     let load = if parts.load == 0.0 {
         String::new()
     } else {
         format!(
-            "\n    <general name=\"load\" joint=\"output\" gainprm=\"0\" biastype=\"affine\" biasprm=\"{:e} 0 0\"/>",
+            "\n    <general name=\"load\" joint=\"{output}\" gainprm=\"0\" biastype=\"affine\" biasprm=\"{:e} 0 0\"/>",
             -parts.load
         )
     };
@@ -242,19 +249,19 @@ fn mjcf(
     let (bodies, tendon) = match between {
         None => {
             let more = format!("{dry}\n             {spring}");
-            (body("shaft", OUTPUT, [inertia - weight, viscous], &more, &bob), String::new())
+            (body("shaft", output, [inertia - weight, viscous], &more, &bob), String::new())
         }
         Some(between) => {
             let of_load = [inertia * between.share, viscous * between.damping];
             let rotor = [inertia - of_load[0], viscous - of_load[1]];
             let shaft = [of_load[0] - weight, of_load[1]];
-            let bodies = body("rotor", ROTOR, rotor, &dry, "") + &body("shaft", OUTPUT, shaft, &spring, &bob);
-            (bodies, between.tendon(of_load[0]))
+            let bodies = body("rotor", ROTOR, rotor, &dry, "") + &body("shaft", output, shaft, &spring, &bob);
+            (bodies, between.tendon(output, of_load[0]))
         }
     };
     format!(
         r#"<mujoco model="motorlens">
-  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; joint "output": the output shaft.{comment} -->
+  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; the joint of body "shaft": the output shaft.{comment} -->
   <compiler angle="radian"/>
   <option timestep="{step_s:e}" gravity="0 -9.81 0" integrator="{integrator}"/>
   <worldbody>{bodies}

@@ -5,7 +5,7 @@ use motorlens_shared::effects::Kind;
 use super::hook::contact_grid;
 use super::transmission;
 
-/// The joint of the load, and that of the rotor.
+/// The joint of the load where nobody names it, and that of the rotor.
 pub(super) const OUTPUT: &str = "output";
 pub(super) const ROTOR: &str = "rotor";
 
@@ -57,15 +57,15 @@ impl Between {
         }
     }
 
-    /// The tendon that turns with the rotor against the load; its spring and damper act on the load's `inertia`, kg m^2.
-    pub fn tendon(&self, inertia: f64) -> String {
+    /// The tendon that turns with the rotor against the load's joint `output`; its spring and damper act on the load's `inertia`, kg m^2.
+    pub fn tendon(&self, output: &str, inertia: f64) -> String {
         let Lies::Shaft([rate, ratio]) = self.lies else { return String::new() };
         format!(
             r#"
   <tendon>
     <fixed name="transmission" stiffness="{:e}" damping="{:e}" springlength="0">
       <joint joint="{ROTOR}" coef="1"/>
-      <joint joint="{OUTPUT}" coef="-1"/>
+      <joint joint="{output}" coef="-1"/>
     </fixed>
   </tendon>"#,
             inertia * rate * rate,

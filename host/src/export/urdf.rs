@@ -1,12 +1,14 @@
 //! A URDF joint's limits and dynamics, and its ros2_control block.
 //!
 //! `effort` and `velocity` are stall torque and no-load speed at the nominal voltage, `damping` the viscous friction, `friction` the
-//! dry one. URDF has no armature: Gazebo and others take the rotor's inertia from a link. Source: the URDF specification of a joint.
+//! dry one. URDF has no armature: Gazebo and others take the rotor's inertia from a link. ros2_control loads no component without
+//! a driver; its own mock, which returns every command as the state, stands in the driver's place. Sources: the URDF specification of
+//! a joint, ros2_control's hardware components.
 
 use motorlens_shared::effects::Kind;
 
 use super::actuator::{LOADS, OF_THE_ROBOT, leave, one_level, take};
-use super::{Exported, Format, Options};
+use super::{Exported, Format, Options, xml};
 use crate::error::Result;
 use crate::model_file::Model;
 
@@ -35,7 +37,11 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     <limit effort="{stall:.9}" velocity="{no_load:.9}"/>
     <dynamics damping="{viscous:.9}" friction="{friction:.9}"/>
   </joint>
-  <ros2_control name="motor" type="actuator">
+  <ros2_control name="motor" type="system">
+    <hardware>
+      <!-- A mock, in the place of your driver's plugin. -->
+      <plugin>mock_components/GenericSystem</plugin>
+    </hardware>
     <joint name="{name}">
       <command_interface name="effort">
         <param name="min">-{stall:.9}</param>
@@ -52,7 +58,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
 </robot>
 "#,
         armature = scale * b.tau_m / b.gain,
-        name = options.name.as_deref().unwrap_or("output"),
+        name = xml(options.name.as_deref().unwrap_or("output")),
         stall = scale * volts,
         no_load = b.gain * volts,
         viscous = scale * b.viscous_share / b.gain,

@@ -3,6 +3,7 @@
 //! Of dw/dt = c (u + f) - b w and u = v - k_e w follow kV = k_e + b / c = gain^-1 and kA = 1 / c = tau_m / gain. A weight's torque
 //! -(sine sin x + cosine cos x) is held by kG cos(x - x0); a constant load by a kG of its own. What the driver swallows has to be
 //! commanded before anything moves, as static friction has, so it belongs to kS. Source: WPILib's feedforward classes.
+//! In C++ an `ElevatorFeedforward` is in metres and would refuse radians: there kG is added to the shaft's own feedforward.
 
 use motorlens_shared::effects::Kind;
 
@@ -87,9 +88,18 @@ fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String]) -> Strin
         )
     };
     let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
-    let python_class = format!("{kind}Feedforward{}", if kind == "SimpleMotor" { "Radians" } else { "" });
-    let python_class =
-        if kind == "SimpleMotor" { "SimpleMotorFeedforwardRadians".to_owned() } else { python_class };
+    let class = format!("{kind}Feedforward");
+    let python_class = if kind == "SimpleMotor" { "SimpleMotorFeedforwardRadians" } else { &class };
+    let (cpp_header, cpp_class, cpp_order, cpp_load) = match kind {
+        "Arm" => ("ArmFeedforward", "ArmFeedforward", order, ""),
+        "Elevator" => (
+            "SimpleMotorFeedforward",
+            "SimpleMotorFeedforward<units::radians>",
+            "kS, kV, kA",
+            "// Command feedforward.Calculate(...) + kG: frc::ElevatorFeedforward takes metres.\n",
+        ),
+        _ => ("SimpleMotorFeedforward", "SimpleMotorFeedforward<units::radians>", order, ""),
+    };
     format!(
         "\
 Written by motorlens. Angles and speeds are of the output shaft.
@@ -101,18 +111,24 @@ kG = {kg:.9} V
 
 {zero}{notes}
 --- Java (radians)
+  // import edu.wpi.first.math.controller.{class};
   static final double kS = {ks:.9}; // V
 {gravity}  static final double kV = {kv:.9}; // V s/rad
   static final double kA = {ka:.9}; // V s^2/rad
-  final {kind}Feedforward feedforward = new {kind}Feedforward({order});
+  final {class} feedforward = new {class}({order});
 
 --- C++ (radians)
+#include <frc/controller/{cpp_header}.h>
+#include <units/angular_acceleration.h>
+#include <units/angular_velocity.h>
+#include <units/voltage.h>
 constexpr auto kS = {ks:.9}_V;
 {gravity_cpp}constexpr auto kV = {kv:.9}_V / 1_rad_per_s;
 constexpr auto kA = {ka:.9}_V / 1_rad_per_s_sq;
-frc::{cpp_class} feedforward{{{order}}};
+{cpp_load}frc::{cpp_class} feedforward{{{cpp_order}}};
 
 --- Python (radians)
+import wpimath.controller
 kS = {ks:.9}  # V
 {gravity_py}kV = {kv:.9}  # V s/rad
 kA = {ka:.9}  # V s^2/rad
@@ -120,10 +136,5 @@ feedforward = wpimath.controller.{python_class}({order})
 ",
         kv_turn = kv * turn,
         ka_turn = ka * turn,
-        cpp_class = if kind == "SimpleMotor" {
-            "SimpleMotorFeedforward<units::radians>".into()
-        } else {
-            format!("{kind}Feedforward")
-        },
     )
 }

@@ -78,7 +78,7 @@ pub struct Tuned {
 /// Designs the loops of `model` and tries them.
 ///
 /// # Errors
-/// A period that no loop can hold.
+/// A period, a margin or a limit that no loop can hold.
 ///
 /// ```
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
@@ -91,7 +91,14 @@ pub struct Tuned {
 pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     if !(options.period_s > 0.0 && options.period_s <= 0.1) {
         let why = format!("a controller with a period of {} s", options.period_s);
-        return Err(Error::usage(why, "give a period of at most 0.1 s"));
+        return Err(Error::usage(why, "give a period of more than 0 and at most 0.1 s"));
+    }
+    if !(20.0..=80.0).contains(&options.phase_margin_deg) {
+        let why = format!("a phase margin of {} degrees", options.phase_margin_deg);
+        return Err(Error::usage(why, "give 20 to 80 degrees"));
+    }
+    if let Some(limit) = options.limit_v.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+        return Err(Error::usage(format!("a controller limited to {limit} V"), "give a positive voltage"));
     }
     let delay_s = 0.5 * options.period_s + lag_s(model);
     let margin = options.phase_margin_deg.to_radians();
