@@ -8,15 +8,15 @@ mod watch;
 
 use std::path::PathBuf;
 
-use motorlens::estimate::{self, Method, effect_by_name};
+use motorlens::Kind;
+use motorlens::estimate::{self, Method};
 use motorlens::simulate::SimulateArgs;
-use motorlens_shared::effects::Kind;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::fault::{MotorlensError, failed, refused};
 use crate::model::{NativeModel, NativeRun};
-use crate::records::{Given, asked, motor};
+use crate::records::{Given, NativeRecord, asked, kinds, misread, motor, own_effects};
 use crate::watch::watched;
 
 pub(crate) fn text(value: &impl serde::Serialize) -> PyResult<String> {
@@ -31,9 +31,10 @@ fn discover(
     motor_path: Option<PathBuf>,
     motor_text: Option<&str>,
     most: usize,
+    own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, NativeModel)> {
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, most)?;
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, most, own_effects(&own)?)?;
     let found = watched(py, progress, move |observer| {
         motorlens::discover_records(&asked.records, &asked.options, observer)
     })?;
@@ -48,9 +49,11 @@ fn fit(
     motor_path: Option<PathBuf>,
     motor_text: Option<&str>,
     how: (String, Vec<String>, usize, u32, u64),
+    own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, NativeModel)> {
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0)?;
+    let own = own_effects(&own)?;
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, Vec::new())?;
     let (method, effects, population, generations, seed) = how;
     let method = match method.as_str() {
         "fast" => Method::Fast,
@@ -65,11 +68,7 @@ fn fit(
             ));
         }
     };
-    let effects = effects
-        .iter()
-        .map(|name| effect_by_name(name))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|e| failed(&e))?;
+    let effects = kinds(&effects, &own)?;
     let how = estimate::Options { method, effects, population, generations, seed };
     let seed = how.seed;
     let fitted = watched(py, progress, move |observer| {
@@ -88,14 +87,15 @@ fn fit(
 fn add(
     py: Python,
     model: &NativeModel,
-    effect: &str,
+    effect: String,
     given: Vec<Given>,
     validate: Vec<Given>,
     motor_path: Option<PathBuf>,
     motor_text: Option<&str>,
+    own: Vec<PathBuf>,
 ) -> PyResult<(String, NativeModel)> {
-    let effect = effect_by_name(effect).map_err(|e| failed(&e))?;
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0)?;
+    let effect = kinds(&[effect], &own_effects(&own)?)?[0];
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, Vec::new())?;
     let model = model.0.clone();
     let done = watched(py, None, move |observer| {
         motorlens::add(&model, effect, &asked.records, &asked.options, observer)
@@ -118,7 +118,7 @@ fn plan(
     seconds: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Option<String>> {
-    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, 1)?;
+    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, 1, Vec::new())?;
     let next = watched(py, progress, move |observer| {
         motorlens::plan(&asked.records, &asked.options, volts, seconds, observer)
     })?;
@@ -153,10 +153,15 @@ struct Simulation {
 #[pyfunction]
 fn simulate(py: Python, options: Vec<String>) -> PyResult<String> {
     let words = std::iter::once("simulate".to_owned()).chain(options);
-    let read = <Simulation as clap::Parser>::try_parse_from(words)
-        .map_err(|e| refused(e.to_string(), "see motorlens simulate --help for the options"))?;
+    let read = <Simulation as clap::Parser>::try_parse_from(words).map_err(|e| misread(&e))?;
     let done = py.detach(|| motorlens::simulate::run(&read.options)).map_err(|e| failed(&e))?;
     text(&done)
+}
+
+/// Writes a file, whole or not at all.
+#[pyfunction]
+fn write_file(path: PathBuf, content: &[u8]) -> PyResult<()> {
+    motorlens::atomic_file::write(&path, content).map_err(|e| failed(&e))
 }
 
 #[pymodule]
@@ -165,6 +170,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<NativeModel>()?;
     module.add_class::<NativeRun>()?;
+    module.add_class::<NativeRecord>()?;
+    module.add_function(wrap_pyfunction!(records::read, module)?)?;
+    module.add_function(wrap_pyfunction!(write_file, module)?)?;
     module.add_function(wrap_pyfunction!(discover, module)?)?;
     module.add_function(wrap_pyfunction!(fit, module)?)?;
     module.add_function(wrap_pyfunction!(add, module)?)?;

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use motorlens::export;
-use motorlens::motor_file::MotorFile;
 use motorlens::tune::{self, tune};
 use motorlens::{Error, Model, Running};
 use pyo3::prelude::*;
@@ -11,7 +10,7 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::fault::{failed, refused};
-use crate::records::{bytes, numbers};
+use crate::records::{Given, bytes, motor, numbers, records};
 use crate::text;
 
 /// A fitted motor.
@@ -24,6 +23,10 @@ impl NativeModel {
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
         Model::read(&path).map(Self).map_err(|e| failed(&e))
+    }
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        Model::from_json(text).map(Self).map_err(|e| failed(&e))
     }
     fn write(&self, path: PathBuf) -> PyResult<()> {
         self.0.write(&path).map_err(|e| failed(&e))
@@ -73,25 +76,39 @@ impl NativeModel {
         &self,
         py: Python<'py>,
         format: &str,
-        step_s: Option<f64>,
-        torque_per_volt: Option<f64>,
-        name: Option<String>,
+        how: (Option<f64>, Option<f64>, Option<String>, Option<u8>),
+        on: Vec<Given>,
+        motor_path: Option<PathBuf>,
+        motor_text: Option<&str>,
     ) -> PyResult<Exported<'py>> {
         let format = <export::Format as clap::ValueEnum>::from_str(format, false).map_err(|_| {
             refused(format!("there is no format \"{format}\""), "motorlens export --help lists them")
         })?;
-        let options = export::Options { step_s, torque_per_volt, name, bam_model: None };
-        let (done, told) = py
+        let (step_s, torque_per_volt, name, bam_model) = how;
+        if step_s.is_some_and(|step| !(step > 0.0 && step <= 0.01)) {
+            return Err(refused("a step that no export takes", "give more than 0 and at most 0.01 s"));
+        }
+        if torque_per_volt.is_some_and(|torque| !(torque.is_finite() && torque > 0.0)) {
+            return Err(refused("a torque per volt that is none", "give a positive number of N m/V"));
+        }
+        if bam_model.is_some_and(|number| !(1..=6).contains(&number)) {
+            return Err(refused("a model that BAM does not have", "give 1 to 6"));
+        }
+        let motor = motor(motor_path, motor_text)?;
+        let (on, _) = records(on, Vec::new(), &motor)?;
+        let options = export::Options { step_s, torque_per_volt, name, bam_model };
+        let (done, told, cost) = py
             .detach(|| {
                 let done = export::export(&self.0, format, &options)?;
-                let cost = export::cost::cost(&self.0, &done, &[], &MotorFile::default())?;
+                let cost = export::cost::cost(&self.0, &done, &on, &motor)?;
                 let told = export::told::told(&done, &self.0, format, &options, Some(&cost));
-                Ok((done, told))
+                Ok((done, told, cost))
             })
             .map_err(|e: Error| failed(&e))?;
-        // What is simplified alone is no reason to refuse.
+        // What is simplified is a reason to refuse only where a record tells that it is too much.
+        let refuses = !done.lost.is_empty() || cost.is_too_high();
         let (lost, simplified) =
-            if done.lost.is_empty() { (Vec::new(), told.lacking) } else { (told.lacking, Vec::new()) };
+            if refuses { (told.lacking, Vec::new()) } else { (Vec::new(), told.lacking) };
         let notes = simplified.into_iter().chain(told.to_know).collect();
         let beside = done.beside.map(|(ending, text)| (ending.to_owned(), text));
         Ok((PyBytes::new(py, &done.content), beside, notes, lost))

@@ -3,24 +3,75 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use motorlens::log::{self, ReadOptions, Record};
+use motorlens::log::{self, ReadArgs, ReadOptions, Record, servo};
 use motorlens::motor_file::{self, MotorFile};
-use motorlens::{Measured, Options};
+use motorlens::{Kind, Measured, Options, formula};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::fault::{failed, refused};
 
-/// A record: a log file, or a name with its columns as 64-bit numbers in the machine's order.
+/// A record: a log file, a record that was read, or a name with its columns as 64-bit numbers in the machine's order.
 #[derive(FromPyObject)]
 pub(crate) enum Given {
+    Read(Py<NativeRecord>),
     File(PathBuf),
-    Table(String, BTreeMap<String, Vec<u8>>, BTreeMap<String, String>),
+    Table(String, BTreeMap<String, Vec<u8>>),
 }
 
-/// Columns of a table that a record may have.
-pub(crate) const COLUMNS: [&str; 6] =
-    ["time_s", "voltage_v", "angle_rad", "speed_rad_s", "current_a", "supply_v"];
+/// A record of a log file, with everything that its file and the options tell of it.
+#[pyclass(frozen, name = "NativeRecord")]
+pub(crate) struct NativeRecord(Record);
+
+#[pymethods]
+impl NativeRecord {
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+    /// What was found odd, in sentences.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.iter().map(|w| format!("{}: {}; {}", w.place, w.what, w.fix)).collect()
+    }
+    fn columns<'py>(&self, py: Python<'py>) -> Vec<(&'static str, Bound<'py, PyBytes>)> {
+        let record = &self.0;
+        let columns = [
+            ("time_s", Some(&record.time_s)),
+            ("voltage_v", Some(&record.voltage_v)),
+            ("angle_rad", record.angle_rad.as_ref()),
+            ("speed_rad_s", record.speed_rad_s.as_ref()),
+            ("current_a", record.current_a.as_ref()),
+            ("supply_v", record.supply_v.as_ref()),
+        ];
+        columns.into_iter().filter_map(|(name, column)| Some((name, bytes(py, column?)))).collect()
+    }
+}
+
+/// The options by which the command line reads logs.
+#[derive(clap::Parser)]
+#[command(name = "read")]
+struct Reading {
+    logs: Vec<PathBuf>,
+    #[command(flatten)]
+    options: ReadArgs,
+}
+
+/// Reads logs as the command line does with these words.
+#[pyfunction]
+pub(crate) fn read(py: Python, words: Vec<String>) -> PyResult<Vec<NativeRecord>> {
+    let words = std::iter::once("read".to_owned()).chain(words);
+    let asked = <Reading as clap::Parser>::try_parse_from(words).map_err(|e| misread(&e))?;
+    let loaded = py.detach(|| log::load(&asked.logs, &asked.options)).map_err(|e| failed(&e))?;
+    Ok(loaded.records.into_iter().map(NativeRecord).collect())
+}
+
+/// What is wrong with words that were made of a call's arguments.
+pub(crate) fn misread(error: &clap::Error) -> PyErr {
+    let told = error.to_string();
+    let why = told.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    refused(why, "give the arguments that motorlens --help has of this call, with _ for -")
+}
 
 /// 64-bit numbers from bytes, wherever they lie.
 pub(crate) fn numbers(bytes: &[u8]) -> Vec<f64> {
@@ -32,53 +83,58 @@ pub(crate) fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes
 }
 
 /// The records of `given`; the motor's figures stand above what a log says.
-pub(crate) fn records(given: Vec<Given>, motor: &MotorFile) -> PyResult<Vec<Record>> {
+fn each(given: Vec<Given>, motor: &MotorFile) -> PyResult<Vec<Record>> {
     let reading = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
     let mut records = Vec::new();
     for given in given {
         match given {
             Given::File(path) => records.extend(log::read(&path, &reading).map_err(|e| failed(&e))?),
-            Given::Table(name, columns, meta) => records.push(table(&name, &columns, &meta, motor)?),
+            Given::Table(name, columns) => records.push(table(&name, &columns, motor)?),
+            Given::Read(record) => records.push(known(record.get().0.clone(), motor)?),
         }
     }
     Ok(records)
 }
 
-pub(crate) fn table(
-    name: &str,
-    columns: &BTreeMap<String, Vec<u8>>,
-    meta: &BTreeMap<String, String>,
+/// Records to fit and records to judge by, as the command line lays them out: one controller for all servos, and those in which the motor
+/// stands still, which tell its breakaway voltage and no more, set aside.
+pub(crate) fn records(
+    given: Vec<Given>,
+    validate: Vec<Given>,
     motor: &MotorFile,
-) -> PyResult<Record> {
-    if let Some(other) = columns.keys().find(|column| !COLUMNS.contains(&column.as_str())) {
-        let remedy = format!("name the columns {}", COLUMNS.join(", "));
-        return Err(refused(format!("{name}: a record has no column {other}"), &remedy));
+) -> PyResult<(Vec<Record>, Vec<Record>)> {
+    let mut records = each(given, motor)?;
+    let fitted = records.len();
+    records.extend(each(validate, motor)?);
+    servo::close_loops(&mut records);
+    let mut validation = records.split_off(fitted);
+    let said = log::set_aside_still(&mut records, &mut validation);
+    if let Some(first) = records.first_mut() {
+        first.warnings.extend(said);
     }
+    Ok((records, validation))
+}
+
+fn table(name: &str, columns: &BTreeMap<String, Vec<u8>>, motor: &MotorFile) -> PyResult<Record> {
     let column = |wanted: &str| columns.get(wanted).map(|bytes| numbers(bytes));
-    let needed = |wanted: &str| {
-        column(wanted).ok_or_else(|| {
-            refused(
-                format!("{name}: there is no column {wanted}"),
-                "give time_s, voltage_v and angle_rad or speed_rad_s",
-            )
-        })
-    };
-    let (time, volts) = (needed("time_s")?, needed("voltage_v")?);
     let (angle, speed) = (column("angle_rad"), column("speed_rad_s"));
     let measured = match (&angle, &speed) {
         (Some(angle), _) => Measured::Angle(angle),
         (None, Some(speed)) => Measured::Speed(speed),
-        (None, None) => {
-            return Err(needed("angle_rad").err().unwrap_or_else(|| refused(name, "give angle_rad")));
-        }
+        (None, None) => return Err(refused(format!("{name}: nothing was measured"), "give angle_rad")),
     };
+    let (time, volts) = (column("time_s").unwrap_or_default(), column("voltage_v").unwrap_or_default());
     let mut record = motorlens::record(name, &time, &volts, measured).map_err(|e| failed(&e))?;
-    for (key, mut value) in meta.clone() {
-        if key == "encoder_shaft" {
-            value = value.to_lowercase();
-        }
-        record.meta.insert(&key, &value).map_err(|why| refused(why, "correct the motor's figures"))?;
+    record.current_a = column("current_a");
+    record.supply_v = column("supply_v");
+    if angle.is_some() {
+        record.speed_rad_s = speed;
     }
+    known(record, motor)
+}
+
+/// `record` with the motor's figures above its own.
+fn known(mut record: Record, motor: &MotorFile) -> PyResult<Record> {
     let figures = [
         ("gear_ratio", motor.gear_ratio.map(|x| x.to_string())),
         ("counts_per_rev", motor.counts_per_rev.map(|x| x.to_string())),
@@ -88,11 +144,6 @@ pub(crate) fn table(
         if let Some(value) = value {
             record.meta.insert(key, &value).map_err(|why| refused(why, "correct the motor's figures"))?;
         }
-    }
-    record.current_a = column("current_a");
-    record.supply_v = column("supply_v");
-    if angle.is_some() {
-        record.speed_rad_s = speed;
     }
     Ok(record)
 }
@@ -107,6 +158,20 @@ pub(crate) fn motor(path: Option<PathBuf>, text: Option<&str>) -> PyResult<Motor
     .map_err(|e| failed(&e))
 }
 
+/// Effects of the user's own, each described by a file.
+pub(crate) fn own_effects(files: &[PathBuf]) -> PyResult<Vec<Kind>> {
+    files.iter().map(|file| formula::read(file).map_err(|e| failed(&e))).collect()
+}
+
+/// Effects by their names, the user's own before the library's.
+pub(crate) fn kinds(names: &[String], own: &[Kind]) -> PyResult<Vec<Kind>> {
+    let one = |name: &String| match own.iter().find(|kind| kind.name() == name) {
+        Some(kind) => Ok(*kind),
+        None => motorlens::estimate::effect_by_name(name).map_err(|e| failed(&e)),
+    };
+    names.iter().map(one).collect()
+}
+
 /// Everything that a call on records needs.
 pub(crate) struct Asked {
     pub(crate) records: Vec<Record>,
@@ -118,13 +183,10 @@ pub(crate) fn asked(
     validate: Vec<Given>,
     motor: MotorFile,
     most: usize,
+    own: Vec<Kind>,
 ) -> PyResult<Asked> {
-    let mut validation = records(validate, &motor)?;
-    let mut records = records(given, &motor)?;
-    // A record in which the motor stands still tells its breakaway voltage, and no more.
-    let said = log::set_aside_still(&mut records, &mut validation);
-    if let Some(first) = records.first_mut() {
-        first.warnings.extend(said);
-    }
-    Ok(Asked { records, options: Options { validation, motor, most, ..Options::default() } })
+    let (records, validation) = records(given, validate, &motor)?;
+    let mut options = Options { validation, motor, most, ..Options::default() };
+    options.library.extend(own);
+    Ok(Asked { records, options })
 }

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use motorlens::compare::free_run::{FreeRun, free_runs, pooled};
 use motorlens::compare::problem_of;
-use motorlens::estimate::effect_by_name;
 use motorlens::{Error, Options};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,7 +11,7 @@ use serde_json::json;
 
 use crate::fault::failed;
 use crate::model::NativeModel;
-use crate::records::{Given, bytes, motor, records};
+use crate::records::{Given, bytes, kinds, motor, records};
 use crate::text;
 use crate::watch::watched;
 
@@ -28,7 +27,7 @@ pub(crate) fn compare<'py>(
     motor_text: Option<&str>,
 ) -> PyResult<(String, Vec<Run<'py>>)> {
     let motor = motor(motor_path, motor_text)?;
-    let records = records(given, &motor)?;
+    let (records, _) = records(given, Vec::new(), &motor)?;
     let model = model.0.clone();
     let runs = py
         .detach(|| {
@@ -75,22 +74,12 @@ pub(crate) fn same(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let motor = motor(motor_path, motor_text)?;
-    let (first, second) = (records(first, &motor)?, records(second, &motor)?);
-    let kinds = match effects {
-        Some(names) => names
-            .iter()
-            .map(|name| effect_by_name(name))
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(|e| failed(&e))?,
-        None => {
-            let options = Options { motor: motor.clone(), ..Options::default() };
-            let found =
-                watched(py, progress, |observer| motorlens::discover_records(&first, &options, observer))?;
-            found.model.values().kinds()
-        }
-    };
-    let done =
-        py.detach(|| motorlens::same::same(&first, &second, &motor, &kinds)).map_err(|e| failed(&e))?;
+    let (first, second) = (records(first, Vec::new(), &motor)?.0, records(second, Vec::new(), &motor)?.0);
+    let kinds = effects.map(|names| kinds(&names, &[])).transpose()?;
+    let options = Options { motor, ..Options::default() };
+    let done = watched(py, progress, move |observer| {
+        motorlens::same(&first, &second, &options, kinds.as_deref(), observer)
+    })?;
     let mut document = json!(done);
     document["schema"] = json!(1);
     text(&document)

@@ -1,37 +1,18 @@
-"""The package as its users call it. Real logs are read in place; where they are absent the test says so."""
+"""The package as its users call it."""
 
+import copy
 import json
 import os
 import pathlib
-import signal
+import pickle
 import subprocess
 import sys
-import threading
-import time
 
 import numpy as np
 import pytest
+from conftest import columns
 
 import motorlens
-
-DATA = pathlib.Path(os.environ.get("MOTORLENS_DATA", pathlib.Path(__file__).parents[3] / "shared/data"))
-
-
-@pytest.fixture(scope="session")
-def logs(tmp_path_factory):
-    """Logs of a simulated motor with dry friction."""
-    return motorlens.simulate(tmp_path_factory.mktemp("logs"), effects=["coulomb=0.3"], seconds=5)
-
-
-def columns(path):
-    names = [line for line in open(path) if not line.startswith("#")][0].strip().split(",")
-    rows = np.genfromtxt([line for line in open(path) if not line.startswith("#")], delimiter=",", skip_header=1)
-    return {name: rows[:, k] for k, name in enumerate(names)}
-
-
-@pytest.fixture(scope="session")
-def found(logs):
-    return motorlens.discover(logs["training"] + logs["repeats"], validate=logs["held_out"], motor=logs["motor"])
 
 
 def test_the_readmes_lines_reproduce_the_answer_of_the_demo(tmp_path, monkeypatch):
@@ -60,18 +41,10 @@ def test_the_document_is_that_of_the_command_line(found):
     assert json.loads(json.dumps(document)) == document
 
 
-@pytest.mark.parametrize("kind", ["dict", "pandas", "polars"])
-def test_tables_give_the_same_answer_as_their_files(logs, found, kind):
-    import pandas
-    import polars
-
-    make = {"dict": dict, "pandas": pandas.DataFrame, "polars": polars.DataFrame}[kind]
-    motor = {"gear_ratio": 104, "counts_per_rev": 5000, "encoder_shaft": "output"}
-    tables = [make(columns(path)) for path in logs["training"][:3]]
-    again = motorlens.discover(tables, motor=motor)
-    assert again.effects == found.effects
-    gain = [f.parameters.set_index("name").loc["gain", "value"] for f in (again, found)]
-    assert gain[0] == pytest.approx(gain[1], rel=1e-3)
+def test_a_model_is_copied_and_sent_to_other_processes(found):
+    again = pickle.loads(pickle.dumps(found.model))
+    assert again.to_dict() == found.model.to_dict() == copy.deepcopy(found.model).to_dict()
+    assert again.step(6.0) == found.model.start().step(6.0)
 
 
 def test_a_model_simulates_as_compare_does_and_steps_as_it_simulates(logs, found):
@@ -106,6 +79,18 @@ def test_an_export_that_would_lose_an_effect_is_refused_with_its_cost(logs, tmp_
     assert not (tmp_path / "motor.urdf").exists()
     said = lossy.export("urdf", tmp_path / "motor.urdf", torque_per_volt=0.1, allow_missing=True)
     assert any("backlash" in line for line in said) and (tmp_path / "motor.urdf").exists()
+
+
+def test_an_export_is_judged_on_records_and_written_whole_or_not_at_all(logs, found, tmp_path):
+    # WPILib has no inductance, and a record of quick reversals shows it.
+    record = [path for path in logs["training"] if "prbs" in path]
+    with pytest.raises(motorlens.MotorlensError, match="(?s)more than a hundredth above.*allow_missing"):
+        found.model.export("wpilib", tmp_path / "gains.txt", on=record, motor=logs["motor"])
+    assert not (tmp_path / "gains.txt").exists()
+    said = found.model.export("bam", tmp_path / "m6.json", torque_per_volt=0.1, bam_model=6, name="arm")
+    assert json.loads((tmp_path / "m6.json").read_text())["model"] == "m6" and said
+    with pytest.raises(motorlens.MotorlensError, match="(?s)no folder.*do: make it first"):
+        found.model.export("c", tmp_path / "nowhere/motor.c")
 
 
 def test_gains_follow_from_a_model_and_friction_compensation_pays(found):
@@ -150,77 +135,14 @@ def test_effects_are_a_table_and_a_plan_is_a_programme_or_nothing(logs):
     assert plan is None or (plan["why"] and plan["programme"])
 
 
-def test_other_threads_run_meanwhile(logs):
-    ticks, done = [], threading.Event()
-
-    def tick():
-        while not done.is_set():
-            ticks.append(time.monotonic())
-            time.sleep(0.001)
-
-    thread = threading.Thread(target=tick)
-    thread.start()
-    begun = time.monotonic()
-    motorlens.discover(logs["training"], motor=logs["motor"])
-    seconds = time.monotonic() - begun
-    done.set()
-    thread.join()
-    assert max(np.diff(ticks)) < max(0.1, 0.5 * seconds)
+def test_the_types_are_complete_and_those_of_the_native_part_are_its_own(tmp_path):
+    strict = ["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", os.devnull, "--package", "motorlens"]
+    for words in [strict, ["mypy.stubtest", "motorlens._native"]]:
+        checked = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, cwd=tmp_path)
+        assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
-def test_a_progress_function_sees_the_models_and_stops_the_search_by_raising(logs):
-    events = []
-    motorlens.discover(logs["training"], motor=logs["motor"], progress=events.append)
-    assert {"effects": [], "rmse": pytest.approx(events[0]["rmse"])} == events[0]
-    assert any(event.get("trying") == "backlash" for event in events)
-
-    def stop(event):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        motorlens.discover(logs["training"], motor=logs["motor"], progress=stop)
-
-
-def test_ctrl_c_ends_a_search_soon(logs):
-    words = ["import motorlens", "print('begun', flush=True)"]
-    records = logs["training"] + logs["repeats"]
-    words.append(f"while True: motorlens.discover({[str(path) for path in records]!r}, motor={str(logs['motor'])!r})")
-    child = subprocess.Popen([sys.executable, "-c", "\n".join(words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    child.stdout.readline()
-    time.sleep(0.5)
-    child.send_signal(signal.SIGINT)
-    _, said = child.communicate(timeout=20)
-    assert child.returncode != 0 and "KeyboardInterrupt" in said and "panicked" not in said, said
-
-
-def test_what_cannot_be_used_is_refused_with_a_remedy(logs, tmp_path):
-    table = columns(logs["training"][0])
-    with pytest.raises(motorlens.MotorlensError, match="(?s)no column voltage_v.*do: give"):
-        motorlens.discover([{"time_s": table["time_s"]}])
-    with pytest.raises(motorlens.MotorlensError, match="(?s)time does not rise.*do: "):
-        motorlens.discover([{name: values[::-1] for name, values in table.items()}])
-    with pytest.raises(motorlens.MotorlensError, match="give a list"):
-        motorlens.discover(table)
-    with pytest.raises(motorlens.MotorlensError, match="did you mean coulomb"):
-        motorlens.fit(logs["training"], effects=["coulom"])
-    with pytest.raises(motorlens.MotorlensError, match="absent.csv"):
-        motorlens.discover([tmp_path / "absent.csv"])
-
-
-def test_findings_show_themselves_in_a_notebook(found):
-    page = found._repr_html_()
-    assert "coulomb.level" in page and "data:image/png;base64" in page
-
-
-def test_the_notebook_runs_on_a_real_log():
-    if not (DATA / "undcmotor-angle").is_dir():
-        pytest.skip(f"no real logs at {DATA}")
-    import nbclient
-    import nbformat
-
-    os.environ["MOTORLENS_DATA"] = str(DATA)
-    path = pathlib.Path(__file__).parents[1] / "examples/real_motor.ipynb"
-    notebook = nbformat.read(path, as_version=4)
-    nbclient.NotebookClient(notebook, timeout=300).execute()
-    said = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", []))
-    assert "effects:" in said and "validation rmse" in said
+def test_every_public_name_has_a_description():
+    for name in motorlens.__all__:
+        thing = getattr(motorlens, name)
+        assert name == "__version__" or (thing.__doc__ and not thing.__doc__.startswith(f"{name}(")), name

@@ -2,7 +2,8 @@
 
 Records are paths of logs or tables (a dict of arrays, a pandas or a polars DataFrame) with the columns ``time_s``,
 ``voltage_v`` (at the driver's output, held from each sample to the next) and ``angle_rad`` or ``speed_rad_s`` (of the
-output shaft), one value a sample; ``current_a`` and ``supply_v`` are optional. SI units throughout.
+output shaft), one value a sample; ``current_a`` and ``supply_v`` are optional. SI units throughout. Logs of other columns and units
+are read with :func:`read`.
 
     >>> import motorlens                                                       # doctest: +SKIP
     >>> found = motorlens.discover(["steps.csv"], validate=["unseen.csv"])     # doctest: +SKIP
@@ -13,6 +14,7 @@ output shaft), one value a sample; ``current_a`` and ``supply_v`` are optional. 
 from ._calls import add, compare, discover, effects, fit, plan, same, simulate
 from ._model import Model, Motor, export, load_model
 from ._native import MotorlensError, __version__
+from ._records import Log, read
 from ._results import Addition, Comparison, Findings, Fit, Run, Same
 from ._tune import Course, Tuned, tune
 
@@ -22,6 +24,7 @@ __all__ = [
     "Course",
     "Findings",
     "Fit",
+    "Log",
     "Model",
     "Motor",
     "MotorlensError",
@@ -37,6 +40,7 @@ __all__ = [
     "fit",
     "load_model",
     "plan",
+    "read",
     "same",
     "simulate",
     "tune",

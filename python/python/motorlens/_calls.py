@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _native
+from ._frames import as_frame
 from ._model import Model
-from ._progress import Progress, as_callback
-from ._records import KnownMotor, Record, as_list, as_motor, as_records
-from ._results import Addition, Comparison, Findings, Fit, Run, Same, as_frame
+from ._progress import Progress, watching
+from ._records import EffectFiles, KnownMotor, Record, as_list, as_motor, as_names, as_records
+from ._results import Addition, Comparison, Findings, Fit, Run, Same
 
 
 def discover(
@@ -21,19 +22,22 @@ def discover(
     validate: Iterable[Record] = (),
     motor: KnownMotor = None,
     most: int = 4,
+    effect_files: EffectFiles = (),
     progress: Progress = None,
 ) -> Findings:
     """Fits, diagnoses and adds effects until nothing is worth adding.
 
     ``records`` and ``validate`` are lists of paths or tables (see :mod:`motorlens`); those of ``validate`` touch no fit and no
     choice of an effect. ``motor`` is the path of a motor.toml or its content as a dict, ``most`` the largest number of
-    effects. Ctrl-C stops it; other threads run meanwhile. Raises :class:`MotorlensError` on records that no fit can use.
+    effects. ``effect_files`` are paths of descriptions of effects of your own, which are tried among the others. ``progress`` shows a
+    bar in a terminal and in a notebook, if not given; a function gets every event as a dict, and stops the call by raising.
+    Ctrl-C stops it; other threads run meanwhile. Raises :class:`MotorlensError` on records that no fit can use.
     """
     records, validate = as_list(records), as_list(validate)
     path, text = as_motor(motor)
-    document, native = _native.discover(
-        as_records(records), as_records(validate), path, text, most, as_callback(progress)
-    )
+    given, judges = as_records(records), as_records(validate, "validation record")
+    with watching(progress) as told:
+        document, native = _native.discover(given, judges, path, text, most, list(effect_files), told)
     found, model = json.loads(document), Model(native)
     return Findings(
         effects=found["effects"],
@@ -52,25 +56,26 @@ def discover(
 
 def fit(
     records: Iterable[Record],
-    effects: Sequence[str] = (),
+    effects: Union[str, Iterable[str]] = (),
     validate: Iterable[Record] = (),
     motor: KnownMotor = None,
     method: str = "fast",
     population: int = 80,
     generations: int = 800,
     seed: int = 1,
+    effect_files: EffectFiles = (),
     progress: Progress = None,
 ) -> Fit:
     """Finds the parameters of a model with the given ``effects``.
 
     ``method`` is fast, ga, conventional, paper or feedforward; ``population``, ``generations`` and ``seed`` are the genetic
-    algorithm's. Records and ``motor`` as in :func:`discover`.
+    algorithm's. The rest is as in :func:`discover`.
     """
     path, text = as_motor(motor)
-    how = (method, list(effects), int(population), int(generations), int(seed))
-    document, native = _native.fit(
-        as_records(records), as_records(validate), path, text, how, as_callback(progress)
-    )
+    how = (method, as_names(effects), int(population), int(generations), int(seed))
+    given, judges = as_records(records), as_records(validate, "validation record")
+    with watching(progress, int(generations)) as told:
+        document, native = _native.fit(given, judges, path, text, how, list(effect_files), told)
     found = json.loads(document)
     parameters = as_frame(found["parameters"])
     return Fit(Model(native), parameters, found["train"], found["validation"], found)
@@ -82,12 +87,12 @@ def add(
     records: Iterable[Record],
     validate: Iterable[Record] = (),
     motor: KnownMotor = None,
+    effect_files: EffectFiles = (),
 ) -> Addition:
-    """Adds ``effect`` to ``model``, refits, and says whether it is worth it."""
+    """Adds ``effect`` to ``model``, refits, and says whether it is worth it. The rest is as in :func:`discover`."""
     path, text = as_motor(motor)
-    document, native = _native.add(
-        model._native, effect, as_records(records), as_records(validate), path, text
-    )
+    given, judges = as_records(records), as_records(validate, "validation record")
+    document, native = _native.add(model._native, effect, given, judges, path, text, list(effect_files))
     found = json.loads(document)
     parameters = as_frame(found["parameters"])
     return Addition(effect, found["worth_adding"], found["why"], Model(native), parameters, found)
@@ -118,7 +123,8 @@ def plan(
     records reached, if not given) and ``seconds``.
     """
     path, text = as_motor(motor)
-    answer = _native.plan(as_records(records), path, text, volts, float(seconds), as_callback(progress))
+    with watching(progress) as told:
+        answer = _native.plan(as_records(records), path, text, volts, float(seconds), told)
     return None if answer is None else json.loads(answer)
 
 
@@ -126,7 +132,7 @@ def same(
     first: Iterable[Record],
     second: Iterable[Record],
     motor: KnownMotor = None,
-    effects: Optional[Sequence[str]] = None,
+    effects: Union[str, Iterable[str], None] = None,
     progress: Progress = None,
 ) -> Same:
     """Whether two sets of records come from one motor, and which parameters differ beyond their intervals.
@@ -135,10 +141,10 @@ def same(
     first set. Records and ``motor`` as in :func:`discover`.
     """
     path, text = as_motor(motor)
-    names = None if effects is None else list(effects)
-    found = json.loads(
-        _native.same(as_records(first), as_records(second), names, path, text, as_callback(progress))
-    )
+    names = None if effects is None else as_names(effects)
+    with watching(progress) as told:
+        given = as_records(first, "record"), as_records(second, "second record")
+        found = json.loads(_native.same(*given, names, path, text, told))
     return Same(
         verdict=found["verdict"],
         why=found["why"],
@@ -156,7 +162,7 @@ def effects() -> Any:
 
 def simulate(
     out: Union[str, "os.PathLike[str]"],
-    effects: Sequence[str] = (),
+    effects: Union[str, Iterable[str]] = (),
     hidden: Optional[int] = None,
     **options: Any,
 ) -> dict[str, Any]:
@@ -167,10 +173,11 @@ def simulate(
     dict with the paths: ``motor``, ``training``, ``repeats``, ``held_out``.
     """
     words = ["--out", os.fspath(out)]
-    for effect in effects:
+    for effect in as_names(effects):
         words += ["--effect", effect]
     if hidden is not None:
         words += ["--hidden", str(hidden)]
     for name, value in options.items():
         words += [f"--{name.replace('_', '-')}", str(value)]
-    return json.loads(_native.simulate(words))
+    written: dict[str, Any] = json.loads(_native.simulate(words))
+    return written

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._native import MotorlensError
-from ._records import as_array
+from ._records import KnownMotor, Record, as_array, as_motor, as_records
 from ._tune import Tuned, tune
 
 
@@ -49,7 +50,17 @@ class Model:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of the model file."""
-        return json.loads(self._native.to_json())
+        content: dict[str, Any] = json.loads(self._native.to_json())
+        return content
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> Model:
+        """The model with the content of a model file, as :meth:`to_dict` gives it."""
+        return _from_json(json.dumps(content))
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        # For copies, and for other processes. A motor on its way stays behind.
+        return _from_json, (self._native.to_json(),)
 
     @property
     def effects(self) -> list[str]:
@@ -96,9 +107,12 @@ class Model:
         torque_per_volt: Optional[float] = None,
         name: Optional[str] = None,
         allow_missing: bool = False,
+        bam_model: Optional[int] = None,
+        on: Iterable[Record] = (),
+        motor: KnownMotor = None,
     ) -> list[str]:
         """Writes the model for another tool; see :func:`export`."""
-        return export(self, format, out, step_s, torque_per_volt, name, allow_missing)
+        return export(self, format, out, step_s, torque_per_volt, name, allow_missing, bam_model, on, motor)
 
     def __repr__(self) -> str:
         base = self.to_dict()["base"]
@@ -106,6 +120,10 @@ class Model:
             f"Model(gain={base['gain']:.4g} rad/(s V), tau_m={base['tau_m']:.4g} s, "
             f"effects={self.effects or ['none']})"
         )
+
+
+def _from_json(text: str) -> Model:
+    return Model(_native.NativeModel.from_json(text))
 
 
 def load_model(path: Union[str, os.PathLike[str]]) -> Model:
@@ -121,20 +139,25 @@ def export(
     torque_per_volt: Optional[float] = None,
     name: Optional[str] = None,
     allow_missing: bool = False,
+    bam_model: Optional[int] = None,
+    on: Iterable[Record] = (),
+    motor: KnownMotor = None,
 ) -> list[str]:
     """Writes ``model`` for another tool into ``out``, and a second file beside it where the tool needs one.
 
     ``format`` is one that ``motorlens export --help`` lists. ``step_s`` is the step of a generated program or of MuJoCo's
-    simulation, s; ``torque_per_volt`` the stall torque at the output shaft per volt, N m/V; ``name`` the joint's. Returns what
-    to know of the files, and what the tool lacks, in sentences; raises :class:`MotorlensError` where it lacks an effect of the
-    model, unless ``allow_missing``.
+    simulation, s; ``torque_per_volt`` the stall torque at the output shaft per volt, N m/V; ``name`` the joint's; ``bam_model`` 1 to 6.
+    What the tool lacks costs is told on the records ``on`` (and ``motor``, as in :func:`discover`), or on a standard programme.
+    Returns what to know of the files, and what the tool lacks, in sentences; raises :class:`MotorlensError` where it lacks an effect
+    of the model, or errs on the records by more than a hundredth above the model, unless ``allow_missing``.
     """
-    content, beside, notes, lost = model._native.export(format, step_s, torque_per_volt, name)
+    how = (step_s, torque_per_volt, name, bam_model)
+    path, text = as_motor(motor)
+    content, beside, notes, lost = model._native.export(format, how, as_records(on), path, text)
     if lost and not allow_missing:
         raise MotorlensError(" ".join(lost) + "\n  do: give allow_missing=True to write it all the same")
-    out = pathlib.Path(out)
-    out.write_bytes(content)
+    _native.write_file(os.fspath(out), content)
     if beside is not None:
-        ending, text = beside
-        out.with_suffix(f".{ending}").write_text(text, encoding="utf-8")
+        ending, program = beside
+        _native.write_file(os.fspath(pathlib.Path(out).with_suffix(f".{ending}")), program.encode())
     return notes + lost

@@ -1,15 +1,44 @@
 from collections.abc import Callable
 from os import PathLike
-from typing import Optional, Union
+from typing import Optional, Union, final
+
+__all__ = [
+    "MotorlensError",
+    "NativeModel",
+    "NativeRecord",
+    "NativeRun",
+    "__version__",
+    "add",
+    "compare",
+    "discover",
+    "effects",
+    "fit",
+    "plan",
+    "read",
+    "same",
+    "simulate",
+    "write_file",
+]
 
 __version__: str
 
-Table = tuple[str, dict[str, bytes], dict[str, str]]
-Given = Union[str, PathLike[str], Table]
-Progress = Optional[Callable[[str], object]]
+_Path = Union[str, PathLike[str]]
+_Table = tuple[str, dict[str, bytes]]
+_Given = Union[NativeRecord, _Path, _Table]
+_Told = Optional[Callable[[str], object]]
+_Run = tuple[str, str, bytes, bytes, bytes]
 
 class MotorlensError(Exception): ...
 
+@final
+class NativeRecord:
+    @property
+    def name(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def columns(self) -> list[tuple[str, bytes]]: ...
+
+@final
 class NativeRun:
     def step(self, voltage_v: float) -> float: ...
     @property
@@ -19,10 +48,13 @@ class NativeRun:
     @property
     def time_s(self) -> float: ...
 
+@final
 class NativeModel:
     @staticmethod
-    def read(path: Union[str, PathLike[str]]) -> NativeModel: ...
-    def write(self, path: Union[str, PathLike[str]]) -> None: ...
+    def read(path: _Path) -> NativeModel: ...
+    @staticmethod
+    def from_json(text: str) -> NativeModel: ...
+    def write(self, path: _Path) -> None: ...
     def to_json(self) -> str: ...
     def simulate(self, time_s: bytes, voltage_v: bytes, angle_rad: float) -> bytes: ...
     def start(self, step_s: float, angle_rad: float) -> NativeRun: ...
@@ -30,54 +62,64 @@ class NativeModel:
         self, period_s: float, phase_margin_deg: float, limit_v: Optional[float]
     ) -> tuple[str, list[tuple[bytes, bytes, bytes]]]: ...
     def export(
-        self, format: str, step_s: Optional[float], torque_per_volt: Optional[float], name: Optional[str]
+        self,
+        format: str,
+        how: tuple[Optional[float], Optional[float], Optional[str], Optional[int]],
+        on: list[_Given],
+        motor_path: Optional[_Path],
+        motor_text: Optional[str],
     ) -> tuple[bytes, Optional[tuple[str, str]], list[str], list[str]]: ...
 
+def read(words: list[str]) -> list[NativeRecord]: ...
+def write_file(path: _Path, content: bytes) -> None: ...
 def discover(
-    given: list[Given],
-    validate: list[Given],
-    motor_path: Optional[str],
+    given: list[_Given],
+    validate: list[_Given],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
     most: int,
-    progress: Progress,
+    own: list[_Path],
+    progress: _Told,
 ) -> tuple[str, NativeModel]: ...
 def fit(
-    given: list[Given],
-    validate: list[Given],
-    motor_path: Optional[str],
+    given: list[_Given],
+    validate: list[_Given],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
     how: tuple[str, list[str], int, int, int],
-    progress: Progress,
+    own: list[_Path],
+    progress: _Told,
 ) -> tuple[str, NativeModel]: ...
 def add(
     model: NativeModel,
     effect: str,
-    given: list[Given],
-    validate: list[Given],
-    motor_path: Optional[str],
+    given: list[_Given],
+    validate: list[_Given],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
+    own: list[_Path],
 ) -> tuple[str, NativeModel]: ...
 def plan(
-    given: list[Given],
-    motor_path: Optional[str],
+    given: list[_Given],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
     volts: Optional[float],
     seconds: float,
-    progress: Progress,
+    progress: _Told,
 ) -> Optional[str]: ...
 def compare(
     model: NativeModel,
-    given: list[Given],
-    motor_path: Optional[str],
+    given: list[_Given],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
-) -> tuple[str, list[tuple[str, str, bytes, bytes, bytes]]]: ...
+) -> tuple[str, list[_Run]]: ...
 def same(
-    first: list[Given],
-    second: list[Given],
+    first: list[_Given],
+    second: list[_Given],
     effects: Optional[list[str]],
-    motor_path: Optional[str],
+    motor_path: Optional[_Path],
     motor_text: Optional[str],
-    progress: Progress,
+    progress: _Told,
 ) -> str: ...
 def effects() -> str: ...
 def simulate(options: list[str]) -> str: ...

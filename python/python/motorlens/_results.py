@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass, field
 from typing import Any, Optional
 
 import numpy as np
 
-from ._frames import as_frame
+from ._frames import as_page
 from ._model import Model
 
 
@@ -35,6 +34,16 @@ class Run:
         return axes
 
 
+def _plotted(runs: list[Run]) -> Any:
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(len(runs), 1, squeeze=False, figsize=(8, 2.6 * len(runs)))
+    for run, place in zip(runs, axes[:, 0]):
+        run.plot(place)
+    figure.tight_layout()
+    return figure
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Free runs of a model over records, and how far they are off."""
@@ -45,6 +54,13 @@ class Comparison:
     records: Any
     runs: list[Run]
     unit: str
+
+    def plot(self) -> Any:
+        """Each record with the model's free run, and returns the figure. Needs matplotlib."""
+        return _plotted(self.runs)
+
+    def _repr_html_(self) -> str:
+        return as_page(f"rmse {self.pooled['rmse']:.4g} {self.unit}", self.records, self.plot)
 
 
 @dataclass(frozen=True)
@@ -62,6 +78,10 @@ class Fit:
         """The document that ``motorlens fit --json`` prints."""
         return self.document
 
+    def _repr_html_(self) -> str:
+        effects = ", ".join(self.model.effects) or "no effects"
+        return as_page(f"Model with {effects}: rmse {self.train['rmse']:.4g}", self.parameters)
+
 
 @dataclass(frozen=True)
 class Addition:
@@ -77,6 +97,9 @@ class Addition:
     def to_dict(self) -> dict[str, Any]:
         """The document that ``motorlens add --json`` prints."""
         return self.document
+
+    def _repr_html_(self) -> str:
+        return as_page(self.why, self.parameters)
 
 
 @dataclass(frozen=True)
@@ -98,6 +121,9 @@ class Same:
     def to_dict(self) -> dict[str, Any]:
         """The document that ``motorlens same --json`` prints."""
         return self.document
+
+    def _repr_html_(self) -> str:
+        return as_page(f"{self.verdict}: {self.why}", self.parameters)
 
 
 @dataclass(frozen=True)
@@ -130,30 +156,8 @@ class Findings:
 
     def plot(self) -> Any:
         """Each record with the model's free run, and returns the figure. Needs matplotlib."""
-        from matplotlib import pyplot
-
-        figure, axes = pyplot.subplots(len(self.runs), 1, squeeze=False, figsize=(8, 2.6 * len(self.runs)))
-        for run, place in zip(self.runs, axes[:, 0]):
-            run.plot(place)
-        figure.tight_layout()
-        return figure
+        return _plotted(self.runs)
 
     def _repr_html_(self) -> str:
-        parameters = self.parameters
-        table = parameters.to_html(index=False) if hasattr(parameters, "to_html") else html.escape(str(parameters))
-        rivals = "".join(f"<p>These records cannot tell apart: {', '.join(set_)}.</p>" for set_ in self.rivals)
-        return f"<p><b>{html.escape(self.headline)}</b></p>{rivals}{table}{self._picture()}"
-
-    def _picture(self) -> str:
-        try:
-            import base64
-            import io
-
-            from matplotlib import pyplot
-        except ImportError:
-            return ""
-        figure = self.plot()
-        file = io.BytesIO()
-        figure.savefig(file, format="png", dpi=80)
-        pyplot.close(figure)
-        return f'<img src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"/>'
+        rivals = [f"These records cannot tell apart: {', '.join(names)}." for names in self.rivals]
+        return as_page(self.headline, *rivals, self.parameters, self.plot)

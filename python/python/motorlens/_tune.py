@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from ._frames import as_frame
+from ._frames import as_frame, as_page
 
 if TYPE_CHECKING:
     from ._model import Model
@@ -46,6 +46,13 @@ class Tuned:
     def to_dict(self) -> dict[str, Any]:
         """The document that ``motorlens tune --json`` prints."""
         return self.document
+
+    def _repr_html_(self) -> str:
+        loops = [
+            f"{name}: kp {gains['kp']:.4g}, ki {gains['ki']:.4g}, kd {gains['kd']:.4g}"
+            for name, gains in (("velocity", self.velocity), ("position", self.position))
+        ]
+        return as_page("; ".join(loops), self.trials, *self.advice, self.plot)
 
     def plot(self, axes: Any = None) -> Any:
         """How far each trial is from what was wanted, over time, and returns the axes. Needs matplotlib."""

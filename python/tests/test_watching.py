@@ -1,0 +1,116 @@
+"""What users see while a call lasts and of its answer: progress, Ctrl-C, notebooks."""
+
+import contextlib
+import io
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import motorlens
+
+DATA = pathlib.Path(os.environ.get("MOTORLENS_DATA", pathlib.Path(__file__).parents[3] / "shared/data"))
+
+
+def test_answers_show_themselves_in_a_notebook(logs, found):
+    page = found._repr_html_()
+    assert "coulomb.level" in page and "data:image/png;base64" in page
+    compared = motorlens.compare(found.model, logs["held_out"], motor=logs["motor"])
+    for answer, shown in [(compared, "rmse"), (found.model.tune(), "kS")]:
+        page = answer._repr_html_()
+        assert shown in page and "data:image/png;base64" in page
+    fit = motorlens.fit(logs["training"][:1], motor=logs["motor"])
+    alike = motorlens.same(logs["training"][:1], logs["training"][:1], logs["motor"], effects="coulomb")
+    assert "tau_m" in fit._repr_html_() and "same: " in alike._repr_html_()
+
+
+def test_progress_is_a_bar_that_leaves_a_line_for_each_model_and_nothing_else(logs):
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said):
+        motorlens.discover(logs["training"][:2], motor=logs["motor"], progress=True)
+    # What a terminal shows: a carriage return goes back to the line's first column.
+    lines = []
+    for line in said.getvalue().split("\n"):
+        shown = ""
+        for part in line.split("\r"):
+            shown = part + shown[len(part) :]
+        lines.append(shown.rstrip())
+    assert lines[0].startswith("base model: rmse") and lines[-1] == "" and all("rmse" in x for x in lines[:-1]), lines
+    assert "[##########..........] trying" in said.getvalue(), said.getvalue()
+
+
+def test_progress_shows_in_a_notebook(logs):
+    import nbclient
+    import nbformat
+
+    call = f"import motorlens; motorlens.discover([{str(logs['training'][0])!r}], motor={str(logs['motor'])!r});"
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(call)])
+    nbclient.NotebookClient(notebook, timeout=300).execute()
+    assert "base model: rmse" in "".join(o.get("text", "") for o in notebook.cells[0].outputs)
+
+
+def test_a_progress_function_sees_the_models_and_stops_the_search_by_raising(logs):
+    events = []
+    motorlens.discover(logs["training"], motor=logs["motor"], progress=events.append)
+    assert {"effects": [], "rmse": pytest.approx(events[0]["rmse"])} == events[0]
+    assert any(event.get("trying") == "backlash" for event in events)
+
+    def stop(event):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        motorlens.discover(logs["training"], motor=logs["motor"], progress=stop)
+
+
+@pytest.mark.parametrize("call", ["discover(r, motor=m)", "same(r, r, m, effects=['coulomb', 'backlash'])", "plan(r, m)"])
+def test_ctrl_c_ends_a_search_soon(logs, call):
+    words = ["import motorlens", "print('begun', flush=True)"]
+    records = logs["training"] + logs["repeats"]
+    words.append(f"r, m = {[str(path) for path in records]!r}, {str(logs['motor'])!r}")
+    words.append(f"while True: motorlens.{call}")
+    child = subprocess.Popen([sys.executable, "-c", "\n".join(words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child.stdout.readline()
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    asked = time.monotonic()
+    _, said = child.communicate(timeout=20)
+    assert time.monotonic() - asked < 5
+    assert child.returncode != 0 and "KeyboardInterrupt" in said and "panicked" not in said, said
+
+
+def test_other_threads_run_meanwhile(logs):
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begun = time.monotonic()
+    motorlens.discover(logs["training"], motor=logs["motor"])
+    seconds = time.monotonic() - begun
+    done.set()
+    thread.join()
+    assert max(np.diff(ticks)) < max(0.1, 0.5 * seconds)
+
+
+def test_the_notebook_runs_on_a_real_log():
+    if not (DATA / "undcmotor-angle").is_dir():
+        pytest.skip(f"no real logs at {DATA}")
+    import nbclient
+    import nbformat
+
+    os.environ["MOTORLENS_DATA"] = str(DATA)
+    path = pathlib.Path(__file__).parents[1] / "examples/real_motor.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(notebook, timeout=300).execute()
+    said = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", []))
+    assert "effects:" in said and "validation rmse" in said
