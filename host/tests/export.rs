@@ -170,9 +170,11 @@ fn mujoco_gets_the_motors_constants_in_one_scale_shared_between_rotor_and_load()
         (value("motorconst") - constant).abs() < 1e-12
             && (value("resistance") - constant / 0.5).abs() < 1e-12
     );
-    assert!((value("frictionloss") - 0.1).abs() < 1e-12);
+    // The levels of both, for those who have no program beside it, which sets the friction anew at each step from its own.
+    assert!((value("frictionloss") - 0.5 * (0.2 + 0.1)).abs() < 1e-12);
     assert!(exported.lost.is_empty() && exported.carried == model.values(), "{:?}", exported.lost);
     let (_, program) = exported.beside.as_ref().expect("a program for stribeck and the gear contact");
+    assert!(program.contains("FRICTION = 0.1\n"), "{program}");
     assert!(program.contains("stribeck") && program.contains("backlash"), "{program}");
     assert!(program.contains("rotor=\"rotor\"") && !program.contains('@'), "{program}");
     assert!(!text.contains("--\n") && text.matches("--").count() == 2, "one XML comment");

@@ -38,6 +38,21 @@ fn both(python: &str, model: &Model, format: Format, volts: &[f64]) -> (Vec<f64>
     (angles, truth)
 }
 
+/// For those who cannot run Python beside their simulator: in steady motion friction is nearly its level.
+#[test]
+fn an_mjcf_without_its_program_has_the_level_of_a_stribeck_curve() {
+    let Some(python) = python() else { return };
+    let stribeck = model(&[(Kind::Stribeck, &[0.5, 0.3, 0.2, 0.4])]);
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("motor.xml");
+    let exported = export(&stribeck, Format::Mujoco, &Options { step_s: None, ..OPTIONS }).unwrap();
+    assert!(exported.left[0].why.contains("its level stays"), "{:?}", exported.left);
+    std::fs::write(&file, &exported.content).unwrap();
+    let steady = vec![6.0; 1000];
+    let (alone, whole) = (run(&python, MUJOCO, &file, &steady), truth(&stribeck, &steady));
+    assert!((alone[999] / whole[999] - 1.0).abs() < 0.01, "{} {}", alone[999], whole[999]);
+}
+
 /// Largest difference as a share of how far the motor turned.
 fn disagreement(python: &str, model: &Model, format: Format) -> f64 {
     let (angles, truth) = both(python, model, format, &volts());

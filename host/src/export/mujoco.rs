@@ -11,6 +11,7 @@ use motorlens_shared::effects::{Kind, Port};
 use super::hook::{Beside, contact_grid, program};
 use super::two_bodies::{Between, OUTPUT, ROTOR};
 use super::{Exported, Lost, Options, effects, xml};
+use crate::diagnose::contained;
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 use crate::sentence::capital;
@@ -26,6 +27,8 @@ const AMBIENT_C: f64 = 20.0;
 struct Parts {
     /// N m.
     friction: f64,
+    /// More of it for a simulation without the Python file, N m.
+    alone: f64,
     /// N m/rad, and rad.
     stiffness: f64,
     reference: f64,
@@ -78,9 +81,18 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
                 .to_owned(),
         );
     }
+    // Who has the MJCF alone is to have at least the level of a friction whose course it cannot express.
+    let level = |(kind, p): &(Kind, Vec<f64>)| {
+        contained::parts(*kind).find(|(part, _)| *part == Kind::Coulomb).map(|(_, place)| p[place])
+    };
+    parts.alone = scale * own.iter().filter_map(level).sum::<f64>();
     let left: Vec<Lost> = own
         .iter()
-        .map(|(kind, _)| Lost::new(*kind, "has no place in MJCF: the Python file beside it applies it"))
+        .map(|effect| {
+            let stays =
+                if level(effect).is_some() { ", without which its level stays as dry friction" } else { "" };
+            Lost::new(effect.0, format!("has no place in MJCF: the Python file beside it applies it{stays}"))
+        })
         .collect();
     let scales = Scales { output, driven, scale, step_s, constant, resistance };
     if step_s > between.as_ref().and_then(Between::usual_step_s).unwrap_or(STEP_S) {
@@ -232,7 +244,7 @@ fn mjcf(
     let dry = format!(
         r#"frictionloss="{friction:e}" solreffriction="{hard:e} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2""#,
         // A joint without friction has no constraint for the program to set.
-        friction = parts.friction.max(1e-9 * scale),
+        friction = (parts.friction + parts.alone).max(1e-9 * scale),
         hard = 2.0 * step_s,
     );
     let spring = format!(r#"stiffness="{:e}" springref="{:e}""#, parts.stiffness, parts.reference);
