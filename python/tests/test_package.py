@@ -126,6 +126,7 @@ def test_an_effect_is_added_to_a_fit_and_found_worth_it(logs):
     assert added.worth_adding and added.model.effects == ["coulomb"]
     fit = motorlens.fit(logs["training"], effects=["coulomb"], motor=logs["motor"])
     assert fit.train["rmse"] < 0.1 * plain.train["rmse"]
+    assert list(fit.parameters) == ["name", "value", "unit", "low", "high", "identifiable"]
 
 
 def test_effects_are_a_table_and_a_plan_is_a_programme_or_nothing(logs):

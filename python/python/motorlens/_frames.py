@@ -6,8 +6,13 @@ import html
 from typing import Any
 
 
+#: What names a row, and what it says, stand before the rest.
+FIRST = ("name", "effect", "record", "compensation", "value", "unit", "low", "high")
+
+
 def as_frame(rows: list[dict[str, Any]]) -> Any:
     """A DataFrame, or the rows themselves where pandas is not installed."""
+    rows = [{**{name: row[name] for name in FIRST if name in row}, **row} for row in rows]
     try:
         import pandas
     except ImportError:
