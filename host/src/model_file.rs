@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_file;
 use crate::error::{BadInput, Error, Result};
+use crate::fit::grid::Quantity;
 use crate::fit::layout::{BaseValues, Prior, Values};
+use crate::fit::search::Problem;
 use crate::formula::{self, Written};
 
 /// Version of the file's layout.
@@ -46,6 +48,9 @@ pub struct RigValues {
     pub reference_speed_rad_s: f64,
     /// One encoder count, rad of the output shaft.
     pub count_rad: f64,
+    /// What a reading of the speed is; none of a model fitted to angles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_reading: Option<Quantity>,
 }
 
 /// Beliefs, as stored: centre and spread.
@@ -127,6 +132,13 @@ pub struct Origin {
 }
 
 impl Model {
+    /// A model of `values` as they were fitted to the records of `problem`, whose speeds are read as they are there.
+    pub(crate) fn fitted(values: &Values, problem: &Problem, origin: Origin) -> Self {
+        let mut model = Self::new(values, &problem.rig, &problem.prior, origin);
+        model.rig.speed_reading = problem.speeds();
+        model
+    }
+
     /// A model of `values` on `rig`.
     pub fn new(values: &Values, rig: &Rig, prior: &Prior, origin: Origin) -> Self {
         let effects = values.effects.iter().map(|(kind, parameters)| EffectValues {
@@ -149,6 +161,7 @@ impl Model {
                 supply_v: rig.supply_v,
                 reference_speed_rad_s: rig.reference_speed,
                 count_rad: rig.count_rad,
+                speed_reading: None,
             },
             prior: PriorValues { tau_e: prior.tau_e, viscous_share: prior.viscous_share },
             base: values.base,

@@ -20,10 +20,38 @@ pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Resul
     Ok(problem)
 }
 
-/// The same with the first speeds of a rough base model, and that model: where a fit begins.
+/// The same with the first speeds of a rough base model, and that model: where a fit begins. Speeds are read as they were when `model` was fitted.
 pub fn laid_out(model: &Model, records: &[Record], motor: &MotorFile) -> (Problem, Values) {
-    let (mut problem, start) = setup::problem(records, motor);
+    let (mut problem, start) = setup::problem_of(records, motor, model.rig.speed_reading);
     problem.rig = model.rig(problem.rig.step_s);
     problem.prior = model.prior();
     (problem, start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::grid::Quantity;
+
+    #[test]
+    fn speeds_are_read_as_they_were_when_the_model_was_fitted() {
+        let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let voltage_v: Vec<f64> = time_s.iter().map(|t| 6.0 * (2.0 * t).sin()).collect();
+        let mut speed = 0.0;
+        let run = voltage_v.iter().map(|v| {
+            let now = speed;
+            speed += 0.1 * (1.5 * v - speed);
+            now
+        });
+        let speed_rad_s = Some(run.collect());
+        let (records, file) =
+            ([Record { time_s, voltage_v, speed_rad_s, ..Record::default() }], MotorFile::default());
+        let (problem, values) = setup::problem(&records, &file);
+        let mut model = Model::fitted(&values, &problem, crate::model_file::Origin::default());
+        assert_eq!(model.rig.speed_reading, problem.speeds());
+        for reading in [Quantity::Speed, Quantity::MeanSpeed] {
+            model.rig.speed_reading = Some(reading);
+            assert_eq!(problem_of(&model, &records, &file).unwrap().speeds(), Some(reading));
+        }
+    }
 }

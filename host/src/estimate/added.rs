@@ -121,7 +121,7 @@ pub fn add(
         after: errors(&new_values),
         moved,
         parameters,
-        model: Model::new(&new_values, &whole.rig, &whole.prior, origin),
+        model: Model::fitted(&new_values, whole, origin),
     })
 }
 

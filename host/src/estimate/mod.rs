@@ -153,7 +153,7 @@ pub fn fit(
         method: format!("fit {:?}", options.method).to_lowercase(),
         seed: matches!(options.method, Method::Ga | Method::Paper).then_some(options.seed),
     };
-    let model = Model::new(&searched.values, &problem.rig, &problem.prior, origin);
+    let model = Model::fitted(&searched.values, &problem, origin);
     let mut fit = describe(&problem, &searched.values, model, records);
     let kept_out = kept_out(&problem, validation, motor);
     fit.validation = kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, &searched.values)));

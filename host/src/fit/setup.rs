@@ -71,7 +71,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
 }
 
 /// [`problem`]; of records whose speeds are known to be `read` so, that is not asked again.
-fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Quantity>) -> (Problem, Values) {
+pub(crate) fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Quantity>) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
@@ -134,11 +134,14 @@ impl Problem {
         }
     }
 
+    /// How speeds are read, those of one motor all alike; none where there are angles only.
+    pub fn speeds(&self) -> Option<Quantity> {
+        self.grids.iter().map(|grid| grid.quantity).find(|quantity| *quantity != Quantity::Angle)
+    }
+
     /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
     pub fn lay_out(&self, records: &[Record], motor: &MotorFile) -> Vec<Grid> {
-        // All speeds of one motor are read alike.
-        let read = self.grids.iter().map(|g| g.quantity).find(|quantity| *quantity != Quantity::Angle);
-        let (mut other, _) = problem_of(records, motor, read);
+        let (mut other, _) = problem_of(records, motor, self.speeds());
         if let Some(time) = self.hold_s {
             date(&mut other.grids, time);
         }
@@ -155,7 +158,17 @@ impl Problem {
     }
 }
 
-/// Gain and time constant by scanning: the model is linear in its gain, so each time constant needs one pass.
+/// A record of speeds that begins in motion, without any voltage.
+fn coasting(grid: &Grid) -> Option<Grid> {
+    (grid.quantity != Quantity::Angle && !grid.rests()).then(|| {
+        let mut coasting = grid.clone();
+        coasting.voltages.fill(0.0);
+        coasting
+    })
+}
+
+/// Gain and time constant by scanning: what the voltage does is linear in the gain, so each time constant needs one pass; and a second where a
+/// record of speeds begins in motion, for what that speed does by itself, which no gain changes.
 pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
@@ -163,7 +176,7 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues
     let mut best =
         (f64::MAX, BaseValues { gain: 1.0, tau_m: 0.05, tau_e: prior.tau_e.0, viscous_share: share });
     let taus: Vec<f64> = (0..2 * LANES).map(|k| 0.004 * 1.45_f64.powi(k as i32)).collect();
-    let mut series: Vec<Block> = Vec::new();
+    let [mut series, mut coasted] = [const { Vec::<Block>::new() }; 2];
     for chunk in taus.chunks(LANES) {
         let bases: Vec<BaseValues> = chunk
             .iter()
@@ -171,20 +184,24 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues
             .collect();
         let xs: Vec<Vec<f64>> =
             bases.iter().map(|b| layout.pack(&Values { base: *b, effects: Vec::new() })).collect();
-        let (mut yy, mut yp, mut pp) = (0.0, [0.0; LANES], [0.0; LANES]);
+        let [mut yy, mut yp, mut pp] = [[0.0; LANES]; 3];
         for grid in grids {
             let mut still = grid.clone();
             still.begin_at(0.0, 0.0);
             predict_block(&layout, &xs, &unit, &still, &mut series);
+            coasted.clear();
+            if let Some(coasting) = coasting(grid) {
+                predict_block(&layout, &xs, &unit, &coasting, &mut coasted);
+            }
             let speed = grid.quantity != Quantity::Angle;
             let span = ((0.05 / grid.interval_s).round() as usize).max(1);
             for k in 0..series.len().saturating_sub(span) {
                 let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
-                let y = (y - before) / grid.sigma;
-                yy += y * y;
                 for l in 0..LANES {
                     let p = series[k + span].0[l] - if speed { 0.0 } else { series[k].0[l] };
-                    let p = p / grid.sigma;
+                    let by_itself = coasted.get(k + span).map_or(0.0, |block| block.0[l]);
+                    let (y, p) = ((y - before - by_itself) / grid.sigma, p / grid.sigma);
+                    yy[l] += y * y;
                     yp[l] += y * p;
                     pp[l] += p * p;
                 }
@@ -192,11 +209,34 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues
         }
         for l in 0..chunk.len() {
             let gain = yp[l] / pp[l].max(1e-300);
-            let left = yy - gain * yp[l];
+            let left = yy[l] - gain * yp[l];
             if gain > 0.0 && left < best.0 {
                 best = (left, BaseValues { gain, ..bases[l] });
             }
         }
     }
     best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motor of 1.5 rad/s/V and 0.75 s that a loop lets run down from 12.6 rad/s.
+    #[test]
+    fn the_first_base_of_a_record_of_speeds_that_begins_in_motion_begins_there() {
+        let time_s: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+        let voltage_v: Vec<f64> = time_s.iter().map(|t| 6.0 * (-t).exp() - 0.5 * (3.0 * t).sin()).collect();
+        let mut speed = 12.6;
+        let run = voltage_v.iter().map(|v| {
+            let now = speed;
+            speed += 0.01 / 0.75 * (1.5 * v - speed);
+            now
+        });
+        let speed_rad_s = Some(run.collect());
+        let record = Record { time_s, voltage_v, speed_rad_s, ..Record::default() };
+        let (_, start) = problem(&[record], &MotorFile::default());
+        let BaseValues { gain, tau_m, .. } = start.base;
+        assert!((gain / 1.5 - 1.0).abs() < 0.2 && (tau_m / 0.75 - 1.0).abs() < 0.3, "{gain} {tau_m}");
+    }
 }

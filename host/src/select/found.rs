@@ -91,7 +91,7 @@ pub fn discovery(
         shown,
         candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
         limits: detection_limits(&evidence, base, model, &options.library, evidence.highest_voltage()),
-        model: Model::new(&values, &evidence.whole.rig, &evidence.whole.prior, origin),
+        model: Model::fitted(&values, &evidence.whole, origin),
         seconds: begun.elapsed().as_secs_f64(),
         simulations: evidence.simulations(),
         evidence,

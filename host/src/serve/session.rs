@@ -194,7 +194,7 @@ impl Session {
             method: "live page".into(),
             seed: None,
         };
-        Model::new(&self.current.values(), &self.evidence.whole.rig, &self.evidence.whole.prior, origin)
+        Model::fitted(&self.current.values(), &self.evidence.whole, origin)
     }
 
     /// How things stand.
