@@ -85,6 +85,8 @@ pub struct Samples {
     first_repeat: Option<Place>,
     restarts: Vec<usize>,
     late: Vec<Late>,
+    /// The row before which the first one was left out.
+    stale: Option<Late>,
 }
 
 /// A row that came after one of a later time, `before`, s.
@@ -118,6 +120,7 @@ impl Samples {
             first_repeat: None,
             restarts: Vec::new(),
             late: Vec::new(),
+            stale: None,
         }
     }
 
@@ -128,9 +131,15 @@ impl Samples {
     pub fn accept(&mut self, place: Place, row: &[f64]) -> Result<()> {
         self.count_strays();
         self.rows += 1;
-        self.places.last = Some(place);
+        let previous = self.places.last.replace(place);
         if let Some(&before) = self.columns[0].last() {
             let step = row[0] - before;
+            if step < 0.0 && self.rows == 2 {
+                self.leave_out_first(previous.unwrap_or(place), before);
+                self.stale = Some(Late { place, before, time: row[0] });
+                self.columns.iter_mut().zip(row).for_each(|(column, &value)| column.push(value));
+                return Ok(());
+            }
             if step < 0.0 && self.is_late(row[0]) {
                 let at = self.len() - 1;
                 self.late.push(Late { place, before, time: row[0] });
@@ -140,7 +149,9 @@ impl Samples {
             if step < 0.0 && self.starts_anew(row[0], before) {
                 self.restarts.push(self.len());
             } else if step < 0.0 {
-                return Err(self.backwards(&Late { place, before, time: row[0] }).into());
+                // Times that go on falling began to with the first.
+                let late = self.stale.take().unwrap_or(Late { place, before, time: row[0] });
+                return Err(self.backwards(&late).into());
             }
             if step == 0.0 {
                 self.repeats += 1;
@@ -155,6 +166,14 @@ impl Samples {
             column.push(value);
         }
         Ok(())
+    }
+
+    /// Leaves out the only row so far, of a `time` before the clock began: what a serial port still held when the board was reset.
+    fn leave_out_first(&mut self, place: Place, time: f64) {
+        self.columns.iter_mut().for_each(Vec::clear);
+        let why = format!("its time, {time} s, is later than that of the next row");
+        self.bad_count += 1;
+        self.bad.push(BadField { place, column: self.headers[0].clone(), why });
     }
 
     /// Puts `value` in a column of the last row.

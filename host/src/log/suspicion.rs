@@ -105,6 +105,9 @@ fn constant_supply(record: &Record) -> Option<Odd> {
 /// Share of the highest voltage below which a clip would be told, and how much better it must fit.
 const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
 const CLIP_BETTER: f64 = 0.6;
+/// Powers of the voltage that bend where a limit has an edge: a driver that floats loses more the higher the duty. A limit must fit so much better.
+const BENT: [f64; 3] = [0.7, 0.5, 0.3];
+const EDGED: f64 = 0.85;
 /// A limit that the voltage passes for more than this share of the time leaves one level, which friction explains as well.
 const ALWAYS_CLIPPED: f64 = 0.8;
 
@@ -120,7 +123,10 @@ fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
         |limit: f64| record.voltage_v.iter().filter(|v| v.abs() > limit).count() as f64 / record.len() as f64;
     let tried = CLIP_SHARES.iter().filter(|share| above(**share * highest) < ALWAYS_CLIPPED);
     let (limit, best) = tried.filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
-    (best.left < CLIP_BETTER * plain.left && plain.left > 0.05 && above(limit) > 0.03).then(|| {
+    let bent = |power: f64| Some(weak.regress(0.0, |v: f64| v.signum() * v.abs().powf(power))?.left);
+    let bent = BENT.into_iter().filter_map(bent).fold(f64::INFINITY, f64::min);
+    let edged = best.left < CLIP_BETTER * plain.left && best.left < EDGED * bent;
+    (edged && plain.left > 0.05 && above(limit) > 0.03).then(|| {
         (
             "clipped_voltage",
             "voltage_v",

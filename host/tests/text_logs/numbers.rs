@@ -67,6 +67,15 @@ fn a_row_that_came_late_is_put_in_order_and_many_are_refused() {
     assert!(refusal(&odd).to_string().contains("goes backwards, from 3 s"));
 }
 
+/// A serial port still holds a line of before the board was reset.
+#[test]
+fn a_first_row_of_before_the_clock_began_is_left_out_and_named() {
+    let text = lines(HEADER, |k, t, u, x| format!("{},{u},{x}", if k == 0 { 1.074 } else { t }));
+    let record = read_with(&text, "", "its time, 1.074 s, is later than that of the next row");
+    assert!(record.warnings[0].place.contains("line 2"), "{:?}", record.warnings);
+    assert_eq!(record.len(), ROWS as usize - 1);
+}
+
 #[test]
 fn a_clock_of_few_bits_goes_on_where_it_begins_anew() {
     for (unit, from, step, width) in [

@@ -255,7 +255,7 @@ pub(super) const COMMANDED: [&str; 4] = ["cmd", "command", "commands", "input"];
 pub(super) const REGISTERS: [&str; 2] = ["present", "goal"];
 
 /// A name with one of these is of where to go, ...
-pub(super) const TARGETS: [&str; 12] = [
+pub(super) const TARGETS: [&str; 19] = [
     "setpoint",
     "set",
     "sp",
@@ -268,14 +268,23 @@ pub(super) const TARGETS: [&str; 12] = [
     "soll",
     "sollwert",
     "commanded",
+    "referencia",
+    "referência",
+    "riferimento",
+    "consigna",
+    "consigne",
+    "objetivo",
+    "alvo",
 ];
 
 /// ... as is one with what robot learning calls it, which may be measured all the same; ...
 pub(super) const ACTION: &str = "action";
 
 /// ... and one with one of these is of what was wanted otherwise, or made of it.
-pub(super) const WANTED: [&str; 10] =
-    ["demand", "wanted", "error", "err", "e", "kp", "ki", "kd", "integral", "pid"];
+pub(super) const WANTED: [&str; 18] = [
+    "demand", "wanted", "error", "err", "erro", "e", "kp", "ki", "kd", "integral", "pid", "term", "terms",
+    "pterm", "iterm", "dterm", "fehler", "erreur",
+];
 
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
 pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];

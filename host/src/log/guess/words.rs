@@ -45,7 +45,11 @@ pub fn said(name: &str) -> Said {
         let plain = said(&name[..bare]);
         return Said { scale: plain.quantity.map(|_| scale), ..plain };
     }
-    let (bare, bracket) = bracketed(name);
+    let (mut bare, bracket) = bracketed(name);
+    if bracket.as_deref().is_some_and(|inside| unit_named(inside).is_none()) {
+        // No unit: `ex_signal(u)`.
+        name.trim().clone_into(&mut bare);
+    }
     let lower = bare.to_lowercase();
     let words = of(&bare);
     // `PositionRotations`, `velocityRadPerSec`.
@@ -70,7 +74,8 @@ pub fn said(name: &str) -> Said {
     let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let wanted = any_of(&TARGETS) || any_of(&WANTED);
-    let target = any_of(&TARGETS) || any_of(&[ACTION]);
+    // A torque that was wanted is no place to go to.
+    let target = !effort && (any_of(&TARGETS) || any_of(&[ACTION]));
     let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
     for (quantity, plain, implied, list) in WORDS {
         let here = words.iter().any(|word| list.contains(&word.as_str())) || list.contains(&lower.as_str());
@@ -130,6 +135,8 @@ pub fn said(name: &str) -> Said {
         (Some((Interval, plain, _)), Some((Time, _))) => Some((Interval, plain)),
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
+        // A potentiometer's or a tachometer's volts.
+        (Some((Angle | Speed, ..)), Some((Voltage, _))) => None,
         // A current one, in degrees.
         (Some((Current, ..)), Some((Angle | Speed, _))) => None,
         (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
@@ -349,6 +356,9 @@ mod tests {
             ("tensao", Voltage, None),
             ("ω", Speed, None),
             ("θ [°]", Angle, Some("deg")),
+            ("time(t)", Time, None),
+            ("ex_signal(u)", Voltage, None),
+            ("system_response(y)", Speed, None),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
@@ -370,12 +380,17 @@ mod tests {
             "cmd_vel",
             "position_command",
             "input_pos",
+            "Referencia",
+            "i_term",
+            "Target Torque",
         ] {
             assert!(said(name).wanted, "{name}");
         }
+        assert!(said("Referencia").target && !said("Target Torque").target);
         assert_eq!(
-            ["colour", "n/min", "value_h", "load_min", "vbat_adc", "gain_d"].map(|name| said(name).quantity),
-            [None; 6]
+            ["colour", "n/min", "value_h", "load_min", "vbat_adc", "gain_d", "encoder_V"]
+                .map(|name| said(name).quantity),
+            [None; 7]
         );
     }
 }
