@@ -12,7 +12,7 @@ pub(super) const SPEC: Spec = Spec {
     equation: "v(t) = v_log(t - time)",
     source: "transport delay",
     signature: "the response is the model's, shifted; residual peaks at every jump of the voltage",
-    parameters: &[strength("time", "s", "dead time from voltage to torque", Scale::Millisecond, [0.0, 3.0, 120.0])],
+    parameters: &[strength("time", "s", "dead time from voltage to torque", Scale::Millisecond, [0.0, 3.0, 300.0])],
     probes: &[&[1.0], &[3.0], &[8.0], &[20.0], &[45.0]],
     search: Search::Probes,
     laws: EXPLICIT,
