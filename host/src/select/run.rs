@@ -7,9 +7,10 @@ use motorlens_shared::simulator::MAX_EFFECTS;
 
 use super::criterion::WORTH;
 use super::fitted::{Fitted, SETTLED};
-use super::forward::{forward, pairs, simplest, tried};
+use super::forward::{forward, lacks, pairs, simplest, tried, with};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
+use crate::fit::instants::built_on;
 use crate::fit::uncertainty::Spread;
 
 /// What was selected.
@@ -90,6 +91,11 @@ pub fn run(
             next = step_up(data, base, model, &mut two);
             candidates.extend(two);
         }
+        if next.is_none() && depth == 0 && most > 1 {
+            let mut beside = beside_the_usual(data, model, library);
+            next = step_up(data, base, model, &mut beside);
+            candidates.extend(beside);
+        }
         all.push(candidates);
         let Some(next) = next else { break };
         let next = simpler(data, next, base);
@@ -102,6 +108,17 @@ pub fn run(
         steps.push(last.simulating(data));
     }
     Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
+}
+
+/// Candidates with the effect on which most others build, and one more: a motor is rarely without friction, and what it lacks beside that may
+/// look like nothing without.
+fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind]) -> Vec<Fitted> {
+    let lacking = library.iter().filter(|kind| lacks(model.kinds(), **kind));
+    let Some(usual) = lacking.min_by_key(|kind| std::cmp::Reverse(built_on(**kind))) else {
+        return Vec::new();
+    };
+    let Some(beside) = with(data, model, *usual) else { return Vec::new() };
+    forward(data, &beside, library, WORTH, &mut |_| ())
 }
 
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
