@@ -12,7 +12,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::free_run::simulated;
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::estimate::{self, Fit};
@@ -165,7 +165,7 @@ pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[K
 fn rmse(records: &[Record], model: &Model, motor: &MotorFile) -> Result<f64> {
     let mut problem = problem_of(model, records, motor)?;
     problem.fixed.clear();
-    Ok(pooled(&free_runs(&problem, &model.values())).unwrap_or_default().rmse)
+    Ok(simulated(&problem, &model.values()).unwrap_or_default().rmse)
 }
 
 /// Each record of a set by itself, or each half of the only one.

@@ -86,3 +86,8 @@ pub fn pooled(runs: &[FreeRun]) -> Option<Measures> {
     }
     sums.measures()
 }
+
+/// The errors of `values` on the records of `problem` together; none where there are no samples.
+pub fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
+    pooled(&free_runs(problem, values))
+}

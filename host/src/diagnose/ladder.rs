@@ -4,11 +4,10 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::evidence::Evidence;
-use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::fit::layout::Values;
 use crate::fit::noise::Noise;
-use crate::fit::search::Problem;
 use crate::select::fitted::Fitted;
 use crate::select::gain::Gain;
 
@@ -48,11 +47,6 @@ pub(crate) fn rung(evidence: &Evidence, values: &Values) -> Rung {
 /// The errors of `values` running free over the records kept out, if there are any.
 fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
     evidence.kept_out.as_ref().and_then(|kept_out| simulated(kept_out, values))
-}
-
-/// The errors of `values` on the records of `problem`, as `compare` has them.
-pub(crate) fn simulated(problem: &Problem, values: &Values) -> Option<Measures> {
-    pooled(&free_runs(problem, values))
 }
 
 /// The `candidates` of the first step in order, with the share of the error that each takes away from `base`, as multiples of the noise.

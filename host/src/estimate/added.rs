@@ -4,7 +4,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::{check_effects, kept_out};
-use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
 use crate::diagnose::evidence::Evidence;
@@ -90,8 +90,8 @@ pub fn add(
     let (old_values, new_values) = (old.simulating(&evidence).values(), new.simulating(&evidence).values());
     let unseen = kept_out(whole, validation, motor);
     let errors = |v: &Values| Errors {
-        train: pooled(&free_runs(whole, v)).unwrap_or_default(),
-        validation: unseen.as_ref().and_then(|unseen| pooled(&free_runs(unseen, v))),
+        train: simulated(whole, v).unwrap_or_default(),
+        validation: unseen.as_ref().and_then(|unseen| simulated(unseen, v)),
     };
     let gain = new.gain_over(&old);
     let why = format!(

@@ -10,8 +10,8 @@ use motorlens_shared::effects::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::Searched;
+use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
-use crate::diagnose::ladder::simulated;
 use crate::error::{BadInput, Error, Result};
 use crate::fit::layout::{BaseValues, REACH, Values};
 use crate::fit::search::Problem;

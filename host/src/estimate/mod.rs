@@ -21,7 +21,7 @@ pub use identifiability::{Answer, Identifiability, Unlock, identifiability};
 pub use profile::{Profile, profiles};
 pub use start::prepare;
 
-use crate::compare::free_run::{free_runs, pooled};
+use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::diagnose::discover::noise_floor;
 use crate::error::{Error, Result};
@@ -156,7 +156,7 @@ pub fn fit(
     let model = Model::fitted(&searched.values, &problem, origin);
     let mut fit = describe(&problem, &searched.values, model, records);
     let kept_out = kept_out(&problem, validation, motor);
-    fit.validation = kept_out.as_ref().and_then(|kept_out| pooled(&free_runs(kept_out, &searched.values)));
+    fit.validation = kept_out.as_ref().and_then(|kept_out| simulated(kept_out, &searched.values));
     fit.usual = feedforward::errors(&problem, records, kept_out.as_ref());
     fit.no_usual = feedforward::why_not(&problem, records);
     fit.noise_level = noise_floor(records, validation, &problem);
@@ -174,7 +174,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         profiles: profiles(problem, values),
         identifiability: identifiability(&values.base, problem.rig.gear_ratio, records),
         parameters,
-        train: pooled(&free_runs(problem, values)).unwrap_or_default(),
+        train: simulated(problem, values).unwrap_or_default(),
         validation: None,
         usual: None,
         no_usual: None,

@@ -19,6 +19,7 @@ const CLOSE: f64 = 1.5;
 const STRAYED: f64 = 0.25;
 /// What equations that are idealised may leave of it beside any noise: readings of a fine encoder show what nobody needs to know.
 const IDEALISED: f64 = 0.005;
+
 /// How a diagnosis ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

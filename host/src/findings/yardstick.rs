@@ -48,9 +48,14 @@ impl Yardstick {
             .map_or_else(|| format!("Error ({})", self.unit), |_| "Error, multiples of the noise (1)".into())
     }
 
+    /// `error` as a multiple of the noise, in words; none where that is not known.
+    pub fn multiple(&self, error: f64) -> Option<String> {
+        self.over_noise(error).map(multiple)
+    }
+
     /// `error` in words.
     pub fn words(&self, error: f64) -> String {
-        self.over_noise(error).map_or_else(|| in_words(error, self.unit), multiple)
+        self.multiple(error).unwrap_or_else(|| in_words(error, self.unit))
     }
 
     /// The same beside a point of a plot whose axis tells the rest.

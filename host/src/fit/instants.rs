@@ -53,11 +53,9 @@ pub fn built_on(kind: Kind) -> usize {
         .count()
 }
 
-/// The laws on which most others build: what a motor is rarely without.
-fn usual() -> Vec<Kind> {
-    let mut laws = Kind::ALL.to_vec();
+/// `laws`, that on which most others of the library build first: what a motor is rarely without.
+pub fn usual_first(mut laws: Vec<Kind>) -> Vec<Kind> {
     laws.sort_by_key(|kind| std::cmp::Reverse(built_on(*kind)));
-    laws.truncate(BUILT_ON);
     laws
 }
 
@@ -70,7 +68,8 @@ fn misfit(grids: &[Grid], base: BaseValues, rig: &Rig, prior: &Prior) -> f64 {
     // A reading that is held tells nothing new.
     let renewed = |g: &Grid| 1 + g.measured.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let count = problem.grids.iter().map(renewed).sum::<usize>() as f64;
-    let usual = usual();
+    let mut usual = usual_first(Kind::ALL.to_vec());
+    usual.truncate(BUILT_ON);
     let late: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.spec().is_late()).collect();
     let sets = (0..1_usize << late.len()).map(|set| {
         let chosen = late.iter().enumerate().filter(|(k, _)| set >> k & 1 == 1).map(|(_, kind)| *kind);

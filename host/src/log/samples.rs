@@ -132,14 +132,11 @@ impl Samples {
         self.count_strays();
         self.rows += 1;
         let previous = self.places.last.replace(place);
+        if self.rows == 2 {
+            self.leave_out_stale_first(previous, place, row[0]);
+        }
         if let Some(&before) = self.columns[0].last() {
             let step = row[0] - before;
-            if step < 0.0 && self.rows == 2 {
-                self.leave_out_first(previous.unwrap_or(place), before);
-                self.stale = Some(Late { place, before, time: row[0] });
-                self.columns.iter_mut().zip(row).for_each(|(column, &value)| column.push(value));
-                return Ok(());
-            }
             if step < 0.0 && self.is_late(row[0]) {
                 let at = self.len() - 1;
                 self.late.push(Late { place, before, time: row[0] });
@@ -168,12 +165,18 @@ impl Samples {
         Ok(())
     }
 
-    /// Leaves out the only row so far, of a `time` before the clock began: what a serial port still held when the board was reset.
-    fn leave_out_first(&mut self, place: Place, time: f64) {
-        self.columns.iter_mut().for_each(Vec::clear);
-        let why = format!("its time, {time} s, is later than that of the next row");
-        self.bad_count += 1;
-        self.bad.push(BadField { place, column: self.headers[0].clone(), why });
+    /// Leaves out the only row so far, at `previous`, where the next, at `place`, has an earlier `time`: what a serial port still held when
+    /// the board was reset.
+    fn leave_out_stale_first(&mut self, previous: Option<Place>, place: Place, time: f64) {
+        let &[before] = self.columns[0].as_slice() else { return };
+        if time < before {
+            self.columns.iter_mut().for_each(Vec::clear);
+            let why = format!("its time, {before} s, is later than that of the next row");
+            let column = self.headers[0].clone();
+            self.bad_count += 1;
+            self.bad.push(BadField { place: previous.unwrap_or(place), column, why });
+            self.stale = Some(Late { place, before, time });
+        }
     }
 
     /// Puts `value` in a column of the last row.

@@ -124,9 +124,9 @@ fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
     let tried = CLIP_SHARES.iter().filter(|share| above(**share * highest) < ALWAYS_CLIPPED);
     let (limit, best) = tried.filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
     let bent = |power: f64| Some(weak.regress(0.0, |v: f64| v.signum() * v.abs().powf(power))?.left);
-    let bent = BENT.into_iter().filter_map(bent).fold(f64::INFINITY, f64::min);
-    let edged = best.left < CLIP_BETTER * plain.left && best.left < EDGED * bent;
-    (edged && plain.left > 0.05 && above(limit) > 0.03).then(|| {
+    let has_edge = || best.left < EDGED * BENT.into_iter().filter_map(bent).fold(f64::INFINITY, f64::min);
+    let better = best.left < CLIP_BETTER * plain.left && plain.left > 0.05;
+    (better && above(limit) > 0.03 && has_edge()).then(|| {
         (
             "clipped_voltage",
             "voltage_v",
@@ -345,4 +345,33 @@ fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
 fn measured(record: &Record) -> Option<(&'static str, &Vec<f64>)> {
     let angle = record.angle_rad.as_ref().map(|a| ("angle_rad", a));
     angle.or_else(|| record.speed_rad_s.as_ref().map(|s| ("speed_rad_s", s)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motor to which `law` of the voltage comes through.
+    fn run(law: impl Fn(f64) -> f64) -> Record {
+        let time_s: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let levels = [2.0, 9.0, -5.0, 12.0, -12.0, 4.0, -8.0, 10.0, -3.0, 7.0];
+        let voltage_v: Vec<f64> = (0..2000).map(|k| levels[k / 100 % 10]).collect();
+        let mut speed = 0.0;
+        let course = voltage_v.iter().map(|v| {
+            let now = speed;
+            speed += 0.1 * (1.5 * law(*v) - speed);
+            now
+        });
+        let speed_rad_s = Some(course.collect());
+        Record { time_s, voltage_v, speed_rad_s, ..Record::default() }
+    }
+
+    #[test]
+    fn a_voltage_that_is_cut_off_is_clipped_and_one_that_bends_is_not() {
+        let cut = clipped(&Seen::of(&run(|v| v.clamp(-4.8, 4.8)))).unwrap();
+        assert!(cut.0 == "clipped_voltage" && cut.2.contains("no more than 4.80 V"), "{}", cut.2);
+        // Speed over duty of a driver that floats.
+        let bends = run(|v| v.signum() * 12.0 * (1.0 - 0.137 / (0.137 + v.abs() / 12.0)));
+        assert_eq!(clipped(&Seen::of(&bends)), None);
+    }
 }

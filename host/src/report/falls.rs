@@ -98,7 +98,7 @@ impl Ladder<'_> {
             step,
             fit: in_words(rung.train.rmse, unit),
             validation: rung.validation.map(|m| in_words(m.rmse, unit)),
-            multiple: yardstick.noise().map(|_| yardstick.words(judged(rung).rmse)),
+            multiple: yardstick.multiple(judged(rung).rmse),
             rise,
         };
         let usual = self.baseline.map(|rung| row("kS-kV-kA".into(), rung, None));

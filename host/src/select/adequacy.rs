@@ -3,10 +3,9 @@
 use super::criterion::{KNOWN_VOLTAGE, LIKELY, SURE};
 use super::fitted::Fitted;
 use crate::compare::dependence::Dependence;
-use crate::compare::free_run::free_runs;
+use crate::compare::free_run::{free_runs, simulated};
 use crate::compare::residual_torque::residual_torque;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::ladder::simulated;
 
 /// So many times the noise are little: equations are idealised.
 const LITTLE: f64 = 2.0;

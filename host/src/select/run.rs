@@ -10,7 +10,7 @@ use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, lacks, pairs, simplest, tried, with};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
-use crate::fit::instants::built_on;
+use crate::fit::instants::usual_first;
 use crate::fit::uncertainty::Spread;
 
 /// What was selected.
@@ -113,11 +113,9 @@ pub fn run(
 /// Candidates with the effect on which most others build, and one more: a motor is rarely without friction, and what it lacks beside that may
 /// look like nothing without.
 fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind]) -> Vec<Fitted> {
-    let lacking = library.iter().filter(|kind| lacks(model.kinds(), **kind));
-    let Some(usual) = lacking.min_by_key(|kind| std::cmp::Reverse(built_on(**kind))) else {
-        return Vec::new();
-    };
-    let Some(beside) = with(data, model, *usual) else { return Vec::new() };
+    let lacking = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
+    let usual = usual_first(lacking.collect()).into_iter().next();
+    let Some(beside) = usual.and_then(|usual| with(data, model, usual)) else { return Vec::new() };
     forward(data, &beside, library, WORTH, &mut |_| ())
 }
 
