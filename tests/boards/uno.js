@@ -2,7 +2,7 @@
 // port: `node uno.js sketch.hex [fault]` prints the port. Time goes as fast as the emulator runs.
 //
 // Faults: jam (the shaft sticks after 2 s of the first run), emergency (the contact opens there), fast (an encoder of
-// 14 times the lines, too fast for interrupts).
+// 14 times the lines, too fast for interrupts), tell (none; there it prints a line).
 "use strict";
 const fs = require("fs");
 const net = require("net");
@@ -53,6 +53,7 @@ function feed() {
 
 let count = 0;
 let driven = 0; // s since the motor was first driven
+let told = false;
 d.setPin(4, false); // the jumper of the emergency input
 function show() {
   const [aa, bb] = Motor.lines(count);
@@ -67,6 +68,7 @@ function advance(end) {
   while (cpu.cycles < end) {
     const applied = volts();
     if (applied !== null) driven += 25e-6;
+    if (fault === "tell" && !told && driven > 2) (told = true), console.log("driven for 2 s");
     if (fault === "jam" && driven > 2) motor.jammed = true;
     if (fault === "emergency" && driven > 2) d.setPin(4, true);
     motor.advance(25e-6, applied);

@@ -100,7 +100,7 @@ pub fn tests() -> Result<Count> {
     let out = emulated::scratch("uno")?;
     let line = ["--listen", "--counts-per-rev", "1320", "--supply", "12"];
     let capture = |name: &str, fault: &str| {
-        emulated::capture("uno.js", &[hex.as_os_str(), fault.as_ref()], &line, &out.join(name), None)
+        emulated::capture("uno.js", &[hex.as_os_str(), fault.as_ref()], &line, &out.join(name))
     };
     let mut count = Count::default();
     emulated::case(&mut count, "five runs are captured, and discover finds the friction in them", || {
@@ -127,7 +127,8 @@ pub fn tests() -> Result<Count> {
         stopped(capture("contact", "emergency")?, "emergency", &out.join("contact/staircase.csv"))
     });
     emulated::case(&mut count, "Ctrl-C ends the run with the driver off", || {
-        let ended = emulated::capture("uno.js", &[hex.as_os_str()], &line, &out.join("ctrl-c"), Some("6"))?;
+        let board = [hex.as_os_str(), "tell".as_ref()];
+        let ended = emulated::capture_until_told("uno.js", &board, &line, &out.join("ctrl-c"))?;
         stopped(ended, "stopped", &out.join("ctrl-c/staircase.csv"))
     });
     emulated::case(&mut count, "an encoder too fast for interrupts is told", || {

@@ -3,9 +3,9 @@
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
 use crate::report::Count;
@@ -22,57 +22,90 @@ pub struct Ended {
     pub board: String,
 }
 
-/// Runs `motorlens capture --json` with `options` against the board in `script`, which gets `arguments`. After `seconds`,
-/// where given, it is interrupted as by Ctrl-C.
-pub fn capture(
-    script: &str,
-    arguments: &[&OsStr],
-    options: &[&str],
-    out: &Path,
-    seconds: Option<&str>,
-) -> Result<Ended> {
-    talk(script, arguments, |port| {
-        let mut capture = match seconds {
-            Some(seconds) => {
-                let mut timeout = Command::new("timeout");
-                timeout.args(["--preserve-status", "--signal=INT", seconds]).arg(program());
-                timeout
-            }
-            None => Command::new(program()),
-        };
-        capture.args(["--json", "capture", "--port", port]).args(options).arg("--out").arg(out);
-        Ok(capture)
-    })
+/// Runs `motorlens capture --json` with `options` against the board in `script`, which gets `arguments`.
+pub fn capture(script: &str, arguments: &[&OsStr], options: &[&str], out: &Path) -> Result<Ended> {
+    talk(script, arguments, |port| Ok(capturing(port, options, out)))
+}
+
+/// As [`capture`], interrupted as by Ctrl-C as soon as the board prints a line: by its own time, since an emulator goes
+/// faster on one machine than on another.
+pub fn capture_until_told(script: &str, arguments: &[&OsStr], options: &[&str], out: &Path) -> Result<Ended> {
+    let mut board = Board::start(script, arguments)?;
+    let mut capture = capturing(&board.port, options, out);
+    let capture = capture.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let told = capture.context("cannot start motorlens").and_then(|capture| {
+        let line = board.line()?;
+        process::run(Command::new("kill").args(["-INT", &capture.id().to_string()]))
+            .with_context(|| format!("after {line:?}"))?;
+        Ok(capture.wait_with_output()?)
+    });
+    board.end(told)
 }
 
 /// Starts the board in `script` and runs the command that `talk` makes of its port, after whatever it has run before.
 pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Result<Command>) -> Result<Ended> {
-    prepare()?;
-    let mut node = Command::new("node");
-    node.current_dir(directory()).arg(script).args(arguments).stdout(Stdio::piped());
-    let mut board = node.spawn().with_context(|| format!("cannot start node {script}"))?;
-    let mut lines = BufReader::new(board.stdout.take().context("piped above")?);
-    let mut first = String::new();
-    lines.read_line(&mut first)?;
-    let told = (|| {
-        let port = first.trim().strip_prefix("port ").with_context(|| format!("{script} said {first:?}"))?;
-        talk(&format!("tcp://127.0.0.1:{port}"))?.output().context("cannot start motorlens")
-    })();
-    if told.is_err() {
-        board.kill()?;
+    let board = Board::start(script, arguments)?;
+    let told = talk(&board.port).and_then(|mut talk| talk.output().context("cannot start motorlens"));
+    board.end(told)
+}
+
+fn capturing(port: &str, options: &[&str], out: &Path) -> Command {
+    let mut capture = Command::new(program());
+    capture.args(["--json", "capture", "--port", port]).args(options).arg("--out").arg(out);
+    capture
+}
+
+/// An emulated board that runs until the host's program closes its line.
+struct Board {
+    process: Child,
+    lines: BufReader<ChildStdout>,
+    port: String,
+}
+
+impl Board {
+    fn start(script: &str, arguments: &[&OsStr]) -> Result<Self> {
+        prepare()?;
+        let mut node = Command::new("node");
+        node.current_dir(directory()).arg(script).args(arguments).stdout(Stdio::piped());
+        let mut process = node.spawn().with_context(|| format!("cannot start node {script}"))?;
+        let lines = BufReader::new(process.stdout.take().context("piped above")?);
+        let mut board = Self { process, lines, port: String::new() };
+        let first = board.line()?;
+        match first.strip_prefix("port ") {
+            Some(port) => board.port = format!("tcp://127.0.0.1:{port}"),
+            None => {
+                board.process.kill()?;
+                bail!("{script} said {first:?}");
+            }
+        }
+        Ok(board)
     }
-    let mut rest = String::new();
-    lines.read_to_string(&mut rest)?;
-    board.wait()?;
-    let told = told?;
-    let document = serde_json::from_slice(&told.stdout).with_context(|| {
-        format!(
-            "no document: {}{}",
-            String::from_utf8_lossy(&told.stdout),
-            String::from_utf8_lossy(&told.stderr)
-        )
-    })?;
-    Ok(Ended { success: told.status.success(), document, board: rest })
+
+    /// The next line that the board prints.
+    fn line(&mut self) -> Result<String> {
+        let mut line = String::new();
+        self.lines.read_line(&mut line)?;
+        Ok(line.trim().to_owned())
+    }
+
+    /// Waits for the board's end, after what the host's program `told`.
+    fn end(mut self, told: Result<Output>) -> Result<Ended> {
+        if told.is_err() {
+            self.process.kill()?;
+        }
+        let mut rest = String::new();
+        self.lines.read_to_string(&mut rest)?;
+        self.process.wait()?;
+        let told = told?;
+        let document = serde_json::from_slice(&told.stdout).with_context(|| {
+            format!(
+                "no document: {}{}",
+                String::from_utf8_lossy(&told.stdout),
+                String::from_utf8_lossy(&told.stderr)
+            )
+        })?;
+        Ok(Ended { success: told.status.success(), document, board: rest })
+    }
 }
 
 /// `motorlens discover --json` on the logs of a directory, those named holdout kept out of every fit.

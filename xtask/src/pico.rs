@@ -36,7 +36,7 @@ pub fn tests() -> Result<Count> {
     let out = emulated::scratch("pico")?;
     let capture_with = |fault: &str, more: &[&str], name: &str| {
         let options = [&PROGRAMME, more].concat();
-        emulated::capture("pico.js", &[image.as_os_str(), fault.as_ref()], &options, &out.join(name), None)
+        emulated::capture("pico.js", &[image.as_os_str(), fault.as_ref()], &options, &out.join(name))
     };
     let capture = |fault: &str| capture_with(fault, &[], fault);
     let mut count = Count::default();
