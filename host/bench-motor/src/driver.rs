@@ -15,6 +15,8 @@ pub struct Driver {
     pub discharge: f64,
     /// Share of the PWM's off part that floats, and its frequency, Hz.
     pub coast: (f64, f64),
+    /// Frequency of a PWM whose off part leaves the current to one diode, Hz, and the diode's drop, V; none where zero.
+    pub freewheel: (f64, f64),
     /// Current limit of the driver, A; none where zero.
     pub limit_a: f64,
     /// Exponent of a duty curve `|d|^p`; straight where zero.
@@ -33,8 +35,10 @@ pub struct Bridge {
 pub struct Terminals {
     /// Voltage, V.
     pub volts: f64,
-    /// Share of the step in which the bridge floats and carries no current once it has died.
+    /// Diodes alone carry the current: none flows once it has died ...
     pub floating: bool,
+    /// ... except in this direction (1 or -1), which the back-EMF may start; none where zero.
+    pub diode: f64,
 }
 
 /// Forward voltage of two diodes, V.
@@ -61,18 +65,35 @@ impl Bridge {
         } else {
             0.0
         };
-        if law.coast.0 == 0.0 {
-            return Terminals { volts: duty * bus - drop, floating: false };
+        if law.freewheel.0 > 0.0 {
+            let (hertz, diode_v) = law.freewheel;
+            let on = self.on(duty, dt * hertz);
+            // At zero duty both sides are off, and the current goes on as it was.
+            let way = if duty == 0.0 { i.signum() } else { duty.signum() };
+            let off_v = if i * way < 0.0 { bus + DIODES_V } else { -diode_v };
+            return Terminals {
+                volts: way * (on * bus + (1.0 - on) * off_v) - drop,
+                floating: on < 0.5,
+                diode: if duty == 0.0 { 0.0 } else { way },
+            };
         }
-        self.carrier = (self.carrier + dt * law.coast.1).fract();
-        let step = dt * law.coast.1;
-        let on = ((duty.abs() - (self.carrier - step)) / step).clamp(0.0, 1.0);
+        if law.coast.0 == 0.0 {
+            return Terminals { volts: duty * bus - drop, floating: false, diode: 0.0 };
+        }
+        let on = self.on(duty, dt * law.coast.1);
         let floats =
             self.carrier > duty.abs() && self.carrier < duty.abs() + law.coast.0 * (1.0 - duty.abs());
         let off_v = if floats && i.abs() > 1e-9 { -i.signum() * (bus + DIODES_V) } else { 0.0 };
         Terminals {
             volts: on * duty.signum() * bus + (1.0 - on) * off_v - drop,
             floating: floats && on < 0.5,
+            diode: 0.0,
         }
+    }
+
+    /// Share of the next step, `periods` of the PWM long, that is driven.
+    fn on(&mut self, duty: f64, periods: f64) -> f64 {
+        self.carrier = (self.carrier + periods).fract();
+        ((duty.abs() - (self.carrier - periods)) / periods).clamp(0.0, 1.0)
     }
 }

@@ -111,6 +111,12 @@ pub const LIBRARY: &[Row] = &[
         p.driver.coast = (share, hertz);
         format!("coast {share:.2} at {hertz} Hz")
     }),
+    row("freewheel", "coast", |p, _, _, _, r| {
+        // It brakes or it does not.
+        let hertz = pick(r, &[490.0, 980.0, 3900.0]);
+        p.driver.freewheel = (hertz, between(r, 0.3, 0.8));
+        format!("freewheel at {hertz} Hz, a diode of {:.2} V", p.driver.freewheel.1)
+    }),
     row("winding_heating", "heat", |p, _, _, s, r| {
         p.heating = ((s * geometric(r, 0.03, 0.25)).min(0.6), geometric(r, 10.0, 60.0));
         format!("winding_heating {:.3} 1/s, {:.0} s", p.heating.0, p.heating.1)

@@ -159,11 +159,11 @@ impl State {
             if p.saturation_a > 0.0 { 1.0 / (1.0 + (self.i / p.saturation_a).powi(2)).sqrt() } else { 1.0 };
         let k = m.constant * flux;
         let r = m.resistance * (1.0 + self.heat);
-        if terminals.floating && self.i.abs() <= 1e-9 {
+        let v = terminals.volts - k * self.motor_speed;
+        if terminals.floating && self.i.abs() <= 1e-9 && v * terminals.diode <= 0.0 {
             self.i = 0.0;
         } else {
             let a = 0.5 * r * dt / m.inductance;
-            let v = terminals.volts - k * self.motor_speed;
             let next = ((1.0 - a) * self.i + dt / m.inductance * v) / (1.0 + a);
             // Diodes block the return.
             self.i = if terminals.floating && next * self.i < 0.0 { 0.0 } else { next };

@@ -57,6 +57,10 @@ fn row(kind: Kind) -> Row {
         Kind::Coast => {
             Row(&[VoltageAlong], "a push along the motion that is largest at zero voltage: no braking there")
         }
+        Kind::Freewheel => Row(
+            &[CurrentAlong],
+            "a push along the motion where the current would brake, and nothing where it drives",
+        ),
         Kind::SupplySag => Row(&[Current], "a loss that grows with the current, most of all at full voltage"),
         Kind::Saturation => Row(&[Current], "a loss that bends in only at high current"),
         Kind::VoltageDrop => Row(&[Current], "a step where the current changes its sign"),

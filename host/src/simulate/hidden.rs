@@ -7,9 +7,10 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 
 /// Effects that can hardly be told apart when both are present: at most one of each group is picked.
-const ALIKE: [&[Kind]; 4] = [
+const ALIKE: [&[Kind]; 5] = [
     &[Kind::Coulomb, Kind::CoulombAsymmetric, Kind::Stribeck],
     &[Kind::DeadZone, Kind::VoltageDrop],
+    &[Kind::Coast, Kind::Freewheel],
     &[Kind::Backlash, Kind::Compliance],
     &[Kind::Delay, Kind::SensorLag],
 ];

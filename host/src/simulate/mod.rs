@@ -26,6 +26,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::log::{Record, write_canonical};
+use crate::motor_file::MotorFile;
 use crate::{atomic_file, motor_file};
 
 /// Picks what the demo hides.
@@ -55,6 +56,14 @@ pub struct Simulated {
     /// The effects, as they could be typed; absent where they are hidden.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effects: Option<Vec<String>>,
+}
+
+/// What a data sheet tells of the motor of `scenario`, as its `motor.toml` has it.
+///
+/// # Errors
+/// None that a user can cause.
+pub fn data_sheet(scenario: &Scenario) -> Result<MotorFile> {
+    motor_file::parse(Path::new(MOTOR_FILE), &nameplate::text(&scenario.motor, scenario.seed))
 }
 
 /// The verb `simulate`: writes logs, motor file and sealed answer.
@@ -87,9 +96,8 @@ pub fn run(args: &SimulateArgs) -> Result<Simulated> {
             Role::HeldOut => simulated.held_out.push(path),
         }
     }
-    let plate = nameplate::text(&scenario.motor, scenario.seed);
-    motor_file::parse(&simulated.motor, &plate)?;
-    atomic_file::write(&simulated.motor, plate)?;
+    data_sheet(&scenario)?;
+    atomic_file::write(&simulated.motor, nameplate::text(&scenario.motor, scenario.seed))?;
     atomic_file::write(&args.out.join(SEALED_FILE), sealed::seal(&Answer::of(&scenario)))?;
     Ok(simulated)
 }

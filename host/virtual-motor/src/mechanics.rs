@@ -43,6 +43,19 @@ pub enum Terminal {
     Driven(f64),
     /// Nothing but diodes to a bus of this voltage, V.
     Floating(f64),
+    /// A diode across it, which lets the current through one `way` (1 or -1); the other way it returns to a bus of this voltage, V.
+    Freewheeling { way: f64, bus_v: f64 },
+}
+
+impl Terminal {
+    /// Whether diodes end the current on its way from `before` to `after` at zero.
+    fn stops(self, before: f64, after: f64) -> bool {
+        match self {
+            Self::Driven(_) => false,
+            Self::Floating(_) => before * after <= 0.0,
+            Self::Freewheeling { way, .. } => before * after < 0.0 || before == 0.0 && after * way < 0.0,
+        }
+    }
 }
 
 /// What acts from outside during a step.
@@ -111,6 +124,10 @@ impl Mechanics {
             Terminal::Driven(volts) => volts,
             Terminal::Floating(_) if m.current == 0.0 => emf,
             Terminal::Floating(bus) => -(bus + DIODES_V).copysign(m.current),
+            Terminal::Freewheeling { way, .. } if m.current * way > 0.0 => 0.0,
+            Terminal::Freewheeling { way, bus_v } if m.current * way < 0.0 => (bus_v + DIODES_V) * way,
+            // Without a current the back-EMF makes one if the diode lets it.
+            Terminal::Freewheeling { way, .. } => (emf * way).max(0.0) * way,
         };
         let voltage = push
             - outside.resistance * m.current
@@ -185,7 +202,7 @@ impl Mechanics {
             }
             *m = self.midpoint(m, *contact, outside, dt * (1.0 - part));
         }
-        if matches!(outside.terminal, Terminal::Floating(_)) && before.current * m.current <= 0.0 {
+        if outside.terminal.stops(before.current, m.current) {
             m.current = 0.0;
         }
     }
@@ -212,7 +229,7 @@ impl Mechanics {
         let first = self.slopes(m, contact, outside);
         let mut middle = m.plus(&first, 0.5 * dt);
         // Diodes do not turn around within a step: the current that runs out in it ends at zero.
-        if matches!(outside.terminal, Terminal::Floating(_)) && middle.current * m.current < 0.0 {
+        if outside.terminal.stops(m.current, middle.current) && m.current != 0.0 {
             middle.current = f64::MIN_POSITIVE.copysign(m.current);
         }
         let second = self.slopes(&middle, contact, outside);

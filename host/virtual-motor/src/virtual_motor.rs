@@ -17,6 +17,8 @@ pub enum Bridge {
     Volts(f64),
     /// All switches off: the current returns through the diodes, then the motor rolls.
     Floating,
+    /// One side switched off: a diode across the winding lets the current go on in this direction (1 or -1), and none back.
+    Freewheeling(f64),
 }
 
 /// Longest step of the integration, s.
@@ -133,7 +135,7 @@ impl VirtualMotor {
         let bus_v = self.state.bridge.bus_v;
         let applied = match output {
             Bridge::Volts(volts) => volts * bus_v / self.driver.nominal_v(),
-            Bridge::Floating => 0.0,
+            Bridge::Floating | Bridge::Freewheeling(_) => 0.0,
         };
         let more = if self.laws.is_empty() {
             law::Sums::default()
@@ -146,6 +148,7 @@ impl VirtualMotor {
         let terminal = match output {
             Bridge::Volts(_) => Terminal::Driven(applied + more.voltage),
             Bridge::Floating => Terminal::Floating(bus_v),
+            Bridge::Freewheeling(way) => Terminal::Freewheeling { way, bus_v },
         };
         let outside = Surroundings {
             terminal,
@@ -159,6 +162,7 @@ impl VirtualMotor {
         let drawn = match output {
             Bridge::Volts(volts) => volts / self.driver.nominal_v() * before,
             Bridge::Floating => -before.abs(),
+            Bridge::Freewheeling(way) => (before * way).min(0.0),
         };
         self.driver.draw(&mut state.bridge, drawn, dt);
         self.mechanics.electric.heat(&mut state.heat, state.motion.current, dt);

@@ -87,6 +87,7 @@ fn steady_speeds_change_in_the_promised_direction() {
         assert!((0.5..0.999).contains(&share), "{slower}: {share}");
     }
     assert!(speed_share("coast", 6.0) > 1.05);
+    assert!(speed_share("freewheel", 6.0) > 1.05);
 }
 
 #[test]

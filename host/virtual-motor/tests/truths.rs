@@ -204,6 +204,31 @@ fn a_slow_coasting_pwm_has_the_steady_speed_of_its_averaged_torque() {
     close(plant.motor_speed_rad_s(), speed, 0.01);
 }
 
+/// The period is long against the winding's time constant: each pulse has its current to itself, d (V - e) / R in the mean.
+#[test]
+fn a_slow_freewheeling_pwm_has_the_steady_speed_of_its_pulses() {
+    let mut motor = Motor::paper();
+    motor.inductance_h *= 0.02;
+    let mut plant = plant(&motor, &["freewheel=400"]);
+    plant.advance(3.0, Bridge::Volts(6.0));
+    let (kt, ke, r) = (motor.torque_constant, motor.back_emf_constant, motor.resistance_ohm);
+    let speed = 0.5 * kt * 12.0 / (r * motor.damping() + 0.5 * kt * ke);
+    close(plant.motor_speed_rad_s(), speed, 0.01);
+}
+
+/// The period is short: the current never ends while the motor drives, and none flows while it is faster than its voltage.
+#[test]
+fn a_fast_freewheeling_pwm_drives_as_its_mean_and_does_not_brake() {
+    let motor = Motor { inductance_h: 20.0 * Motor::small().inductance_h, ..Motor::small() };
+    let mut plant = plant(&motor, &["freewheel=10000"]);
+    plant.advance(3.0, Bridge::Volts(8.0));
+    let fast = plant.true_speed_rad_s();
+    close(fast, motor.gain() * 8.0, 0.02 * fast);
+    let viscous = motor.damping() / motor.inertia();
+    plant.advance(0.1, Bridge::Volts(2.0));
+    close(plant.true_speed_rad_s(), fast * (-0.1 * viscous).exp(), 0.03 * fast);
+}
+
 #[test]
 fn heat_stays_from_record_to_record_where_asked_and_cools_in_the_pause() {
     let mut plant = plant(&Motor::paper(), &["winding_heating=0.5", "coulomb=6"]);

@@ -17,6 +17,7 @@
 //! voltage at the terminals then makes the mean current; the winding's own lag stays with the base model.
 
 use super::decay::decay;
+use super::pwm::{Pwm, remember};
 use super::spec::{EXPLICIT, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
@@ -47,56 +48,33 @@ pub(super) const SPEC: Spec = Spec {
 /// Drop of the two silicon diodes through which the current returns, V.
 pub const DIODES_V: f64 = 1.4;
 
-/// Mean of a bridge that floats for a share of the off part; memory holds what the last step added to the speed.
+/// Mean of a bridge that floats for a share of the off part.
 #[derive(Debug, Clone, Copy)]
 pub struct Coast<S> {
     share: S,
-    supply: S,
-    per_supply: S,
-    back_emf: S,
-    /// PWM period over the electrical time constant, and its inverse.
-    period: S,
-    per_period: S,
+    pwm: Pwm<S>,
 }
 
 impl<S: Scalar> Coast<S> {
     /// Fixes the parameters (in the order of the row).
     pub fn new(parameters: &[S], setting: &Setting<S>) -> Self {
-        let per_period = parameters[1] * setting.tau_e;
-        Self {
-            share: parameters[0],
-            supply: S::one() / setting.per_supply,
-            per_supply: setting.per_supply,
-            back_emf: setting.back_emf,
-            period: S::one() / per_period,
-            per_period,
-        }
+        Self { share: parameters[0], pwm: Pwm::new(parameters[1], setting) }
     }
 
     /// Mean voltage at the terminals under a `command` (0 or more) against `emf`, V.
     #[inline(always)]
     pub fn mean(&self, command: S, emf: S) -> S {
         let (zero, one) = (S::zero(), S::one());
-        let off = one - (command * self.per_supply).min(one);
+        let off = self.pwm.off(command);
         let floating = self.share * off;
-        let begun = emf * (decay((off - floating) * self.period) - one);
-        let driven = decay((one - off) * self.period);
-        let left = (self.supply - emf) * (one - driven) + begun * driven;
+        let begun = emf * (decay((off - floating) * self.pwm.period) - one);
+        let driven = decay((one - off) * self.pwm.period);
+        let left = (self.pwm.supply - emf) * (one - driven) + begun * driven;
         let way = S::pick_gt(left, zero, one, -one);
-        let against = way.mul_add(emf, self.supply + S::lit(DIODES_V));
-        let conducting = (self.per_period * ln_one_and(left.abs(), against)).min(floating);
+        let against = way.mul_add(emf, self.pwm.supply + S::lit(DIODES_V));
+        let conducting = self.pwm.conducting(left.abs(), against).min(floating);
         command + floating * emf - way * against * conducting
     }
-}
-
-/// ln(1 + a / b) of a from 0 and b above, within 0.3 % up to a = 6 b and 2e-6 up to b: 2 artanh(a / (a + 2 b)), as its
-/// Pade approximant of order 4.
-#[inline(always)]
-fn ln_one_and<S: Scalar>(a: S, b: S) -> S {
-    let z = a / (a + b + b);
-    let zz = z * z;
-    let over = z * zz.mul_add(S::lit(-110.0), S::lit(210.0));
-    over / zz.mul_add(S::lit(9.0), S::lit(-90.0)).mul_add(zz, S::lit(105.0))
 }
 
 impl<S: Scalar> Effect<S> for Coast<S> {
@@ -104,20 +82,18 @@ impl<S: Scalar> Effect<S> for Coast<S> {
     fn drive(&self, now: &Now<S>, memory: &Memory<S>, drive: &mut Drive<S>) {
         let v = drive.voltage;
         let way = S::pick_gt(S::zero(), v, -S::one(), S::one());
-        // The speed in the middle of the step, where a value from its beginning would leave an error of first order.
-        let speed = memory.store.mul_add(S::lit(0.5), now.state.speed);
-        drive.voltage = way * self.mean(way * v, way * self.back_emf * speed);
+        drive.voltage = way * self.mean(way * v, way * self.pwm.emf(now, memory));
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
-        memory.store = after.speed - now.state.speed;
+        remember(now, after, memory);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::{Kind, testing::*};
-    use super::{Coast, DIODES_V, ln_one_and};
+    use super::{Coast, DIODES_V};
     use crate::base::Base;
     use crate::effects::Setting;
     use crate::step::State;
@@ -165,15 +141,6 @@ mod tests {
                     }
                 }
             }
-        }
-    }
-
-    #[test]
-    fn the_logarithm_is_as_exact_as_stated() {
-        for k in 1..600 {
-            let x = f64::from(k) * 0.01;
-            let bound = if x < 1.0 { 2e-6 } else { 3e-3 };
-            assert!((ln_one_and(2.0 * x, 2.0) / libm::log1p(x) - 1.0).abs() < bound, "at {x}");
         }
     }
 

@@ -11,6 +11,7 @@ use crate::step::{Drive, State};
 
 mod decay;
 mod formula;
+mod pwm;
 mod spec;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -259,6 +260,7 @@ registry! {
     delay Delay,
     dead_zone DeadZone,
     coast Coast,
+    freewheel Freewheel,
     supply_sag SupplySag,
     winding_heating WindingHeating,
     voltage_drop VoltageDrop,

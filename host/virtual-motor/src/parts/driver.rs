@@ -1,4 +1,4 @@
-//! Supply and bridge: delay, dead zone, coasting PWM, sag.
+//! Supply and bridge: delay, dead zone, a PWM that floats or freewheels in its off part, sag.
 
 use super::find;
 use crate::effect::Effect;
@@ -14,13 +14,17 @@ pub struct Driver {
     nominal_v: f64,
     delay_s: f64,
     dead_zone_v: f64,
-    coast: Option<Coast>,
+    off: Option<Off>,
     source_resistance: f64,
 }
 
+/// What a PWM does in its off part, where it does not brake.
 #[derive(Debug, Clone, PartialEq)]
-struct Coast {
+struct Off {
+    /// Share of it that is not braked.
     share: f64,
+    /// A diode across the winding lets the current go on.
+    freewheels: bool,
     period_s: f64,
 }
 
@@ -42,12 +46,19 @@ const BUS_S: f64 = 0.002;
 impl Driver {
     pub fn new(motor: &Motor, effects: &[Effect]) -> Self {
         let first = |kind| find(effects, kind).unwrap_or_default()[0];
+        let off = |kind, freewheels, of: fn([f64; 4]) -> (f64, f64)| {
+            find(effects, kind).map(of).map(|(share, pwm_hz)| Off {
+                share,
+                freewheels,
+                period_s: 1.0 / pwm_hz,
+            })
+        };
+        let coasts = off(Kind::Coast, false, |[share, pwm_hz, ..]| (share, pwm_hz));
         Self {
             nominal_v: motor.nominal_v,
             delay_s: 1e-3 * first(Kind::Delay),
             dead_zone_v: first(Kind::DeadZone),
-            coast: find(effects, Kind::Coast)
-                .map(|[share, pwm_hz, ..]| Coast { share, period_s: 1.0 / pwm_hz }),
+            off: coasts.or_else(|| off(Kind::Freewheel, true, |[pwm_hz, ..]| (1.0, pwm_hz))),
             source_resistance: first(Kind::SupplySag) * motor.resistance_ohm,
         }
     }
@@ -58,7 +69,7 @@ impl Driver {
             waiting: VecDeque::new(),
             last: Bridge::Volts(0.0),
             active: Bridge::Volts(0.0),
-            phase: if self.coast.is_some() { rng.random() } else { 0.0 },
+            phase: if self.off.is_some() { rng.random() } else { 0.0 },
             bus_v: self.nominal_v,
         }
     }
@@ -82,22 +93,24 @@ impl Driver {
         let mut until = state.waiting.front().map_or(end, |next| next.0.min(end));
         let Bridge::Volts(asked) = state.active else { return (Bridge::Floating, until) };
         let magnitude = (asked.abs().min(self.nominal_v) - self.dead_zone_v).max(0.0);
-        let Some(coast) = &self.coast else {
+        let Some(off) = &self.off else {
             return (Bridge::Volts(magnitude.copysign(asked)), until);
         };
         // One period: driven fully for its duty, then floating for its share of the rest, then braked.
         let duty = magnitude / self.nominal_v;
-        let floated = duty + (1.0 - duty) * coast.share;
-        let periods = now / coast.period_s + state.phase + 1e-9;
-        let (start, part) = ((periods.floor() - state.phase) * coast.period_s, periods.fract());
+        let floated = duty + (1.0 - duty) * off.share;
+        let periods = now / off.period_s + state.phase + 1e-9;
+        let (start, part) = ((periods.floor() - state.phase) * off.period_s, periods.fract());
         let (bridge, edge) = if part < duty {
             (Bridge::Volts(self.nominal_v.copysign(asked)), duty)
         } else if part < floated {
-            (Bridge::Floating, floated)
+            // At zero duty no side is switched on.
+            let freewheels = off.freewheels && duty > 0.0;
+            (if freewheels { Bridge::Freewheeling(1f64.copysign(asked)) } else { Bridge::Floating }, floated)
         } else {
             (Bridge::Volts(0.0), 1.0)
         };
-        until = until.min(start + edge * coast.period_s);
+        until = until.min(start + edge * off.period_s);
         (bridge, until)
     }
 
@@ -157,7 +170,7 @@ mod tests {
             let part = match bridge {
                 Bridge::Volts(v) if v < 0.0 => 0,
                 Bridge::Volts(_) => 1,
-                Bridge::Floating => 2,
+                Bridge::Floating | Bridge::Freewheeling(_) => 2,
             };
             spent[part] += until - now;
             now = until;
