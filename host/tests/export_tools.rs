@@ -81,6 +81,7 @@ fn mujoco_turns_as_the_model_does_with_every_effect() {
         model(&[(Kind::Delay, &[0.0061])]),
         model(&[(Kind::DeadZone, &[0.5, 0.05])]),
         model(&[(Kind::Coast, &[0.6, 500.0])]),
+        model(&[(Kind::Freewheel, &[0.9, 500.0])]),
         model(&[(Kind::SupplySag, &[0.3, 0.003])]),
         model(&[(Kind::WindingHeating, &[0.4, 20.0])]),
         model(&[(Kind::VoltageDrop, &[0.4, 0.2])]),

@@ -80,3 +80,19 @@ fn a_program_that_listens_gets_the_same_document_on_any_terminal() {
         serde_json::from_str::<serde_json::Value>(&narrow).expect("JSON");
     }
 }
+
+#[test]
+fn the_data_problems_that_the_fit_shows_stand_on_the_terminal_too_when_a_report_is_written() {
+    let directory = tempfile::tempdir().expect("a directory");
+    // A fifth of a second in which the motor only gathers speed.
+    let row = |k: u32| {
+        let (t, noise) = (0.01 * f64::from(k), if k.is_multiple_of(3) { 2e-3 } else { 0.0 });
+        let volts = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();
+        format!("{t:.2},{volts:.4},{:.6}\n", 60.0 * t.powi(3) + noise)
+    };
+    let log = "time_s,voltage_v,angle_rad\n".to_owned() + &(0..20).map(row).collect::<String>();
+    std::fs::write(directory.path().join("short.csv"), log).expect("a log");
+    let (_, told) = said(directory.path(), "report short.csv --out r.html", 80);
+    let problem = told.find("data: all records together: too_little_excitation: these records do not");
+    assert!(problem.is_some() && problem < told.find("next: "), "{told}");
+}

@@ -8,6 +8,8 @@ use motorlens::log::{ReadOptions, Record, read};
 
 #[path = "text_logs/clocks.rs"]
 mod clocks;
+#[path = "text_logs/drives.rs"]
+mod drives;
 #[path = "text_logs/heads.rs"]
 mod heads;
 #[path = "text_logs/names.rs"]

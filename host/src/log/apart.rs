@@ -20,9 +20,13 @@ const FEWEST: usize = 2;
 /// The two files that `path` names, where it is no file itself.
 pub(super) fn both(path: &Path) -> Option<(PathBuf, PathBuf)> {
     let name = path.to_str().filter(|_| !path.exists())?;
-    let mut cuts =
-        name.match_indices('+').map(|(at, _)| (PathBuf::from(&name[..at]), PathBuf::from(&name[at + 1..])));
+    let mut cuts = halves(name).map(|(input, output)| (PathBuf::from(input), PathBuf::from(output)));
     cuts.find(|(input, output)| input.is_file() && output.is_file())
+}
+
+/// The two names that `name` may consist of.
+pub(crate) fn halves(name: &str) -> impl Iterator<Item = (&str, &str)> {
+    name.match_indices('+').map(|(at, _)| (&name[..at], &name[at + 1..]))
 }
 
 /// Reads the record of the two files.
@@ -44,24 +48,59 @@ pub(super) fn read(path: &Path, input: &Path, output: &Path, options: &ReadOptio
     Ok(structure.tests(table::record(path, name, read, options)?))
 }
 
+/// The beginning of one of the files.
+fn beginning(path: &Path) -> Option<sample::Sample> {
+    let mut lines = text::open(path).ok()?;
+    let head = preamble::read(path, &mut lines, true).ok()?;
+    sample::read(path, lines, &head, 0).ok()
+}
+
+/// The mapping that both files look like.
+fn proposal(input: &Path, output: &Path, options: &ReadOptions) -> Option<guess::Proposal> {
+    let proposal = guess::propose_apart(&beginning(input)?, &beginning(output)?)?;
+    let mut meta = Metadata::default();
+    let _ = options.complete(input, &mut meta);
+    Some(proposal.with_known(options.known(&meta)))
+}
+
+/// The fault of two files given as two logs of which one has only what drives the motor and the other only its motion: how they are
+/// given as one. Any other fault stays what it is.
+pub(super) fn as_one(error: Error, paths: &[PathBuf], options: &ReadOptions) -> Error {
+    let ([one, other], Error::BadInput(_), None) = (paths, &error, &options.map) else { return error };
+    let is_apart = |input: &Path, output: &Path| {
+        beginning(input)
+            .zip(beginning(output))
+            .is_some_and(|(input, output)| guess::are_apart(&input, &output))
+    };
+    for (input, output) in [(one, other), (other, one)] {
+        if is_apart(input, output)
+            && let Some(proposal) = proposal(input, output, options)
+        {
+            let pair = PathBuf::from(format!("{}+{}", input.display(), output.display()));
+            let why = format!(
+                "{} has only what drives the motor, and {} only its motion",
+                input.display(),
+                output.display()
+            );
+            let remedy = format!(
+                "give both as one log, {}; they look like {}",
+                guess::quoted(&pair.display().to_string()),
+                proposal.told()
+            );
+            return BadInput::new(&pair, why, remedy).proposing(Some(proposal)).into();
+        }
+    }
+    error
+}
+
 /// The fault with the mapping that both files look like, where none was given.
 fn proposing(error: Error, input: &Path, output: &Path, options: &ReadOptions) -> Error {
-    let sample = |path: &Path| -> Result<sample::Sample> {
-        let mut lines = text::open(path)?;
-        let head = preamble::read(path, &mut lines, true)?;
-        sample::read(path, lines, &head, 0)
-    };
     match error {
         Error::BadInput(mut fault) if options.map.is_none() => {
-            if let (Ok(first), Ok(second)) = (sample(input), sample(output))
-                && let Some(proposal) = guess::propose_apart(&first, &second)
-            {
-                let mut meta = Metadata::default();
-                let _ = options.complete(input, &mut meta);
-                let proposal = proposal.with_known(options.known(&meta));
+            if let Some(proposal) = proposal(input, output, options) {
                 fault.remedy = format!(
                     "say which column is what and in which unit; the files look like {}",
-                    proposal.options()
+                    proposal.told()
                 );
                 fault.proposal = Some(Box::new(proposal));
             }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::apart;
 use super::mapping::Mapping;
 use super::roles::{Range, divide};
 use super::{Format, Hold, ReadOptions, Record, Warning, read, servo, set_aside_still};
@@ -115,7 +116,7 @@ pub fn load(paths: &[PathBuf], args: &ReadArgs) -> Result<Loaded> {
     let all = |paths: &[PathBuf]| -> Result<Vec<Record>> {
         let mut records = Vec::new();
         for path in paths {
-            records.extend(read(path, &options)?);
+            records.extend(read(path, &options).map_err(|error| apart::as_one(error, paths, &options))?);
         }
         Ok(records)
     };
@@ -147,6 +148,7 @@ fn positive(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
     use clap::Parser;
 
     #[derive(Parser)]
@@ -175,6 +177,31 @@ mod tests {
         assert_eq!(options.supply_volts, Some(7.9));
         assert_eq!(options.hold, Some(Hold::First));
         assert_eq!(verb.reading.validate.len(), 2);
+    }
+
+    #[test]
+    fn two_files_of_half_a_log_each_are_proposed_as_one_in_any_order() {
+        let directory = tempfile::tempdir().unwrap();
+        let table = |name: &str, header: &str, of: fn(f64) -> f64| {
+            let rows: String = (0..100).map(|k| format!("{},{}\n", 10 * k, of(f64::from(k)))).collect();
+            let path = directory.path().join(name);
+            std::fs::write(&path, format!("{header}\n{rows}")).unwrap();
+            path
+        };
+        let drive = table("in.csv", "t_ms,voltage", |k| (0.1 * k).sin());
+        let motion = table("out.csv", "t_ms,angle", |k| (0.1 * k).cos());
+        for paths in [[drive.clone(), motion.clone()], [motion.clone(), drive.clone()]] {
+            let Err(Error::BadInput(fault)) = load(&paths, &ReadArgs::default()) else { panic!() };
+            assert_eq!(fault.file, PathBuf::from(format!("{}+{}", drive.display(), motion.display())));
+            let map = fault.proposal.unwrap().map.parse().unwrap();
+            let args = ReadArgs { map: Some(map), ..ReadArgs::default() };
+            assert_eq!(load(&[fault.file], &args).unwrap().records.len(), 1);
+        }
+        // Two logs of the same kind are two.
+        let Err(Error::BadInput(fault)) = load(&[drive.clone(), drive.clone()], &ReadArgs::default()) else {
+            panic!()
+        };
+        assert_eq!(fault.file, drive);
     }
 
     #[test]

@@ -284,13 +284,7 @@ impl Choice<'_> {
     pub fn refusal(&self, missing: &Missing, guess: Guess) -> crate::error::Error {
         let remedy = match &guess {
             Guess::Proposed(proposal) => {
-                let assumptions = proposal.assumptions();
-                let assumptions =
-                    if assumptions.is_empty() { String::new() } else { format!(" ({assumptions})") };
-                format!(
-                    "say which column is what and in which unit; it looks like {}{assumptions}",
-                    proposal.options()
-                )
+                format!("say which column is what and in which unit; it looks like {}", proposal.told())
             }
             Guess::Open(Some(question)) => question.clone(),
             Guess::Open(None) => format!(

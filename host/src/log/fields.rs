@@ -315,7 +315,7 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
             return Vec::new();
         }
         let name_at = hard + line[hard..colon].find(name).unwrap_or(0);
-        let value = colon + 1 + line[colon + 1..].find(|c| c != ' ').unwrap_or(0);
+        let value = colon + 1 + value_behind(&line[colon + 1..]);
         let end = line[value..].find(BETWEEN).map_or(line.len(), |at| value + at);
         let end = end_of_unit(line, end)
             .filter(|_| line[..end].ends_with(|c: char| c.is_ascii_digit()))
@@ -326,10 +326,37 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     pairs
 }
 
-/// Names and values of a line in which words and numbers take turns.
+/// Where the value begins behind a name's colon: in `Time:,12` behind the comma too.
+fn value_behind(text: &str) -> usize {
+    let begin = text.find(|c| c != ' ').unwrap_or(0);
+    let behind = text[begin..].strip_prefix([',', ';', '\t']).unwrap_or_default();
+    let word = behind.trim_start_matches(' ').split([',', ';', '\t', ' ']).next().unwrap_or_default();
+    if number(word).is_some() { text.len() - behind.trim_start_matches(' ').len() } else { begin }
+}
+
+/// Names and values of a line in which words and numbers take turns, between blanks or all between the same separator.
 fn words_and_numbers(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     let mut fields = Vec::new();
     split_blanks(line, &mut fields);
+    let pairs = in_turns(line, &fields);
+    if !pairs.is_empty() {
+        return pairs;
+    }
+    let by = |separator: char| {
+        let field = |(at, text): (usize, &str)| {
+            let at = at + text.len() - text.trim_start().len();
+            at..at + text.trim().len()
+        };
+        let starts = line.match_indices(separator).map(|(at, _)| at + 1);
+        let fields: Vec<_> = std::iter::once(0).chain(starts).zip(line.split(separator)).map(field).collect();
+        // A word and its number are a remark.
+        (fields.len() >= 4).then(|| in_turns(line, &fields)).filter(|pairs| !pairs.is_empty())
+    };
+    [';', '\t', ','].into_iter().find_map(by).unwrap_or_default()
+}
+
+/// The fields in pairs, where every first is a name and every second a number.
+fn in_turns(line: &str, fields: &[Range<usize>]) -> Vec<(Range<usize>, Range<usize>)> {
     let value = |field: &Range<usize>| {
         field.start..field.start + line[field.clone()].trim_end_matches([',', ';']).len()
     };
@@ -406,6 +433,8 @@ mod tests {
             ("echo: t:12 pwm:80 motor enc:-3", "12"),
             ("[7] t: 12 pwm: 80 motor enc: -3", "12"),
             ("[INFO] [drive] left.motor: t=12 pwm=80, motor enc=-3", "12"),
+            ("t:,12,pwm:,80,motor enc:,-3", "12"),
+            ("t:,pwm:,80,motor enc:,-3", ""),
         ] {
             assert_eq!(split(line, names()), [time, "80", "-3"], "{line}");
         }
@@ -414,6 +443,9 @@ mod tests {
         let names = || Separator::Names(vec!["t".into(), "pwm".into()]);
         assert_eq!(split("pwm 80, t 12", names()), ["12", "80"]);
         assert_eq!(split("pwm 80 t", names()), [""]);
+        assert_eq!(split("pwm,80,t,12", names()), ["12", "80"]);
+        assert_eq!(split("t; 12; pwm; -80", names()), ["12", "-80"]);
+        assert_eq!(split("note,80", names()), [""]);
     }
 
     #[test]

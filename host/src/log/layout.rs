@@ -88,10 +88,29 @@ fn named_values(lines: &[&str]) -> Option<Layout> {
     if with_names.len() < 2 || (with_names.len() as f64) < MOST * lines.len() as f64 {
         return None;
     }
+    let rows = with_names.first()?.0;
+    if is_table_of_words(lines, rows, &with_names) {
+        return None;
+    }
     // Half a first line has fewer names.
     let (_, names) = with_names.iter().take(5).max_by_key(|(_, names)| names.len())?;
-    let rows = with_names.first()?.0;
     Some(Layout { names: names.clone(), rows, ..new(Separator::Names(names.clone())) })
+}
+
+/// Whether words between separators are values, as in `FWD,120,ON,7`: below a header, or others in other rows.
+fn is_table_of_words(lines: &[&str], rows: usize, with_names: &[(usize, Vec<String>)]) -> bool {
+    let first = lines[rows];
+    let Some(separator) = [';', '\t', ','].into_iter().find(|separator| first.contains(*separator)) else {
+        return false;
+    };
+    if first.contains([':', '=']) || first.split(separator).any(|field| field.trim().contains(' ')) {
+        return false;
+    }
+    let width = |line: &str| line.split(separator).count();
+    let is_below = rows > 0 && width(lines[rows - 1]) == width(first);
+    let last = with_names.last().map(|(_, names)| names);
+    let alike = with_names.iter().filter(|(_, names)| Some(names) == last).count();
+    is_below || (alike as f64) < MOST * with_names.len() as f64
 }
 
 /// The first line whose next two are rows of as many numbers, and rather one that many more rows follow: what an oscilloscope tells of
@@ -184,14 +203,31 @@ fn names_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<Strin
         (names.len() == width && !names.iter().any(|name| is_bare_number(name))).then_some(names)
     };
     let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
-    fit(fields(line, &own)).or_else(|| match separator {
+    let between = if let Separator::Byte(byte) = separator { char::from(*byte) } else { ',' };
+    let own = || fit(fields(line, &own)).or_else(|| fit(within_brackets(fields(line, &own), between)));
+    own().or_else(|| match separator {
         Separator::Blanks => {
             let others = [Separator::Byte(b','), Separator::Byte(b';')];
             let by_others = others.iter().find_map(|other| fit(fields(line, other)));
-            by_others.or_else(|| fit(far_apart(line))).or_else(|| fit(with_units(fields(line, &own))))
+            let words = || with_units(fields(line, separator));
+            by_others.or_else(|| fit(far_apart(line))).or_else(|| fit(words()))
         }
-        _ => fit(fields(line, &Separator::Blanks)),
+        // What separates the rows is no part of a name.
+        _ => fit(fields(line, &Separator::Blanks)).filter(|names| !names.iter().any(|n| n.contains(between))),
     })
+}
+
+/// Names that hold the separator within brackets, `time (s, from the start)`, are one.
+fn within_brackets(names: Vec<String>, separator: char) -> Vec<String> {
+    let is_open = |name: &String| name.matches(['(', '[']).count() > name.matches([')', ']']).count();
+    let mut joined: Vec<String> = Vec::new();
+    for name in names {
+        match joined.last_mut() {
+            Some(last) if is_open(last) => *last = format!("{last}{separator} {name}"),
+            _ => joined.push(name),
+        }
+    }
+    joined
 }
 
 /// Names between which there are two blanks or more.
@@ -266,8 +302,23 @@ fn plain(lines: &[&str]) -> Layout {
     if names.iter().all(|name| is_number(name)) || is_row {
         return new(separator);
     }
-    let names = ending_in_one(names);
+    let mut names = ending_in_one(names);
+    names.extend(behind_the_last_name(lines.get(1..).unwrap_or_default(), &separator, names.len()));
     Layout { header: Some(0), names, rows: 1, ..new(separator) }
+}
+
+/// The names of the columns that `rows` have behind the `named` ones: their places. Simulink names a signal of several numbers once.
+fn behind_the_last_name(rows: &[&str], separator: &Separator, named: usize) -> Vec<String> {
+    let first = &rows[..rows.len().min(3)];
+    // Without a point in them they may be the two halves of numbers with decimal commas.
+    let halves = *separator == Separator::Byte(b',') && !first.iter().all(|line| line.contains('.'));
+    let widths: Vec<Option<usize>> = first.iter().map(|line| row(line, separator)).collect();
+    match widths[..] {
+        [Some(width), ref rest @ ..] if named >= 2 && !halves && rest.iter().all(|w| *w == Some(width)) => {
+            (named..width).map(|place| place.to_string()).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Numbers without a header below what a board says as it starts: from the line at which three rows of nothing else begin.
@@ -400,6 +451,18 @@ mod tests {
         assert_eq!((found.units, found.rows), (["", "V", "", "rad"].map(String::from).to_vec(), 3));
         let found = layout("X,u,w,Comment\n\t1\t2\t\n\t3\t4\t\n\t3\t4\t".replace(',', "\t").as_str());
         assert_eq!((found.names.len(), found.separator), (4, Separator::Byte(b'\t')));
+    }
+
+    #[test]
+    fn columns_behind_the_last_name_are_called_by_their_places() {
+        let found =
+            layout("\"Time\",\"data\"\n0.920,0,0.0005,0.040\n0.922,0,0.0005,0.039\n0.924,0,0.0005,0.038");
+        assert_eq!(
+            (found.header, found.names, found.rows),
+            (Some(0), ["Time", "data", "2", "3"].map(String::from).to_vec(), 1)
+        );
+        assert_eq!(layout("t,u\n0.1,2\n0.2,2,9\n0.3,2").names.len(), 2, "one row alone is a bad row");
+        assert_eq!(layout("t,u\n0,1,2,5\n0,2,2,5\n0,3,2,5").names.len(), 2, "decimal commas");
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod between;
 mod bursts;
 mod choice;
 mod clock;
+mod counter;
 mod direction;
 mod encoding;
 mod ends;
@@ -77,6 +78,8 @@ mod write;
 
 use std::path::Path;
 
+#[cfg(feature = "cli")]
+pub(crate) use apart::halves;
 pub use args::{Loaded, ReadArgs, load};
 pub use metadata::{EncoderShaft, Metadata};
 pub use read::{Format, ReadOptions, read};

@@ -137,8 +137,10 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped).without_tag(layout.tag.clone());
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
+    let mut widest = 0;
     for (_, row) in &rows {
         splitter.split(row);
+        widest = widest.max(splitter.len());
         beside.see(&splitter);
         hex.see(&splitter);
     }
@@ -147,6 +149,14 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     units.resize(units.len().max(beside.len()), String::new());
     for (unit, beside) in units.iter_mut().zip(&beside).filter(|(unit, _)| unit.is_empty()) {
         unit.clone_from(beside);
+    }
+    let named = layout.names.len();
+    let is_short = layout.header.is_some() && rows.len() >= 2 && (2..named).contains(&widest);
+    let is_short = is_short && !layout.names[widest..].iter().all(|name| is_remark(name));
+    if is_short {
+        // By their numbers the columns are known all the same.
+        layout.names.clear();
+        units.clear();
     }
     let head = Preamble {
         meta,
@@ -164,9 +174,19 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         read: number,
     };
     if head.headers.is_none() && !by_number {
-        return Err(sample::nameless(path, input, &head)?.into());
+        let wrong = is_short.then(|| {
+            format!("the header has {named} names, the rows have {widest} fields, and nothing tells which names have no column")
+        });
+        return Err(sample::nameless(path, input, &head, wrong)?.into());
     }
     Ok(head)
+}
+
+/// Whether a column is called one of remarks, which rows may leave out.
+fn is_remark(name: &str) -> bool {
+    const REMARKS: [&str; 10] =
+        ["", "comment", "comments", "note", "notes", "remark", "remarks", "message", "event", "bemerkung"];
+    REMARKS.contains(&name.to_lowercase().as_str())
 }
 
 /// What a line says that is a remark: behind `#`, MATLAB's `%` or `//`.
@@ -180,12 +200,15 @@ fn remark_of_semicolon(text: &str) -> Option<&str> {
     (!remark.contains(';') && remark.contains(char::is_alphabetic)).then_some(remark)
 }
 
-/// Blank lines, rows of nothing but separators, and a spreadsheet's remark on its own separator.
+/// Blank lines, rows of nothing but separators, the banner of a terminal, and a spreadsheet's remark on its own separator.
 pub fn is_nothing(text: &str) -> bool {
     let remark = text.trim_matches('"');
     let separator =
         remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));
-    separator || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', ' ']).is_empty()
+    // PuTTY begins every session so.
+    separator
+        || text.starts_with("=~=~=~")
+        || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', ' ']).is_empty()
 }
 
 fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {

@@ -29,6 +29,9 @@ pub fn quantum(values: &[f64]) -> Option<f64> {
     (1..=3).find_map(|divisor| fit(&gaps, typical / f64::from(divisor)))
 }
 
+/// What one count may be written as in a few digits.
+const MOST_ROUNDINGS: usize = 3;
+
 fn fit(gaps: &[f64], start: f64) -> Option<f64> {
     let mut step = start;
     for _ in 0..3 {
@@ -40,8 +43,24 @@ fn fit(gaps: &[f64], start: f64) -> Option<f64> {
         }
         step = numerator / denominator;
     }
+    if !is_counted(gaps, step) {
+        return None;
+    }
     let agreeing = gaps.iter().filter(|&gap| ((gap / step) - (gap / step).round()).abs() < TOLERANCE).count();
     (agreeing as f64 >= AGREEING * gaps.len() as f64).then_some(step)
+}
+
+/// Whether `gaps` can be whole numbers of a `step`. Where every gap is one and the same number of steps they are alike, or as many as the last
+/// digit makes of one: a shaft that turns on evenly goes nearly as far in every interval, but not quite.
+fn is_counted(gaps: &[f64], step: f64) -> bool {
+    let multiple = |gap: &f64| (gap / step).round();
+    if gaps.iter().any(|gap| multiple(gap) != multiple(&gaps[0])) {
+        return true;
+    }
+    let mut sizes = gaps.to_vec();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.dedup_by(|next, kept| *next - *kept < 1e-4 * step);
+    sizes.len() <= MOST_ROUNDINGS
 }
 
 #[cfg(test)]
@@ -51,6 +70,20 @@ mod tests {
 
     fn swing(i: usize) -> f64 {
         (i as f64 * 0.013).sin() * 2.0 + (i as f64 * 0.0071).cos()
+    }
+
+    #[test]
+    fn a_shaft_that_turns_on_shows_no_step_in_the_way_of_an_interval() {
+        let turning: Vec<f64> =
+            (0..100).map(|k| f64::from(k) * 1.24 + 0.4 * (f64::from(k) * 0.15).sin()).collect();
+        let written: Vec<f64> = turning.iter().map(|x| (x * 1e4).round() / 1e4).collect();
+        assert_eq!(quantum(&written), None);
+        let counted: Vec<f64> = (0..100).map(|k| (f64::from(k) * 0.006_14 * 1e3).round() / 1e3).collect();
+        assert!(
+            quantum(&counted).is_some_and(|step| (step / 0.006_14 - 1.0).abs() < 0.02),
+            "{:?}",
+            quantum(&counted)
+        );
     }
 
     #[test]

@@ -20,7 +20,7 @@ const LATER: usize = 500;
 
 /// The first rows of a table and some of the later ones, for a guess at its columns: a duty that has only begun to rise looks like
 /// another.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Sample {
     pub names: Vec<String>,
     /// The names with the units of the row below them.
@@ -34,6 +34,19 @@ pub(super) struct Sample {
     pub signed: Vec<(usize, f64)>,
     /// Rows per second, as the lines before the header tell.
     pub rate: Option<f64>,
+}
+
+impl Sample {
+    /// The same, whose columns are called by their places where they have no names.
+    pub fn with_places(&self) -> Sample {
+        let mut sample = self.clone();
+        if sample.names.is_empty() {
+            let width = sample.rows.first().map_or(0, Vec::len);
+            sample.names = (0..width).map(|place| place.to_string()).collect();
+            sample.with_units = sample.names.clone();
+        }
+        sample
+    }
 }
 
 /// Reads on behind the head of a table; of the texts only the first `shown` rows are kept.
@@ -134,12 +147,24 @@ pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Res
     Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(question(&sample)), Guess::Proposed))
 }
 
-/// The fault of a table whose columns have no names, with what their numbers say of them.
+/// The fault of a table whose columns have no names, or whose header is `wrong`, with what their numbers say of them.
 ///
 /// # Errors
 /// What reading says.
-pub(super) fn nameless(path: &Path, input: &mut impl BufRead, head: &Preamble) -> Result<BadInput> {
+pub(super) fn nameless(
+    path: &Path,
+    input: &mut impl BufRead,
+    head: &Preamble,
+    wrong: Option<String>,
+) -> Result<BadInput> {
     let rows = read(path, input, head, 0)?.rows;
+    if let Some(why) = wrong {
+        let remedy = format!(
+            "give every column its name there, and no other, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
+            by_numbers::described(&rows)
+        );
+        return Ok(BadInput::new(path, why, remedy).at_line(head.line));
+    }
     let proposal = by_numbers::propose(&rows);
     let remedy = match &proposal {
         Some(proposal) => format!(

@@ -11,6 +11,8 @@ const WHOSE: [&str; 14] = [
     "id", "motor", "motors", "joint", "servo", "node", "can", "axis", "device", "wheel", "name", "index",
     "no", "number",
 ];
+/// Of these, those that name nothing but what is driven: where such a column holds names, each is another motor's, in whatever order.
+const DRIVEN: [&str; 6] = ["motor", "motors", "joint", "servo", "axis", "wheel"];
 /// More values than this are no motors ...
 const MOST: usize = 32;
 /// ... and they take turns: in at least this share of the rows it is another one's.
@@ -59,14 +61,18 @@ impl Several {
         let (_, header) = self.column.as_ref()?;
         let several = (2..=MOST).contains(&self.values.len());
         let in_turn = self.changes as f64 > TURNS * self.rows as f64;
+        let of_driven = words::of(header).iter().any(|word| DRIVEN.contains(&word.as_str()));
+        let named =
+            of_driven && self.values.iter().all(|value| !value.is_empty() && value.parse::<f64>().is_err());
         let mut values = self.values.iter();
-        let first = values.next().filter(|_| several && in_turn)?;
+        let first = values.next().filter(|_| several && (in_turn || named))?;
+        let how = if in_turn { "in turn" } else { "one after another" };
         let others: Vec<&str> = values.take(3).map(String::as_str).collect();
         Some(
             BadInput::new(
                 path,
                 format!(
-                    "the rows are of several motors in turn: \"{header}\" is {first}, {}",
+                    "the rows are of several motors {how}: \"{header}\" is {first}, {}",
                     others.join(", ")
                 ),
                 format!("keep the rows of one, such as those where {header} is {first} (a spreadsheet's filter does)"),
@@ -92,6 +98,12 @@ mod tests {
         let (_directory, path) = file(rows(|k| ["left", "right"][k as usize % 2].into()).as_bytes());
         let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
         assert!(refused.contains("several motors") && refused.contains("motor_id is left"), "{refused}");
+        let (_directory, path) = file(rows(|k| format!("M{}", k / 100)).as_bytes());
+        let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(
+            refused.contains("motors one after another") && refused.contains("motor_id is M0"),
+            "{refused}"
+        );
         for one in [rows(|_| "7".into()), rows(|k| k.to_string()), rows(|k| (k / 100).to_string())] {
             let (_directory, path) = file(one.as_bytes());
             assert_eq!(read(&path, &ReadOptions::default()).unwrap()[0].len(), 200);

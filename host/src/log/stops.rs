@@ -97,9 +97,11 @@ fn stays(
         let least = pushed.iter().fold(f64::MAX, |p, v| p.min(*v));
         // Friction holds against both directions alike, a stop against one: `-least` is what it took to leave.
         let held = free.max(-least);
+        // A stop lets nothing through: what leaves it while it is still pushed was late, or is driven the other way.
+        let lets_through = k < angle.len() && pushed.last().is_some_and(|last| *last > HARDER * held);
         // A weight balances one voltage; a stop stands whatever pushes.
         let stands = push > FULL * highest || push - least > PUSHES * highest;
-        if push > HARDER * held && push > PUSHES * highest && stands {
+        if push > HARDER * held && push > PUSHES * highest && stands && !lets_through {
             hardest = hardest.max(push);
             stay += until - time[begin];
             ranges.push((time[begin.saturating_sub(1)], until));
@@ -161,6 +163,22 @@ mod tests {
         });
         let angle_rad = Some(angles.collect());
         let record = Record { time_s: time, voltage_v: volts, angle_rad, ..bounded(1.0, 0.0) };
+        assert_eq!(hard_stop(&record), None);
+    }
+
+    /// A robot that turns against the sign of its drive, three rows late: it stands at its ends under the first rows of each new drive.
+    #[test]
+    fn a_late_motor_that_leaves_its_end_under_the_drive_meets_no_stop() {
+        let drive = |k: usize| [8.0, 0.0, -8.0, 0.0][k / 20 % 4];
+        let mut x = 0.0;
+        let angles = (0..800).map(|k: usize| {
+            x -= 0.05 * drive(k.saturating_sub(3));
+            x
+        });
+        let angle_rad = Some(angles.collect());
+        let time_s: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.05).collect();
+        let record =
+            Record { time_s, voltage_v: (0..800).map(drive).collect(), angle_rad, ..bounded(1.0, 0.0) };
         assert_eq!(hard_stop(&record), None);
     }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
+use super::counter;
 use super::direction;
 use super::mapping::Mapping;
 use super::preamble::Preamble;
@@ -192,6 +193,15 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
                     width - 1.0
                 ),
                 fix: "print the number as one with a sign (int16_t, int32_t, %d)".into(),
+            });
+        }
+        if let Some((width, times)) = counter::go_on(column, values) {
+            warnings.push(Warning {
+                place: format!("{file}, column {}", column.header),
+                what: format!(
+                    "wrapped_angle: the counter begins anew at {width}, {times} times, and its counts go on there"
+                ),
+                fix: "nothing, if it was not reset there; else print it as it is kept (int32_t, %ld)".into(),
             });
         }
         if *quantity == Quantity::Direction {

@@ -11,7 +11,7 @@ use super::remap::remapped;
 use super::sysid::TEST_KEY;
 use super::timing::{FASTEST_INTERVAL, SLOWEST_INTERVAL, median_interval, plausible_unit};
 use super::units::Quantity::{Angle, Duty, Speed, Time, Voltage};
-use super::units::Unit;
+use super::units::{Quantity, Unit};
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
@@ -157,12 +157,48 @@ pub(super) fn agreement(record: &Record) -> Option<Fault> {
         Some([angle, speed]) if is_plain => {
             format!("if so, say {}", remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]))
         }
-        _ => format!(
-            "give the units of both, for example {}",
-            remapped(record, &[(Angle, Angle, "deg"), (Speed, Speed, "rpm")])
-        ),
+        _ => in_agreeing_units(record, ratio).unwrap_or_else(|| {
+            format!(
+                "give the units of both, for example {}",
+                remapped(record, &[(Angle, Angle, "deg"), (Speed, Speed, "rpm")])
+            )
+        }),
     };
     Some(fault("speed_rad_s", why, fix))
+}
+
+/// The mapping with another unit of the speed, or of the angle, by which both are one motion though the speed is `ratio` times the change of the
+/// angle as they are mapped.
+fn in_agreeing_units(record: &Record, ratio: f64) -> Option<String> {
+    let map = record.map.as_ref()?;
+    let written = |quantity: Quantity| {
+        map.source(quantity)
+            .map(|source| source.written.as_str())
+            .filter(|unit| !unit.is_empty())
+            .unwrap_or(quantity.si())
+    };
+    let (angle, speed) = (written(Angle), written(Speed));
+    let factor = |quantity: Quantity, unit: &str| {
+        Unit::parse(quantity, unit).ok().filter(|unit| unit.per_turn.is_none()).map(|unit| unit.factor)
+    };
+    let like = |quantity: Quantity, units: &[&'static str], wanted: f64| {
+        let is =
+            |unit: &&&str| factor(quantity, unit).is_some_and(|factor| (factor / wanted - 1.0).abs() < 0.1);
+        units.iter().find(is).copied()
+    };
+    let other_speed = like(Speed, &["rad/s", "deg/s", "rev/s", "rpm"], factor(Speed, speed)? / ratio);
+    let other_angle = like(Angle, &["rad", "deg", "rev"], factor(Angle, angle)? * ratio);
+    let by = |angle: &str, speed: &str| remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]);
+    match (other_speed, other_angle) {
+        (Some(unit), Some(other)) => Some(format!(
+            "if the speed is in {unit}, say {}; if the angle is in {other}, {}",
+            by(angle, unit),
+            by(other, speed)
+        )),
+        (Some(unit), None) => Some(format!("if the speed is in {unit}, say {}", by(angle, unit))),
+        (None, Some(unit)) => Some(format!("if the angle is in {unit}, say {}", by(unit, speed))),
+        (None, None) => None,
+    }
 }
 
 /// What to do about a counted angle beside a speed that is `ratio` times its change: the number of counts is the least sure of all that
@@ -249,8 +285,9 @@ fn gain(record: &Record) -> Option<Fault> {
         ));
     }
     let plate = record.meta.no_load_gain()?;
-    // A load or a fast programme slows a motor; nothing makes it four times as fast as its name plate.
-    (gain > 4.0 * plate || gain < plate / 40.0).then(|| {
+    // A load or a fast programme slows a motor. Small duties of a driver that floats or freewheels make it several times as fast a volt as its name
+    // plate, which tells full voltage; a unit that is wrong makes it 2 pi times as fast or more.
+    (gain > 6.0 * plate || gain < plate / 40.0).then(|| {
         fault(
             motion_column(record),
             format!("the motor turns {gain:.4} rad/s per volt, but its name plate says {plate:.4}"),
@@ -362,6 +399,27 @@ mod tests {
             let mut record = base.clone();
             edit(&mut record);
             assert_bad(&check_usable(&record).unwrap_err(), place, cause, remedy);
+        }
+    }
+
+    #[test]
+    fn the_remedy_of_mapped_units_is_those_in_which_both_are_one_motion() {
+        let map = |text: &str| Record { map: Some(text.parse().unwrap()), ..Record::default() };
+        for (written, ratio, said) in [
+            (
+                "angle=a:deg,speed=w:rad/s",
+                56.9,
+                "if the speed is in deg/s, say --map angle=a:deg,speed=w:deg/s; if the angle is in rad",
+            ),
+            (
+                "angle=a:rad,speed=w:deg/s",
+                1.0 / 6.0,
+                "if the speed is in rpm, say --map angle=a:rad,speed=w:rpm",
+            ),
+            ("angle=a:deg,speed=w:rpm", 1.0 / 7.0, ""),
+        ] {
+            let fix = in_agreeing_units(&map(written), ratio).unwrap_or_default();
+            assert!(fix.starts_with(said) && said.is_empty() == fix.is_empty(), "{written}: {fix}");
         }
     }
 }

@@ -55,6 +55,7 @@ pub fn sets() -> Vec<Model> {
         ],
         vec![(Kind::LoadFriction, &[0.2, 0.3]), (Kind::Saturation, &[0.5])],
         vec![(Kind::Delay, &[0.0137]), (Kind::Coast, &[0.6, 500.0]), (Kind::Saturation, &[0.5])],
+        vec![(Kind::Freewheel, &[0.9, 500.0]), (Kind::Coulomb, &[0.3])],
         // Not in the order in which they apply.
         vec![(Kind::Saturation, &[0.5]), (Kind::Coulomb, &[0.3]), (Kind::Gravity, &[0.4, -0.2])],
         vec![(Kind::WindingHeating, &[0.2, 20.0]), (Kind::Eccentricity, &[0.004, -0.002])],

@@ -1,6 +1,8 @@
 //! What boards, oscilloscopes and laboratories write before rows and tables: none of it is a column or a value.
 
-use super::{HEADER, ROWS, assert_same, lines, mapped, read_bytes, refusal};
+use motorlens::log::ReadOptions;
+
+use super::{HEADER, ROWS, assert_same, lines, mapped, plain, read_bytes, refusal};
 
 /// A way of writing, the options that are proposed for it (empty: none are needed), and the rate that reads it.
 type Case = (&'static str, String, &'static str, Option<f64>);
@@ -102,4 +104,66 @@ fn signals_with_times_of_their_own_are_told() {
     let text = lines("Time\tVoltage\tTime\tAngle\n", |_, t, u, x| format!("{t}\t{u}\t{}\t{x}", t + 0.002));
     let said = refusal(&text).to_string();
     assert!(said.contains("column 2 is called \"Time\" too and tells other times, up to 20 %"), "{said}");
+}
+
+const BANNER: &str = "=~=~=~=~=~=~= PuTTY log 2024.05.01 12:00:00 =~=~=~=~=~=~=\n";
+
+#[test]
+fn banners_of_putty_are_no_rows_and_labels_between_separators_are_names() {
+    let ms = |t: f64| (1e3 * t).round();
+    for (what, text, map) in [
+        ("a banner", format!("{BANNER}{}", plain()), ""),
+        (
+            "a banner for each session",
+            lines(&format!("{BANNER}{HEADER}"), |k, t, u, x| {
+                format!("{}{t},{u},{x}", if k == 100 { BANNER } else { "" })
+            }),
+            "",
+        ),
+        (
+            "labels",
+            lines(BANNER, |_, t, u, x| format!("t,{},u,{u},pos,{x}", ms(t))),
+            "time=t:ms,voltage=u,angle=pos",
+        ),
+        (
+            "labels with colons",
+            lines("", |_, t, u, x| format!("T:,{},U:,{u},Pos:,{x}", ms(t))),
+            "time=T:ms,voltage=U,angle=Pos",
+        ),
+        (
+            "labels, semicolons",
+            lines("", |_, t, u, x| format!("t;{t};u;{u};pos;{x}")),
+            "time=t,voltage=u,angle=pos",
+        ),
+        (
+            "words that are values",
+            lines("dir,time_s,state,angle_rad,voltage_v\n", |_, t, u, x| format!("FWD,{t},ON,{x},{u}")),
+            "",
+        ),
+        (
+            "a separator in brackets",
+            lines("t (s, from 0),u,pos\n", |_, t, u, x| format!("{t},{u},{x}")),
+            "time=0:s,voltage=u,angle=pos",
+        ),
+    ] {
+        let record = read_bytes(text.as_bytes(), &mapped(map)).unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_same(&record, what, 0);
+        assert!(record.warnings.is_empty(), "{what}: {:?}", record.warnings);
+    }
+}
+
+#[test]
+fn a_header_of_more_names_than_fields_shifts_nothing() {
+    let rows = |header: &str| lines(header, |_, t, u, x| format!("{t},{u},{x}"));
+    for header in ["time_s,voltage_v,current_a,angle_rad\n", "t,u,i,pos,x\n"] {
+        let said = refusal(&rows(header)).to_string();
+        for words in ["line 1", "names, the rows have 3 fields", "its name there, and no other", "time=0:s"] {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+        let by_number = mapped("time=0:s,voltage=1:V,angle=2:rad");
+        assert_same(&read_bytes(rows(header).as_bytes(), &by_number).unwrap(), header, 0);
+    }
+    // Remarks that nobody wrote.
+    let noted = rows("time_s,voltage_v,angle_rad,note\n");
+    assert_same(&read_bytes(noted.as_bytes(), &ReadOptions::default()).unwrap(), "note", 0);
 }

@@ -144,3 +144,23 @@ fn brackets_are_a_minus_and_quoted_thousands_are_one_number() {
     assert!(proposal.preview[0].contains("0 .. 1990 ms"), "{:?}", proposal.preview);
     assert_same(&read_bytes(text.as_bytes(), &mapped(&proposal.map)).unwrap(), "thousands", 0);
 }
+
+#[test]
+fn a_counter_goes_on_over_the_end_of_its_bits_however_seldom_it_gets_there() {
+    let count = |x: f64| (x * 500.0).round() as i64;
+    let map = "time=t,voltage=u,angle=count:counts";
+    let mut options = mapped(map);
+    options.motor.counts_per_rev = Some(500.0 * std::f64::consts::TAU);
+    for (width, signed) in [(1_i64 << 16, false), (1 << 16, true), (1 << 32, false), (1 << 32, true)] {
+        let (begin, shift) = if signed { (width / 2 - 300, width / 2) } else { (width - 300, 0) };
+        let text = lines("t,u,count\n", |_, t, u, x| {
+            format!("{t},{u},{}", (count(x) + begin + shift).rem_euclid(width) - shift)
+        });
+        let record = read_bytes(text.as_bytes(), &options).unwrap_or_else(|e| panic!("{width}: {e}"));
+        assert_eq!(record.len(), ROWS as usize, "{width} {signed}: {:?}", record.warnings);
+        let angle = record.angle_rad.as_ref().unwrap();
+        let off = |k: usize| angle[k] - angle[0] - row(k as u32).2;
+        assert!((0..record.len()).all(|k| off(k).abs() < 2e-3), "{width} {signed}");
+        assert!(record.warnings.iter().any(|w| w.what.starts_with("wrapped_angle")), "{:?}", record.warnings);
+    }
+}

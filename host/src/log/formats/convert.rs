@@ -34,7 +34,22 @@ const PANDAS: &str =
 const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
                        python -c \"from asammdf import MDF; MDF('OLD').export('csv', 'NEW.csv', single_time_base=True)\"";
 
-const FOREIGN: [Foreign; 30] = [
+const YAML: &str = "write it as JSON, which is read (python -m pip install pyyaml): python -c \"import json, yaml; \
+                    docs = [one for one in yaml.safe_load_all(open('OLD')) if one]; \
+                    json.dump(docs if len(docs) > 1 else docs[0], open('NEW.json', 'w'))\"; of a ROS topic: ros2 topic echo --csv TOPIC > NEW.csv";
+
+const FOREIGN: [Foreign; 33] = [
+    content("XML", b"<?xml", "export the table as CSV from the program that made it"),
+    content(
+        "a page of the web",
+        b"<!DOCTYPE",
+        "export the table as CSV, or save the page's data and not the page",
+    ),
+    content(
+        "a page of the web",
+        b"<html",
+        "export the table as CSV, or save the page's data and not the page",
+    ),
     content("a ROS 1 bag", b"#ROSBAG V", MCAP),
     content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
     content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),
@@ -105,8 +120,27 @@ pub fn named(start: &[u8], path: &Path) -> Option<Fault> {
         // Four letters alone may begin a header.
         b"TDSm" | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
         magic => start.get(row.at..).is_some_and(|rest| rest.starts_with(magic)),
-    })?;
-    Some(Fault::new(format!("this is {}, not a log that is read", row.name), row.remedy))
+    });
+    let known = row.map(|row| (row.name, row.remedy)).or_else(|| is_yaml(start).then_some(("YAML", YAML)));
+    known.map(|(name, remedy)| Fault::new(format!("this is {name}, not a log that is read"), remedy))
+}
+
+/// Whether a text begins with a key that has nothing behind it but indented lines or a list below it, or with a list of keys.
+fn is_yaml(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    let mut lines =
+        text.lines().map(str::trim_end).filter(|line| !matches!(*line, "" | "---") && !line.starts_with('#'));
+    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
+    let is_key = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let is_bare = first.strip_suffix(':').is_some_and(is_key);
+    let item = |line: &str| {
+        let item = line.strip_prefix("- ")?.trim_start_matches('{');
+        item.split_once(':')
+            .filter(|(key, rest)| is_key(key) && (rest.is_empty() || rest.starts_with(' ')))
+            .map(|_| ())
+    };
+    let goes_on = second.starts_with("  ") || item(second).is_some();
+    is_bare && (goes_on || second.starts_with("- ")) || item(first).is_some() && goes_on
 }
 
 #[cfg(test)]
@@ -124,6 +158,10 @@ mod tests {
             (b"\x1F\x8B\x08", "x.csv", "gzip", "gunzip"),
             (b"PK\x03\x04", "x", "zip", "unpack"),
             (b"%PDF-1.7", "x.pdf", "PDF", "the log itself"),
+            (b"<?xml version='1.0'?>", "x.xml", "XML", "CSV"),
+            (b"motor:\n  name: x\nsamples:\n  - time: 0\n", "x.csv", "YAML", "safe_load_all"),
+            (b"---\n- {time: 0.0, pwm: 0}\n- {time: 0.1, pwm: 0}\n", "x.yml", "YAML", "JSON"),
+            (b"position:\n- 0.1\n- 0.2\n---\n", "x", "YAML", "ros2 topic echo --csv"),
         ] {
             let fault = named(start, Path::new(name)).unwrap();
             assert!(fault.why.contains(is) && fault.remedy.contains(remedy), "{name}: {fault:?}");
@@ -138,6 +176,8 @@ mod tests {
             (b"GIF8 is no header", "x.csv"),
             (b"\xFF\xFEt\0,\0", "x.mat"),
             (b"0,1\0\0", "x.csv"),
+            (b"Results:\n12,13\n", "x.yaml"),
+            (b"pwm: 80\nenc: 7\n", "x.txt"),
         ] {
             assert_eq!(named(start, Path::new(name)), None, "{name}");
         }

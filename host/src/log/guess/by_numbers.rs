@@ -4,9 +4,10 @@
 //! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them.
 
 use super::columns::{Part, agree, unit_of};
+use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
 use super::preview::range_of;
 use super::{Proposal, Quantity, words, written};
-use crate::log::motion::{correlation, peak, span};
+use crate::log::motion::{peak, span};
 use crate::log::timing::{jitter, median, median_interval};
 
 /// Rows that tell a course.
@@ -16,10 +17,6 @@ const MOST: usize = 16;
 /// Share of its steps that rise in a clock, and of those that are about as long as the middle one; a file may hold two recordings.
 const RISES: f64 = 0.95;
 const EVEN: f64 = 0.8;
-/// How alike a speed and the change of its angle are, more than a speed and what drives it.
-const ONE_MOTION: f64 = 0.98;
-/// So many parts of a record are looked at for that.
-const PART: usize = 20;
 /// What parts a column from one that is made of others, in shares of its span.
 const MADE: f64 = 1e-3;
 /// The highest voltage of whole numbers, and of any.
@@ -43,7 +40,8 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
     add(Quantity::Time, found.time);
     add(drive_of(&columns[found.drive]), Some(found.drive));
     add(Quantity::Angle, found.angle);
-    add(Quantity::Speed, found.speed);
+    // Beside an angle without a clock it may be the change from row to row: only the rate would tell its unit.
+    add(Quantity::Speed, found.speed.filter(|_| found.time.is_some() || found.angle.is_none()));
     let said: Vec<words::Said> = columns.iter().map(|_| words::said("")).collect();
     let turn = agree(&mut parts, &said, rows);
     if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
@@ -69,13 +67,54 @@ pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
     Some(proposal)
 }
 
-/// What is known of columns that are not understood: the one that may be the time, and the range of each.
+/// What is known of columns that are not understood: the one that may be the time, why none drives the motor, and the range of each.
 pub(in crate::log) fn described(rows: &[Vec<f64>]) -> String {
     let columns = columns(rows);
-    let time =
-        clock(&columns).map(|k| format!("column {k} rises evenly and may be the time; ")).unwrap_or_default();
+    let time = clock(&columns);
     let ranges: Vec<String> = (0..columns.len().min(MOST)).map(|k| range_of(rows, k)).collect();
-    format!("{time}the columns hold {}", ranges.join(", "))
+    let clock = time.map(|k| format!("column {k} rises evenly and may be the time; ")).unwrap_or_default();
+    format!("{clock}{}the columns hold {}", no_drive(&columns, time), ranges.join(", "))
+}
+
+/// Why none of the columns drives the motor, as far as that is known, and what to do.
+fn no_drive(columns: &[Vec<f64>], time: Option<usize>) -> String {
+    if columns.len() > MOST || columns.first().is_none_or(|rows| rows.len() < FEWEST) {
+        return String::new();
+    }
+    let candidates = candidates(columns, time);
+    let motions = motions(columns, &candidates, time);
+    let mut known: Vec<String> = motions
+        .iter()
+        .map(|(angle, speed)| format!("column {speed} is the speed of column {angle}"))
+        .collect();
+    let alike = |k: usize, j: usize| move_together(&columns[k], &columns[j]);
+    let together = candidates.iter().copied().filter(|&k| candidates.iter().any(|&j| j != k && alike(k, j)));
+    let together: Vec<String> = together.map(|k| k.to_string()).collect();
+    if motions.is_empty() && !together.is_empty() {
+        known.push(format!("columns {} move at once, none before another", together.join(", ")));
+    }
+    if time.is_none() {
+        let rising = candidates.iter().filter(|k| only_rises(&columns[**k]));
+        known.extend(rising.map(|k| format!("column {k} only rises (a time? a count?)")));
+    }
+    if let (Some(_), [only]) = (time, candidates.as_slice()) {
+        known.push(format!("beside it there is only column {only}"));
+    }
+    if known.is_empty() {
+        return String::new();
+    }
+    let all_the_same = motions.first().map(|(angle, speed)| {
+        let clock = time.map(|k| format!("time={k}:{},", unit_of(Quantity::Time, None, &columns[k])));
+        let rate = if time.is_none() { " --rate 100" } else { "" };
+        let clock = clock.unwrap_or_default();
+        format!(" (if column {speed} does, say --map {clock}voltage={speed}:V,angle={angle}:rad{rate})")
+    });
+    format!(
+        "{}: no column drives the motor{}, so log its voltage or duty in every row{}; ",
+        known.join(", "),
+        all_the_same.unwrap_or_default(),
+        if candidates.len() == 1 { " (or give a file of each as drive.csv+motion.csv)" } else { "" }
+    )
 }
 
 /// The columns of the rows that are complete.
@@ -101,9 +140,7 @@ impl Found {
             return None;
         }
         let time = clock(columns);
-        let free = |k: &usize| Some(*k) != time && !numbers_rows(&columns[*k]) && span(&columns[*k]) > 0.0;
-        let candidates: Vec<usize> =
-            (0..columns.len()).filter(free).filter(|k| !is_made(columns, *k)).collect();
+        let candidates = candidates(columns, time);
         let constant = (0..columns.len()).find(|k| span(&columns[*k]) == 0.0 && columns[*k][0] != 0.0);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for &angle in &candidates {
@@ -124,17 +161,27 @@ impl Found {
             }
         }
         let rest: Vec<usize> = candidates.iter().copied().filter(|k| !moving.contains(k)).collect();
-        // A motion has to be left too.
-        let driving = if chosen.is_none() && rest.len() < 2 { None } else { levels(columns, &rest) };
-        let drive = driving.or(constant)?;
-        let (angle, speed) = match chosen {
-            Some((angle, speed)) => (Some(angle), Some(speed)),
+        let motions = motions(columns, &candidates, time);
+        let is_motion = |k: usize| motions.iter().any(|(angle, speed)| [*angle, *speed].contains(&k));
+        // Without a clock what rises in every row is the time of an event, or its number.
+        let may_drive = |k: &usize| !is_motion(*k) && (time.is_some() || !only_rises(&columns[*k]));
+        let alike = |drive: usize, k: usize| move_together(&columns[drive], &columns[k]);
+        let driving = by_levels(columns, rest.iter().copied().filter(may_drive)).into_iter();
+        let (drive, angle, speed) = match chosen {
+            Some((angle, speed)) => {
+                let drive = driving.chain(constant).find(|drive| !alike(*drive, speed))?;
+                (drive, Some(angle), Some(speed))
+            }
             None => {
-                let motion = rest.iter().copied().find(|k| *k != drive)?;
+                let moved = |drive: usize| {
+                    let motion = rest.iter().copied().find(|k| *k != drive && !alike(drive, *k))?;
+                    (!comes_before(&columns[motion], &columns[drive])).then_some((drive, motion))
+                };
+                let (drive, motion) = driving.chain(constant).find_map(moved)?;
                 if is_speed(&columns[drive], &columns[motion]) {
-                    (None, Some(motion))
+                    (drive, None, Some(motion))
                 } else {
-                    (Some(motion), None)
+                    (drive, Some(motion), None)
                 }
             }
         };
@@ -181,50 +228,43 @@ fn is_made(columns: &[Vec<f64>], k: usize) -> bool {
     })
 }
 
-/// How alike the way by `angle` and by `speed` are, over so many rows that a count more or less does not matter. A speed that is the
-/// difference to the row before has none for the first.
-fn is_change(angle: &[f64], speed: &[f64], time: Option<&Vec<f64>>) -> f64 {
-    let rows = (speed.len() / PART).max(2) + 1;
-    let way: Vec<f64> = angle.windows(rows).map(|part| part[rows - 1] - part[0]).collect();
-    let since_before = |k: usize| time.map_or(1.0, |time| time[k] - time[k - 1]);
-    let by_speed =
-        (0..way.len()).map(|from| (from + 1..from + rows).map(|k| speed[k] * since_before(k)).sum());
-    correlation(&way, &by_speed.collect::<Vec<f64>>())
+/// The columns that are neither the time nor made of others, and change.
+fn candidates(columns: &[Vec<f64>], time: Option<usize>) -> Vec<usize> {
+    let free = |k: &usize| Some(*k) != time && !numbers_rows(&columns[*k]) && span(&columns[*k]) > 0.0;
+    (0..columns.len()).filter(free).filter(|k| !is_made(columns, *k)).collect()
 }
 
-/// The column that has the fewest values.
-fn levels(columns: &[Vec<f64>], among: &[usize]) -> Option<usize> {
-    let different = |k: usize| {
-        let mut values = columns[k].clone();
+/// The angles, each with its own speed, which drive nothing.
+fn motions(columns: &[Vec<f64>], candidates: &[usize], time: Option<usize>) -> Vec<(usize, usize)> {
+    let pairs = candidates.iter().flat_map(|&angle| candidates.iter().map(move |&speed| (angle, speed)));
+    let is_pair = |(angle, speed): &(usize, usize)| {
+        let is_event = time.is_none() && only_rises(&columns[*speed]);
+        angle != speed
+            && !is_event
+            && is_speed_of(&columns[*speed], &columns[*angle], time.map(|k| &columns[k]))
+    };
+    pairs.filter(is_pair).collect()
+}
+
+/// The columns by how many different values they have, fewest first.
+fn by_levels(columns: &[Vec<f64>], among: impl Iterator<Item = usize>) -> Vec<usize> {
+    let different = |k: &usize| {
+        let mut values = columns[*k].clone();
         values.sort_by(f64::total_cmp);
         values.dedup();
         values.len()
     };
-    among.iter().copied().min_by_key(|k| different(*k))
+    let mut sorted: Vec<usize> = among.collect();
+    sorted.sort_by_cached_key(different);
+    sorted
 }
 
-/// Whether a motion follows its drive as a speed does: an angle goes on while the drive holds.
+/// Whether a motion is a speed by how it follows its drive; under one voltage a speed settles.
 fn is_speed(drive: &[f64], motion: &[f64]) -> bool {
-    const SHARES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
-    let change: Vec<f64> = motion.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let alike = |values: &[f64]| {
-        let smoothed = |share: f64| {
-            let mut state = drive[0];
-            let late: Vec<f64> = drive
-                .iter()
-                .map(|v| {
-                    state += share * (v - state);
-                    state
-                })
-                .collect();
-            correlation(&late[late.len() - values.len()..], values).abs()
-        };
-        SHARES.into_iter().map(smoothed).fold(0.0, f64::max)
-    };
     if span(drive) > 0.0 {
-        return alike(motion) > alike(&change);
+        return leads::is_speed(drive, motion);
     }
-    // Under one voltage a speed settles.
+    let change = leads::change(motion);
     let fifth = (change.len() / 5).max(1);
     let last = change[change.len() - fifth..].iter().sum::<f64>() / fifth as f64;
     let fastest =
@@ -283,6 +323,12 @@ mod tests {
             vec![k, duty(k), angle(k), 135.0 - angle(k), 2.0 * angle(k) + k.sin(), angle(k) + k.sin()]
         };
         assert_eq!(map(row), "duty=1:100,angle=2:rad");
+        let change = |k: f64| angle(k) - angle((k - 1.0).max(0.0));
+        assert_eq!(
+            map(|k| vec![k, duty(k), angle(k), change(k)]),
+            "duty=1:100,angle=2:rad",
+            "no clock tells its unit"
+        );
         let rows: Vec<Vec<f64>> = (0..200).map(|k| row(f64::from(k))).collect();
         let proposal = propose(&rows).unwrap();
         assert_eq!((proposal.rate.as_deref(), proposal.preview.len()), (Some("100"), 6));
@@ -294,9 +340,36 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_drives_a_motion_the_columns_are_described() {
-        let rows: Vec<Vec<f64>> = (0..60).map(|k| vec![f64::from(k) * 0.01, f64::from(k * k)]).collect();
-        assert_eq!(propose(&rows), None);
-        assert!(described(&rows).starts_with("column 0 rises evenly"), "{}", described(&rows));
+    fn where_nothing_drives_a_motion_the_columns_are_described_and_why_none_does() {
+        let settles = |k: f64| 50.0 * (1.0 - (-k / 15.0).exp());
+        let way = |k: f64| 0.5 * (k - 15.0 * (1.0 - (-k / 15.0).exp()));
+        let noise = |k: f64| 0.2 * (k * k).sin();
+        for (row, why) in [
+            (&(|k| vec![0.01 * k, k * k]) as &dyn Fn(f64) -> Vec<f64>, "beside it there is only column 1"),
+            (&|k| vec![0.01 * k, way(k), settles(k) + noise(k)], "column 2 is the speed of column 1"),
+            (&|k| vec![0.01 * k, settles(k), way(k)], "voltage=1:V,angle=2:rad"),
+            (&|k| vec![settles(k) + noise(k), settles(k) + noise(k + 7.0)], "columns 0, 1 move at once"),
+            // An event, and its number.
+            (&|k| vec![(5e6 + 4e4 * (k + 1.0).ln()).floor(), 1.0 + k * k], "column 0 only rises"),
+        ] {
+            assert_eq!(map(row), "", "{why}");
+            let rows: Vec<Vec<f64>> = (0..200).map(|k| row(f64::from(k))).collect();
+            let said = described(&rows);
+            assert!(said.contains(why) && said.contains("no column drives the motor"), "{why}: {said}");
+        }
+    }
+
+    #[test]
+    fn a_drive_comes_before_its_motion_however_many_values_it_has() {
+        // A sweep, and an encoder that stands at first: fewer values, and no drive.
+        let sweep = |k: f64| 0.8 * (3e-5 * k * k).sin();
+        let turned = |k: f64| {
+            let follows = |speed: &mut f64, i: u32| {
+                *speed += 0.05 * ((sweep(f64::from(i)) - 0.1).max(0.0) - *speed);
+                Some(*speed)
+            };
+            (30.0 * (0..k as u32).scan(0.0, follows).sum::<f64>()).round()
+        };
+        assert_eq!(map(|k| vec![0.005 * k, turned(k), sweep(k)]), "time=0:s,duty=2:1,angle=1:counts");
     }
 }

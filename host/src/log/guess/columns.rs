@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
 use super::turns::Turn;
-use super::{bridge, registers, sides, words};
+use super::{bridge, drive, leads, registers, sides, words};
 use crate::log::direction;
 use crate::log::units::{Quantity, Unit};
 use crate::log::wraps;
@@ -40,6 +40,12 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     tell_turns(&mut said, names);
     let values =
         |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
+    // What has fractions counts nothing.
+    for (index, said) in said.iter_mut().enumerate().filter(|(_, said)| said.unit == Some("counts")) {
+        if values(index).any(|value| value.fract() != 0.0) {
+            (said.unit, said.told) = (None, false);
+        }
+    }
     let useful = |index: usize| rows.is_empty() || values(index).next().is_some();
     let mut quantities: Vec<Option<(Quantity, u8)>> = said
         .iter()
@@ -78,6 +84,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
                 && range.peak() > 60.0
                 && said[index].unit.is_none()
                 && said[index].scale.is_none()
+                && !drive::are_millivolts(&range)
             {
                 *guess = Some((Quantity::Duty, plain));
             }
@@ -100,6 +107,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             *guess = Some((Quantity::Time, plain));
         }
     }
+    tell_speed_from_voltage(&mut quantities, names, &said, rows);
     keep_one_axis(&mut quantities, names, &values);
     let is_timed = |q: &Option<(Quantity, u8)>| {
         q.is_some_and(|(q, _)| [Quantity::Time, Quantity::Interval].contains(&q))
@@ -251,6 +259,51 @@ fn keep_one_axis<V: Iterator<Item = f64>>(
     axes.into_iter().filter(|k| Some(*k) != most).for_each(|k| quantities[k] = None);
 }
 
+/// A bare `v` is a voltage, or the speed of the angle beside it: then it is its change, in some unit of both.
+fn tell_speed_from_voltage(
+    quantities: &mut [Option<(Quantity, u8)>],
+    names: &[String],
+    said: &[words::Said],
+    rows: &[Vec<f64>],
+) {
+    let place = |wanted: Quantity| quantities.iter().position(|q| q.is_some_and(|(q, _)| q == wanted));
+    let v = (0..names.len()).find(|k| {
+        words::of(&names[*k]) == ["v"]
+            && said[*k].unit.is_none()
+            && quantities[*k].is_some_and(|(q, _)| q == Quantity::Voltage)
+    });
+    let (Some(v), Some(angle), Some(clock)) = (v, place(Quantity::Angle), place(Quantity::Time)) else {
+        return;
+    };
+    let is_whole = |row: &&Vec<f64>| {
+        [v, angle, clock].iter().all(|k| row.get(*k).is_some_and(|value| value.is_finite()))
+    };
+    let whole: Vec<&Vec<f64>> = rows.iter().filter(is_whole).collect();
+    let of = |k: usize| whole.iter().map(|row| row[k]).collect::<Vec<f64>>();
+    let part = |(quantity, index): (Quantity, usize)| {
+        let unit = unit_of(quantity, said[index].unit, &of(index));
+        Part { quantity, index, rest: None, unit, guessed: true, turn: None }
+    };
+    let parts = [(Quantity::Time, clock), (Quantity::Angle, angle), (Quantity::Speed, v)].map(part);
+    let in_units = || ratio(&parts, rows).is_some_and(|(ratio, _)| pairs_of(ratio).next().is_some());
+    if whole.len() >= FEWEST_TICKS && leads::is_speed_of(&of(v), &of(angle), Some(&of(clock))) && in_units() {
+        quantities[v] = Some((Quantity::Speed, 2));
+    }
+}
+
+/// The units of an angle and its speed in which the speed is so many times the change of the angle.
+fn pairs_of(ratio: f64) -> impl Iterator<Item = (&'static str, &'static str)> {
+    // Units of a turn, by the size of one.
+    const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
+    let pairs = ANGLES.iter().flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
+    pairs
+        .filter(move |((_, angle), (_, speed))| (ratio * angle / speed - 1.0).abs() < NEAR)
+        .map(|((angle, _), (speed, _))| (*angle, *speed))
+}
+
+/// Units of a speed, by the size of a turn a second.
+const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
+
 /// moteus logs turns and turns a second, which nothing but the company of its own names says (github.com/mjbots/moteus, reference).
 fn tell_turns(said: &mut [words::Said], names: &[String]) {
     let has = |own: &str| names.iter().any(|name| words::of(name).join("_").ends_with(own));
@@ -269,9 +322,6 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
 /// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
 /// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
 pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<Turn> {
-    // Units of a turn, by the size of one.
-    const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
-    const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     let (angle, speed) = (place(Quantity::Angle)?, place(Quantity::Speed)?);
     let (ratio, uncertainty) = ratio(parts, rows)?;
@@ -288,14 +338,12 @@ pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>])
         let is_known = |turn: &f64| !is_open(&parts[speed]) || *turn >= FEWEST_COUNTS;
         return turn.filter(is_known).map(|turn| Turn::of(turn, uncertainty));
     }
-    let angles = ANGLES.iter().filter(|(unit, _)| is_open(&parts[angle]) || *unit == of_angle);
-    let pairs = angles.flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
-    let mut pairs = pairs
-        .filter(|(_, (unit, _))| is_open(&parts[speed]) || *unit == of_speed)
-        .filter(|((_, angle), (_, speed))| (ratio * angle / speed - 1.0).abs() < NEAR);
+    let mut pairs = pairs_of(ratio).filter(|(of_one, of_other)| {
+        (is_open(&parts[angle]) || *of_one == of_angle) && (is_open(&parts[speed]) || *of_other == of_speed)
+    });
     // Of equal numbers nothing tells the units.
-    if let (Some(((one, _), (other, _))), None) = (pairs.next(), pairs.next()) {
-        let told = [(angle, *one), (speed, *other)];
+    if let (Some((one, other)), None) = (pairs.next(), pairs.next()) {
+        let told = [(angle, one), (speed, other)];
         for (k, unit) in told {
             unit.clone_into(&mut parts[k].unit);
             parts[k].guessed = false;
@@ -357,12 +405,13 @@ pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[
     }
     let unit = match (quantity, said) {
         (Quantity::Duty, _) => return full_duty(&range, said),
+        (Quantity::Voltage | Quantity::Supply, Some("V")) if range.peak() > drive::MOST_VOLTS => "mV",
         (_, Some(unit)) => unit,
         (Quantity::Time, None) => time_unit(values, &range),
         (Quantity::Interval, None) if range.peak() < 1.0 => "s",
         (Quantity::Interval, None) if range.peak() < 500.0 => "ms",
         (Quantity::Interval, None) => "us",
-        (Quantity::Voltage | Quantity::Supply, None) if range.peak() > 1000.0 => "mV",
+        (Quantity::Voltage | Quantity::Supply, None) if range.peak() > drive::MOST_VOLTS => "mV",
         (Quantity::Voltage | Quantity::Supply, None) => "V",
         (Quantity::Angle, None) if range.whole && range.high - range.low > MOST_DEGREES => "counts",
         (Quantity::Target, None) if range.high - range.low > MOST_SERVO_RADIANS => "deg",

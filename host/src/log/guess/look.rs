@@ -67,7 +67,15 @@ pub fn look(path: &Path) -> Result<Look> {
 fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let head = preamble::read(path, &mut input, true)?;
     let sample = sample::read(path, &mut input, &head, SHOWN)?;
+    let parts = if sample.names.is_empty() {
+        by_numbers::parts(&sample.rows)
+    } else {
+        parts(&sample.with_units, &sample.rows)
+    };
+    // The first row may be half of one.
+    let places = parts.iter().flat_map(|part| [Some(part.index), part.rest]).flatten();
     let width = sample.texts.first().map_or(0, Vec::len).max(sample.names.len());
+    let width = places.map(|place| place + 1).fold(width, usize::max);
     let mut kinds = vec![String::new(); width];
     let place =
         |quantity: Quantity| sample.names.iter().position(|name| quantity.canonical() == Some(name.as_str()));
@@ -82,11 +90,6 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
             }
         }
     } else {
-        let parts = if sample.names.is_empty() {
-            by_numbers::parts(&sample.rows)
-        } else {
-            parts(&sample.with_units, &sample.rows)
-        };
         for part in parts {
             // The unit of a time in two columns is that of the fraction, that of a bridge both sides'.
             let (whole, second) = match part.rest {
@@ -135,6 +138,14 @@ mod tests {
         assert!(look.canonical && look.proposal.is_none());
         assert_eq!(look.kinds, ["time:s", "", "voltage:V", "angle:rad"]);
         assert_eq!(looked("0,1,2\n1,2,3\n2,3,4\n").names, ["0", "1", "2"]);
+    }
+
+    #[test]
+    fn half_a_first_row_of_numbers_alone_hides_no_column() {
+        let row = |k: u32| format!("{},{},{}\n", 10 * k, k / 50 * 40, (k * k) % 9000 + k);
+        let look = looked(&format!("3,5\n{}", (0..200).map(row).collect::<String>()));
+        assert_eq!((look.names.len(), look.kinds.len()), (3, 3));
+        assert!(look.kinds.iter().all(|kind| !kind.is_empty()), "{:?}", look.kinds);
     }
 
     #[test]

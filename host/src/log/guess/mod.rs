@@ -7,6 +7,8 @@ mod bridge;
 pub(super) mod by_numbers;
 mod clocks;
 mod columns;
+mod drive;
+mod leads;
 mod look;
 mod preview;
 mod questions;
@@ -20,9 +22,10 @@ pub mod words;
 use std::fmt::Write as _;
 
 pub use columns::{Part, parts};
+pub(super) use drive::half_question;
 pub use look::{Look, look};
 use preview::preview;
-pub(super) use questions::{error_question, half_question, levels_question, loop_question, sampled_question};
+pub(super) use questions::{error_question, levels_question, loop_question, sampled_question};
 use questions::{
     given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, taken_for, unknown_unit,
 };
@@ -89,6 +92,12 @@ impl Proposal {
         self
     }
 
+    /// The options, and in brackets what a person has to put in the place of an assumption.
+    pub fn told(&self) -> String {
+        let assumptions = self.assumptions();
+        if assumptions.is_empty() { self.options() } else { format!("{} ({assumptions})", self.options()) }
+    }
+
     /// What a person has to put in the place of an assumption.
     pub fn assumptions(&self) -> String {
         let mut all = self.unknown_units.clone();
@@ -96,7 +105,10 @@ impl Proposal {
             all.push(format!("put your supply's voltage in the place of {volts}"));
         }
         let duty = self.map.split(',').find_map(|part| part.strip_prefix("duty=")?.rsplit_once(':'));
-        if let Some((_, full)) = duty.filter(|(_, full)| !["1", "100"].contains(full)) {
+        // Percent where the column says so; else a pulse-width register may have any number for full duty.
+        let is_told =
+            |column: &str, full: &str| full == "1" || full == "100" && words::said(column).unit == Some(full);
+        if let Some((_, full)) = duty.filter(|(column, full)| !is_told(column, full)) {
             all.push(match full.split_once("..") {
                 Some(_) => format!("put the pulses of no and of full duty, us, in the place of {full}"),
                 None => format!("put the number that is full duty in the place of {full}"),
@@ -198,9 +210,21 @@ pub(super) fn may_suffice(names: &[String]) -> bool {
     propose(&names.iter().map(as_if).collect::<Vec<_>>(), &[]).is_some()
 }
 
+/// Whether the first table has only what drives the motor, and the second only what it does.
+pub(super) fn are_apart(input: &Sample, output: &Sample) -> bool {
+    use Quantity::{Angle, Duty, Speed, Voltage};
+    let has = |sample: &Sample, quantities: &[Quantity]| {
+        parts(&sample.with_units, &sample.rows).iter().any(|part| quantities.contains(&part.quantity))
+    };
+    let (drives, moves) = ([Duty, Voltage], [Angle, Speed]);
+    has(input, &drives) && !has(input, &moves) && has(output, &moves) && !has(output, &drives)
+}
+
 /// Guesses from the beginnings of two tables, the first of what drives the motor, the second of what it does.
 pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal> {
     use Quantity::{Angle, Current, Duty, Interval, Speed, Target, Time, Voltage};
+    // Columns without names go by their places.
+    let (input, output) = (&input.with_places(), &output.with_places());
     let of = |sample: &Sample| parts(&sample.with_units, &sample.rows);
     let (mut drives, mut moves) = (of(input), of(output));
     let time = |sample: &Sample, parts: &[Part]| {
@@ -212,9 +236,11 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
         return None;
     }
     drives.retain(|part| ![Angle, Speed, Current, Interval].contains(&part.quantity));
-    let taken = questions::drive_alone(input, &drives);
+    let taken = drive::drive_alone(input, &drives);
     drives.extend(taken.as_ref().map(|(part, _)| part.clone()));
+    let alone = drive::motion_alone(output, &moves);
     moves.retain(|part| [Angle, Speed, Current].contains(&part.quantity));
+    moves.extend(alone.as_ref().map(|(part, _)| part.clone()));
     let driven = drives.iter().any(|part| [Voltage, Duty, Target].contains(&part.quantity));
     if !driven || !moves.iter().any(|part| [Angle, Speed].contains(&part.quantity)) {
         return None;
@@ -229,7 +255,7 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
         unknown_units: [
             first.unknown_units,
             second.unknown_units,
-            taken.into_iter().map(|(_, said)| said).collect(),
+            taken.into_iter().chain(alone).map(|(_, said)| said).collect(),
         ]
         .concat(),
         ..first
@@ -275,6 +301,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .filter_map(|part| unknown_unit(&names[part.index], part))
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
+            .chain(parts.iter().filter_map(|part| drive::said_of_drive(names, rows, part)))
             .chain(turn.map(Turn::said))
             .chain(bridge::question(parts, names, rows))
             .collect(),
@@ -460,6 +487,7 @@ mod tests {
             proposal.with_known(told).options(),
             "--map time=ms:ms,duty=pwm:255,speed=speed_rpm_x10:rpm/10"
         );
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.iter().map(|v| v.round()).collect()).collect();
         let counted = propose(&names("ms;pwm;counts"), &rows).unwrap();
         assert!(
             counted.options().contains("--counts-per-rev") && counted.options().contains("--supply-volts")

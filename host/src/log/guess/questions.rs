@@ -184,26 +184,6 @@ pub(in crate::log) fn loop_question(sample: &Sample) -> Option<String> {
     ))
 }
 
-/// Of the first of two files, which is that of what drives the motor, the only column beside the time, and what is said of it.
-pub(super) fn drive_alone(input: &Sample, parts: &[Part]) -> Option<(Part, String)> {
-    use Quantity::{Duty, Target, Time, Voltage};
-    let clock = parts.iter().find(|part| part.quantity == Time)?.index;
-    let values =
-        |k: usize| input.rows.iter().filter_map(move |row| row.get(k)).copied().filter(|v| v.is_finite());
-    let mut others = (0..input.names.len()).filter(|k| *k != clock && values(*k).next().is_some());
-    let (index, None) = (others.next()?, others.next()) else { return None };
-    if parts.iter().any(|part| [Duty, Target, Voltage].contains(&part.quantity)) {
-        return None;
-    }
-    let part = Part { quantity: Voltage, index, rest: None, unit: "V".into(), guessed: true, turn: None };
-    let said = format!(
-        "\"{0}\" is taken for the motor's voltage, because it is all that this file holds; where it is a duty, write duty={1}:255 --supply-volts 12",
-        input.names[index],
-        column(&input.names, index)
-    );
-    Some((part, said))
-}
-
 /// What is asked of a table that an oscilloscope sampled, whose rate is known and whose channels are not.
 pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
     let rate = sample.rate?;
@@ -223,66 +203,6 @@ pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
         sample.names[speed],
         quoted(&map)
     ))
-}
-
-/// What is asked of a table of which only the drive or only the motion is recognised, or that has no room for both.
-pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
-    use Quantity::{Angle, Duty, Speed, Time, Voltage};
-    let parts = columns::parts(&sample.with_units, &sample.rows);
-    let of = |quantities: &[Quantity]| parts.iter().find(|part| quantities.contains(&part.quantity));
-    let known = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
-    let is_target = |k: &usize| words::said(&sample.names[*k]).target;
-    let (targets, others): (Vec<usize>, Vec<usize>) =
-        (0..sample.names.len()).filter(|k| !known(k)).partition(is_target);
-    let name = |k: usize| format!("\"{}\"", sample.names[k]);
-    // The first other column that may be what is absent, and the options for either meaning.
-    let meant = |either: &str, or: &str| {
-        others.iter().find_map(|&k| {
-            let options = |as_if: &str| options_as_if(sample, &[(k, as_if)]);
-            Some((name(k), options(either)?, options(or)?))
-        })
-    };
-    let mut beside = (0..sample.names.len()).filter(|k| of(&[Time]).is_some_and(|time| time.index != *k));
-    if let (Some(only), None) = (beside.next(), beside.next()) {
-        return Some(format!(
-            "beside the time there is only {}, and a fit needs two things: what drove the motor (a duty or voltage) and how it moved (an \
-             angle, counts or a speed); log both in every row, or give a file of each as drive.csv+motion.csv",
-            name(only)
-        ));
-    }
-    match (of(&[Duty, Voltage]), of(&[Angle, Speed])) {
-        (None, Some(motion)) => {
-            let mut text = format!(
-                "{} is the motion, and no column tells what drove the motor: log its duty or voltage in every row",
-                name(motion.index)
-            );
-            if let Some(target) = targets.first() {
-                text += &format!(
-                    "; {} is what a controller was to reach, and not what it gave the motor",
-                    name(*target)
-                );
-            }
-            if let Some((other, volts, duty)) = meant("voltage [V]", "duty [%]") {
-                text += &format!(
-                    "; if {other} is that, say {volts} where it is volts, {duty} where it is percent"
-                );
-            }
-            Some(text)
-        }
-        (Some(drive), None) => {
-            let mut text = format!(
-                "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
-                name(drive.index)
-            );
-            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
-                text += &format!(
-                    "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
-                );
-            }
-            Some(text)
-        }
-        _ => None,
-    }
 }
 
 /// What is said of a time whose name tells a unit in which no motor is logged, so that another one was taken.
@@ -316,5 +236,9 @@ pub(super) fn guessed_unit(name: &str, part: &Part) -> Option<String> {
     };
     let of_motion = matches!(part.quantity, Quantity::Angle | Quantity::Speed | Quantity::Time);
     let asked = part.guessed && of_motion && unknown_unit(name, part).is_none();
-    asked.then(|| format!("nothing tells the unit of \"{name}\": {taken} is a guess; put {others} in its place where it is that"))
+    let why = match words::said(name).unit {
+        Some("counts") => format!("\"{name}\" has fractions, as no count has"),
+        _ => format!("nothing tells the unit of \"{name}\""),
+    };
+    asked.then(|| format!("{why}: {taken} is a guess; put {others} in its place where it is that"))
 }

@@ -1,0 +1,179 @@
+//! What a table leaves open about what drives the motor: it is absent, steady as a supply, or in another unit.
+
+use super::columns::{self, Part, Range};
+use super::preview::short;
+use super::{column, options_as_if, words};
+use crate::log::sample::Sample;
+use crate::log::units::Quantity;
+
+/// A voltage that changes less than this share of it is as steady as a supply's.
+const STEADY: f64 = 0.1;
+/// No motor of a log has so many volts: they are millivolts.
+pub(super) const MOST_VOLTS: f64 = 1000.0;
+/// Whole numbers up to here are rather a duty's, those beyond millivolts, but for what registers are full at.
+const MOST_OF_A_DUTY: f64 = 4095.0;
+const REGISTERS: [f64; 3] = [10_000.0, 32_767.0, 65_535.0];
+const MOST_MILLIVOLTS: f64 = 60_000.0;
+
+/// Whether whole numbers that nothing tells the unit of are millivolts rather than a duty.
+pub(super) fn are_millivolts(range: &Range) -> bool {
+    let peak = range.peak();
+    peak > MOST_OF_A_DUTY && peak <= MOST_MILLIVOLTS && !REGISTERS.contains(&peak)
+}
+
+/// What is said of a voltage that hardly changes, and of whole numbers that may be millivolts or a duty.
+pub(super) fn said_of_drive(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<String> {
+    let name = names.get(part.index)?;
+    let range =
+        Range::of(rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()));
+    let own = column(names, part.index);
+    let called = words::said(name).quantity.map(|(of, _)| of);
+    let is_volts = part.unit == "V" || part.unit == "mV";
+    match part.quantity {
+        Quantity::Voltage if is_volts && range.low > 0.0 && range.high - range.low < STEADY * range.high => {
+            let how = if range.high > range.low {
+                format!("stays within {} .. {}", short(range.low), short(range.high))
+            } else {
+                format!("is {} in every row", short(range.low))
+            };
+            Some(format!(
+                "\"{name}\" {how}: if it is the supply's, it drives nothing by itself, so log the duty or voltage at the motor beside it \
+                 (supply={own}:{})",
+                part.unit
+            ))
+        }
+        Quantity::Voltage if part.unit == "mV" && words::said(name).unit != Some("mV") => Some(format!(
+            "\"{name}\" goes to {}, so it is taken for millivolts; where it is a duty, write duty={own}:{} --supply-volts 12",
+            short(range.peak()),
+            short(range.peak())
+        )),
+        Quantity::Duty if called == Some(Quantity::Voltage) && range.peak() > MOST_VOLTS => Some(format!(
+            "\"{name}\" is taken for a duty because it goes to {}; where it is millivolts, write voltage={own}:mV",
+            short(range.peak())
+        )),
+        _ => None,
+    }
+}
+
+/// The only column of one of two files beside its time, where it is called nothing of what is sought: taken for `quantity` in `unit`, with
+/// its name and what it is called in a mapping.
+fn alone<'a>(
+    sample: &'a Sample,
+    parts: &[Part],
+    sought: &[Quantity],
+    (quantity, unit): (Quantity, &str),
+) -> Option<(Part, &'a str, String)> {
+    let clock = parts.iter().find(|part| part.quantity == Quantity::Time)?.index;
+    let has_values =
+        |k: usize| sample.rows.iter().any(|row| row.get(k).is_some_and(|value| value.is_finite()));
+    let mut others = (0..sample.names.len()).filter(|k| *k != clock && has_values(*k));
+    let (index, None) = (others.next()?, others.next()) else { return None };
+    let part = Part { quantity, index, rest: None, unit: unit.into(), guessed: true, turn: None };
+    let is_known = parts.iter().any(|part| sought.contains(&part.quantity));
+    (!is_known).then(|| (part, sample.names[index].as_str(), column(&sample.names, index)))
+}
+
+/// Of the first of two files, which is that of what drives the motor, the only column beside the time, and what is said of it.
+pub(super) fn drive_alone(input: &Sample, parts: &[Part]) -> Option<(Part, String)> {
+    use Quantity::{Duty, Target, Voltage};
+    let (part, name, own) = alone(input, parts, &[Duty, Target, Voltage], (Voltage, "V"))?;
+    let said = format!(
+        "\"{name}\" is taken for the motor's voltage, because it is all that this file holds; where it is a duty, write duty={own}:255 --supply-volts 12"
+    );
+    Some((part, said))
+}
+
+/// Of the second, which is that of the motion, the same.
+pub(super) fn motion_alone(output: &Sample, parts: &[Part]) -> Option<(Part, String)> {
+    use Quantity::{Angle, Speed};
+    let (part, name, own) = alone(output, parts, &[Angle, Speed], (Speed, "rad/s"))?;
+    let said = format!(
+        "\"{name}\" is taken for the speed, because it is all that this file holds; where it is an angle, write angle={own}:rad (or deg, counts)"
+    );
+    Some((part, said))
+}
+
+/// What is asked of a table of which only the drive or only the motion is recognised, or that has no room for both.
+pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
+    use Quantity::{Angle, Duty, Speed, Time, Voltage};
+    let parts = columns::parts(&sample.with_units, &sample.rows);
+    let of = |quantities: &[Quantity]| parts.iter().find(|part| quantities.contains(&part.quantity));
+    let known = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
+    let is_target = |k: &usize| words::said(&sample.names[*k]).target;
+    let (targets, others): (Vec<usize>, Vec<usize>) =
+        (0..sample.names.len()).filter(|k| !known(k)).partition(is_target);
+    let name = |k: usize| format!("\"{}\"", sample.names[k]);
+    // The first other column that may be what is absent, and the options for either meaning.
+    let meant = |either: &str, or: &str| {
+        others.iter().find_map(|&k| {
+            let options = |as_if: &str| options_as_if(sample, &[(k, as_if)]);
+            Some((name(k), options(either)?, options(or)?))
+        })
+    };
+    let mut beside = (0..sample.names.len()).filter(|k| of(&[Time]).is_some_and(|time| time.index != *k));
+    if let (Some(only), None) = (beside.next(), beside.next()) {
+        return Some(format!(
+            "beside the time there is only {}, and a fit needs two things: what drove the motor (a duty or voltage) and how it moved (an \
+             angle, counts or a speed); log both in every row, or give a file of each as drive.csv+motion.csv",
+            name(only)
+        ));
+    }
+    match (of(&[Duty, Voltage]), of(&[Angle, Speed])) {
+        (None, Some(motion)) => {
+            let mut text = format!(
+                "{} is the motion, and no column tells what drove the motor: log its duty or voltage in every row",
+                name(motion.index)
+            );
+            if let Some(target) = targets.first() {
+                text += &format!(
+                    "; {} is what a controller was to reach, and not what it gave the motor",
+                    name(*target)
+                );
+            }
+            text += &not_driving(sample, &parts, motion);
+            if let Some((other, volts, duty)) = meant("voltage [V]", "duty [%]") {
+                text += &format!(
+                    "; if {other} is that, say {volts} where it is volts, {duty} where it is percent"
+                );
+            }
+            Some(text)
+        }
+        (Some(drive), None) => {
+            let mut text = format!(
+                "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
+                name(drive.index)
+            );
+            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
+                text += &format!(
+                    "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
+                );
+            }
+            Some(text)
+        }
+        _ => None,
+    }
+}
+
+/// Why columns that may look like it do not drive the motor: one is the speed of the motion, one its supply.
+fn not_driving(sample: &Sample, parts: &[Part], motion: &Part) -> String {
+    let mut text = String::new();
+    let said = |k: usize| words::said(&sample.with_units[k]).quantity.map(|(of, _)| of);
+    let speed = parts.iter().find(|part| part.quantity == Quantity::Speed && part.index != motion.index);
+    if let Some(speed) = speed.filter(|speed| said(speed.index) == Some(Quantity::Voltage)) {
+        let [speed, angle] = [speed.index, motion.index].map(|k| &sample.names[k]);
+        text += &format!("; \"{speed}\" is the change of \"{angle}\", its speed and no voltage");
+    }
+    if let Some(supply) = parts.iter().find(|part| part.quantity == Quantity::Supply) {
+        let name = &sample.names[supply.index];
+        text += &if said(supply.index) == Some(Quantity::Supply) {
+            format!("; \"{name}\" is the supply's, which drives nothing by itself")
+        } else {
+            format!(
+                "; \"{name}\" is as steady as a supply, which drives nothing by itself (where it is the voltage at the motor, map it so: voltage={}:{})",
+                column(&sample.names, supply.index),
+                supply.unit
+            )
+        };
+    }
+    text
+}

@@ -1,0 +1,106 @@
+//! Tables of which no column drives the motor, or one that may not: nothing else is put in its place, and it is said why.
+
+use motorlens::log::guess::look;
+
+use super::{kept, refusal};
+
+/// A table of 200 rows.
+fn table(header: &str, row: impl Fn(f64) -> Vec<f64>) -> String {
+    let line = |k: u32| row(f64::from(k)).iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    format!("{header}\n{}\n", (0..200).map(line).collect::<Vec<_>>().join("\n"))
+}
+
+/// Speed and angle of a motor that runs up, rad/s and rad, 100 rows a second.
+fn speed(k: f64) -> f64 {
+    40.0 * (1.0 - (-k / 15.0).exp()) + 0.1 * (k * k).sin()
+}
+
+fn angle(k: f64) -> f64 {
+    0.4 * (k - 15.0 * (1.0 - (-k / 15.0).exp()))
+}
+
+/// What is proposed for the table; empty where nothing is.
+fn map_of(text: &str) -> String {
+    let (_directory, path) = kept(text.as_bytes());
+    look(&path).unwrap().proposal.map(|proposal| proposal.map).unwrap_or_default()
+}
+
+#[test]
+fn a_table_without_a_drive_says_so_and_why_no_other_column_is_one() {
+    let ms = |k: f64| 10.0 * k;
+    for (what, text, told) in [
+        (
+            "angle and v",
+            table("t_ms,angle,v", |k| vec![ms(k), angle(k), speed(k)]),
+            "\"v\" is the change of \"angle\"",
+        ),
+        ("a battery", table("t_ms,Vbat,rpm", |k| vec![ms(k), 12.1, speed(k)]), "\"Vbat\" is the supply's"),
+        (
+            "a steady voltage beside a target",
+            table("t_ms,Speed,Target,Voltage", |k| vec![ms(k), speed(k), 36.0, 12_000.0]),
+            "voltage=Voltage:mV",
+        ),
+        (
+            "no names",
+            table("0,0,0", |k| vec![0.01 * k, angle(k), speed(k)]),
+            "column 2 is the speed of column 1",
+        ),
+    ] {
+        let text = text.replacen("0,0,0\n", "", 1);
+        assert_eq!(map_of(&text), "", "{what}");
+        let said = refusal(&text).to_string();
+        assert!(said.contains(told) && said.contains("no column"), "{what}: {said}");
+    }
+}
+
+#[test]
+fn what_a_proposal_takes_for_the_drive_is_asked_where_it_may_be_another() {
+    let steps = |k: f64| [0.0, 12_000.0, 6000.0, 9000.0][(k / 50.0) as usize];
+    for (what, text, map, asked) in [
+        (
+            "a steady voltage",
+            table("t_ms,voltage,rpm", |k| vec![10.0 * k, 12.0 - 0.1 * (k / 9.0).cos(), speed(k)]),
+            "voltage=voltage:V",
+            "if it is the supply's, it drives nothing",
+        ),
+        (
+            "a steady voltage beside a duty",
+            table("t_ms,pwm,voltage,rpm", |k| vec![10.0 * k, (k % 7.0) * 30.0, 12.0, speed(k)]),
+            "duty=pwm:255,speed=rpm:rpm,supply=voltage:V",
+            "",
+        ),
+        (
+            "millivolts by their size",
+            table("t_ms,voltage,rpm", |k| vec![10.0 * k, steps(k), speed(k)]),
+            "voltage=voltage:mV",
+            "taken for millivolts; where it is a duty",
+        ),
+        (
+            "millivolts called volts",
+            table("t_ms,volts,rpm", |k| vec![10.0 * k, steps(k), speed(k)]),
+            "voltage=volts:mV",
+            "taken for millivolts",
+        ),
+        (
+            "millivolts, or a duty of 12 bits",
+            table("t_ms,voltage,rpm", |k| vec![10.0 * k, steps(k) / 3.0, speed(k)]),
+            "duty=voltage:4095",
+            "where it is millivolts, write voltage=voltage:mV",
+        ),
+        ("millivolts", table("t_ms,mV,rpm", |k| vec![10.0 * k, steps(k), speed(k)]), "voltage=mV:mV", ""),
+        (
+            "an encoder with fractions",
+            table("t_ms,pwm,enc", |k| vec![10.0 * k, (k % 7.0) * 30.0, angle(k)]),
+            "angle=enc:rad",
+            "\"enc\" has fractions, as no count has: rad is a guess",
+        ),
+    ] {
+        assert!(map_of(&text).contains(map), "{what}: {}", map_of(&text));
+        let said = refusal(&text).to_string();
+        assert!(said.contains(asked), "{what}: {said}");
+        assert!(
+            !asked.is_empty() || !said.contains("supply's, it drives") && !said.contains("taken for"),
+            "{what}: {said}"
+        );
+    }
+}
