@@ -254,7 +254,7 @@ pub fn discover_records(records: &[Record], options: &Options, observer: Observe
         let asked = search::Options { library: options.library.clone(), most: options.most };
         let found =
             search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
-                tell(event(progress));
+                event(progress).into_iter().for_each(tell);
             })?;
         let findings = Findings::new(&found, &log::data_faults(records.iter().chain(&options.validation)));
         Ok(Discovered { findings, model: found.model })
@@ -294,7 +294,7 @@ pub fn plan(
         let asked = search::Options { library: options.library.clone(), most: 1 };
         let found =
             search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
-                tell(event(progress));
+                event(progress).into_iter().for_each(tell);
             })?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
         Ok(NextExperiment::of(found.plan(Limits { volts, seconds }), &found.limits))
@@ -416,17 +416,21 @@ pub fn same(
             Some(kinds) => kinds.to_vec(),
             None => {
                 let asked = search::Options { library: options.library.clone(), most: options.most };
-                search::discover(first, &[], motor, &asked, &mut |progress| tell(event(progress)))?.effects
+                search::discover(first, &[], motor, &asked, &mut |progress| {
+                    event(progress).into_iter().for_each(tell)
+                })?
+                .effects
             }
         };
         crate::same::same(first, second, motor, &kinds)
     })
 }
 
-fn event(progress: Progress) -> Event {
+fn event(progress: Progress) -> Option<Event> {
     match progress {
-        Progress::Trying { depth, effect } => Event::Trying { depth, effect },
-        Progress::Rung(rung) => Event::Model { effects: rung.effects, rmse: rung.train.rmse },
+        Progress::Trying { depth, effect } => Some(Event::Trying { depth, effect }),
+        Progress::Rung(rung) => Some(Event::Model { effects: rung.effects, rmse: rung.train.rmse }),
+        Progress::Anew(_) => None,
     }
 }
 

@@ -80,12 +80,12 @@ const BASE: [[&str; 5]; 8] = [
 ];
 
 /// Words of the verdict and the plots, each with its meaning.
-pub const WORDS: [[&str; 2]; 8] = [
+pub const WORDS: [[&str; 2]; 9] = [
     [
         "noise level",
         "the rms error that a perfect model would leave: from a repeated record where there is one, else from the encoder's counts",
     ],
-    ["x the noise", "an error in multiples of the noise level; 1.0 x cannot be improved"],
+    ["x the noise", "an error in multiples of the noise level; about 1 x is all that can be had"],
     ["simulation error", "measured minus simulated, where only the start is taken from the measurement"],
     [
         "share explained",
@@ -96,6 +96,10 @@ pub const WORDS: [[&str; 2]; 8] = [
         "what would have to be added to the model, as a voltage, to turn its simulation into the measurement",
     ],
     ["validation record", "a record that no fit and no choice of an effect sees; errors are told on it"],
+    [
+        "likelihood gain, nats",
+        "the logarithm of how much more probable an effect makes blocks that its fit did not see; below two of its standard errors it may be chance",
+    ],
     [
         "indistinguishable",
         "models that explain these records equally well; any of them may be the true one, and the simplest is named",

@@ -89,8 +89,6 @@ fn story(found: &Discovery, findings: &Findings, unit: &str) -> String {
         None => "\nNo effect is worth adding to this model.\n".to_owned(),
     };
     text += &prose::experiments(findings);
-    for fault in findings.later_faults() {
-        text += &format!("\n{}\n", prose::fault(fault));
-    }
+    text += &prose::shown_by_the_fit(findings);
     text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
 }

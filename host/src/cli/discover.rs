@@ -13,7 +13,6 @@ use crate::estimate::feedforward;
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
 use crate::log::{Record, Warning};
-use crate::report::baseline;
 
 /// Options of `discover`.
 #[derive(Debug, clap::Args)]
@@ -82,16 +81,20 @@ pub fn unit(records: &[Record]) -> &'static str {
 pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> String {
     let unit = unit(records);
     let mut text = String::new();
-    text += &match baseline(&found.evidence) {
+    text += &match &found.baseline {
         Some(usual) if usual.train.missed() <= prose::RUN_AWAY => {
-            format!("{}\n", watch::errors("kS-kV-kA, the usual model", &usual, unit))
+            format!("{}\n", watch::errors("kS-kV-kA, the usual model", usual, unit))
         }
         Some(_) => "kS-kV-kA, the usual model, is not determined by these records.\n".to_owned(),
         None => feedforward::why_not(&found.evidence.whole, records)
             .map(|why| format!("No comparison with the usual model: {why}.\n"))
             .unwrap_or_default(),
     };
-    text += &format!("The noise level is {} {unit} rms.\n\n", prose::figure(found.noise_floor));
+    text += &format!("The noise level is {} {unit} rms.\n", prose::figure(found.noise_floor));
+    if let Some(reading) = &findings.speed_reading {
+        text += &format!("Each speed is {reading}.\n");
+    }
+    text += "\n";
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";
     text += &prose::parameters(&findings.combinations);
@@ -101,8 +104,6 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
     }
     text += &prose::limits(&findings.detection_limits);
     text += &prose::experiments(findings);
-    for fault in findings.later_faults() {
-        text += &format!("\n{}\n", prose::fault(fault));
-    }
+    text += &prose::shown_by_the_fit(findings);
     text + &format!("{:.1} s, {} simulations", found.seconds, found.simulations)
 }

@@ -38,7 +38,7 @@ mod strip;
 mod tune;
 mod watch;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -48,6 +48,7 @@ pub use console::Console;
 use crate::error::{Error, Result};
 use crate::formula;
 use crate::log::guess::{self, Proposal};
+use crate::log::halves;
 
 /// Finds out what a motor model is missing: fit, compare, diagnose, add, and watch the error fall.
 #[derive(Debug, Parser)]
@@ -170,17 +171,28 @@ pub fn main() -> ExitCode {
                 && let Some(proposal) = &fault.proposal
             {
                 let given = std::env::args().skip(1);
-                console.say(format!("  so the whole command is\n    {}", with_proposal(given, proposal)));
+                console.say(format!(
+                    "  so the whole command is\n    {}",
+                    with_proposal(given, &fault.file, proposal)
+                ));
             }
             ExitCode::from(error.exit_code())
         }
     }
 }
 
-/// The command that was `given`, with the mapping of `proposal` in the place of its own and what that assumes beside it.
-fn with_proposal(given: impl Iterator<Item = String>, proposal: &Proposal) -> String {
+/// The command that was `given`, with the mapping of `proposal` in the place of its own and what that assumes beside it; where `file` is two
+/// files that were given as two, they are given as one.
+fn with_proposal(given: impl Iterator<Item = String>, file: &Path, proposal: &Proposal) -> String {
     let mut words = vec!["motorlens".to_owned()];
-    let mut given = given;
+    let mut given: Vec<String> = given.collect();
+    let pair = file.display().to_string();
+    let place = |half: &str| given.iter().position(|word| word == half);
+    if let Some((one, other)) = halves(&pair).find_map(|(one, other)| place(one).zip(place(other))) {
+        given[one.min(other)].clone_from(&pair);
+        given.remove(one.max(other));
+    }
+    let mut given = given.into_iter();
     while let Some(word) = given.next() {
         if word == "--map" {
             let _value = given.next();
@@ -214,6 +226,28 @@ fn refuse(error: &clap::Error) -> ExitCode {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
+    #[test]
+    fn two_files_that_are_one_log_are_given_as_one_in_the_proposed_command() {
+        let proposal = Proposal { map: "time=t:s".into(), ..Proposal::default() };
+        let command = |given: &str, file: &str| {
+            with_proposal(given.split(' ').map(str::to_owned), Path::new(file), &proposal)
+        };
+        for (given, file, expected) in [
+            (
+                "fit in.csv out.csv --out m",
+                "in.csv+out.csv",
+                "motorlens fit in.csv+out.csv --out m --map time=t:s",
+            ),
+            ("fit out.csv in.csv", "in.csv+out.csv", "motorlens fit in.csv+out.csv --map time=t:s"),
+            ("fit in.csv+out.csv", "in.csv+out.csv", "motorlens fit in.csv+out.csv --map time=t:s"),
+            ("fit log.csv --map x", "log.csv", "motorlens fit log.csv --map time=t:s"),
+        ] {
+            assert_eq!(command(given, file), expected);
+        }
+    }
+
     #[test]
     fn the_options_of_all_verbs_are_consistent() {
         super::command().debug_assert();

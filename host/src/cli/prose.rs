@@ -43,6 +43,11 @@ pub fn fault(fault: &Warning) -> String {
     format!("data: {}: {}\n  do: {}", fault.place, fault.what, fault.fix)
 }
 
+/// The faults that the fit has shown, each after an empty line: those of the logs are told before it.
+pub fn shown_by_the_fit(findings: &Findings) -> String {
+    findings.later_faults().iter().map(|later| format!("\n{}\n", fault(later))).collect()
+}
+
 /// A table of parameters with intervals; on a narrow terminal each takes two lines.
 pub fn parameters(list: &[Estimate]) -> String {
     parameters_within(list, width())

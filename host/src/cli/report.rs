@@ -60,7 +60,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     console.answer(&document, || {
         let next = prose::next(&findings.standing().next, None, &args.input.logs);
-        let told = format!("{}\nreport: {}\n{next}", document.summary, args.out.display());
+        let faults = prose::shown_by_the_fit(&findings);
+        let told = format!("{}\n{faults}report: {}\n{next}", document.summary, args.out.display());
         prose::headed(&story.standing, &told)
     });
     Ok(())

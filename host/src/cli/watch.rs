@@ -13,13 +13,18 @@ pub fn bar(console: &Console, length: u64, unit: &str) -> ProgressBar {
     if !console.shows_progress() {
         return ProgressBar::hidden();
     }
-    // What is being done comes first, and is cut where the terminal ends; the bar takes a third of it.
-    let bar = (prose::width() / 3).clamp(8, 30);
+    let bar = bar_within(prose::width());
     let template = format!("{{bar:{bar}}} {{pos}}/{{len}} {unit} {{elapsed}} {{wide_msg}}");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(length).with_style(style);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// Columns of the bar on a terminal of `width`: what the longest message leaves, as far as there is anything.
+fn bar_within(width: usize) -> usize {
+    let longest = "step 1: trying coulomb_asymmetric".len();
+    width.saturating_sub(longest + " 21/21 effects 10s ".len()).clamp(6, 30)
 }
 
 /// Watches a climb: the bar counts effects tried, every rung is a line that stays.
@@ -39,13 +44,18 @@ pub fn climb<'a>(
             // The last one is tried in a moment; what takes long is what follows.
             let all_tried = bar.length() == Some(bar.position());
             bar.set_message(if all_tried {
-                format!("step {step}: the best of them, on all records")
+                format!("step {step}: fitting the best")
             } else {
                 format!("step {step}: trying {effect}")
             });
         }
+        Progress::Anew(reading) => {
+            bar.suspend(|| console.say(format!("Each speed turns out to be {reading}. With that, anew:")));
+        }
         Progress::Rung(rung) => {
+            // The step that ended is not said beside the bar of the next one.
             bar.set_position(0);
+            bar.set_message("");
             bar.suspend(|| console.say(rung_line(&rung, unit)));
         }
     }
@@ -65,4 +75,22 @@ pub fn errors(name: &str, rung: &Rung, unit: &str) -> String {
     let wide = prose::width().saturating_sub(47);
     let name = if name.len() > wide { format!("{name}\n{:wide$}", "") } else { format!("{name:<wide$}") };
     format!("{name} rmse {:>9} {unit}{validation}", prose::figure(rung.train.rmse))
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlens_shared::effects::Kind;
+
+    use super::*;
+
+    #[test]
+    fn what_is_tried_is_read_to_its_end_on_a_narrow_terminal() {
+        let longest = Kind::ALL.iter().map(|kind| format!("step 1: trying {kind}").len()).max().unwrap_or(0);
+        for width in [60, 80] {
+            let line = bar_within(width) + format!(" 21/21 effects 10s {}", " ".repeat(longest)).len();
+            assert!(line <= width, "{line} columns of {width}");
+        }
+        assert_eq!(bar_within(40), 6);
+        assert_eq!(bar_within(200), 30);
+    }
 }

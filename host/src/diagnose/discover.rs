@@ -10,10 +10,12 @@ use super::plan::{self, Limits, Plan};
 use crate::compare::laid_out;
 use crate::error::Result;
 use crate::fit::grid::Grid;
+use crate::fit::instants::read_otherwise;
 use crate::fit::layout::Values;
 use crate::fit::reading::fast_scatter;
 use crate::fit::search::Problem;
 use crate::fit::setup;
+use crate::fit::window::SpeedReading;
 use crate::log::{Record, repeats};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
@@ -34,6 +36,8 @@ pub enum Progress {
     },
     /// A rung of the ladder is fitted.
     Rung(Rung),
+    /// The speeds turn out to be read so: the ladder is climbed anew.
+    Anew(SpeedReading),
 }
 
 /// What to look for.
@@ -62,6 +66,8 @@ pub struct Discovery {
     pub adequacy: Adequacy,
     /// From the base model to the accepted one; a model that is diagnosed comes second, if it has effects.
     pub ladder: Vec<Rung>,
+    /// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
+    pub baseline: Option<Rung>,
     /// The models of the selection's steps as they would be used: fitted for simulating.
     pub shown: Vec<Values>,
     /// First diagnosis, best first.
@@ -93,8 +99,28 @@ pub fn discover(
 ) -> Result<Discovery> {
     let at = Instant::now();
     let (evidence, model) = prepare(records, validation, motor)?;
-    let begin = Begin { at, evidence, plain: None, model };
-    Ok(select::discovery(begin, records, validation, options, progress))
+    let select = |(evidence, model), progress: &mut dyn FnMut(Progress)| {
+        let begin = Begin { at, evidence, plain: None, model };
+        select::discovery(begin, records, validation, options, progress)
+    };
+    let found = select((evidence, model), progress);
+    // How a speed is read was asked of a motor without the effects that are known now.
+    let whole = &found.evidence.whole;
+    let values = found.selected.model().values();
+    let otherwise = || read_otherwise(&whole.grids, &values, &whole.rig, &whole.prior);
+    let Some(otherwise) = (!values.effects.is_empty()).then(otherwise).flatten() else { return Ok(found) };
+    let read_so = settled(setup::problem_of(records, motor, Some(otherwise)), records, validation, motor);
+    let again = select(read_so, &mut |told| {
+        if matches!(told, Progress::Trying { .. }) {
+            progress(told);
+        }
+    });
+    if again.selected.model().score() <= found.selected.model().score() {
+        return Ok(found);
+    }
+    progress(Progress::Anew(otherwise));
+    again.ladder.iter().for_each(|rung| progress(Progress::Rung(rung.clone())));
+    Ok(again)
 }
 
 /// One step up from `model`, refitted to `records`: what it is missing.

@@ -1,5 +1,7 @@
 //! The evidence: records to learn from, as models are fitted to them and simulated on them, and records kept out of everything.
 
+use std::sync::OnceLock;
+
 use crate::estimate::feedforward::Usual;
 use crate::fit::fixed;
 use crate::fit::grid::Grid;
@@ -25,8 +27,8 @@ pub struct Evidence {
     pub train: Problem,
     /// Records kept out of every fit and every choice, for simulations only.
     pub kept_out: Option<Problem>,
-    /// Records to fit and records to simulate, for the cross-validated simulation error.
-    pub folds: Vec<Fold>,
+    /// See [`Self::folds`], once they were asked for.
+    folds: OnceLock<Vec<Fold>>,
     /// Pairs of records that run one programme, by their places.
     pub repeats: Vec<(usize, usize)>,
     /// kS-kV-kA fitted to the records; none where they do not give it.
@@ -47,24 +49,32 @@ impl Evidence {
     pub fn of(whole: Problem, repeats: Vec<(usize, usize)>) -> Self {
         let reading = reading(&whole);
         let train = guided(&whole);
-        let folds = folds(&train, &repeats);
-        Self { whole, train, kept_out: None, folds, repeats, usual: None, reading }
+        Self { whole, train, kept_out: None, folds: OnceLock::new(), repeats, usual: None, reading }
+    }
+
+    /// Records to fit and records to simulate, for the cross-validated simulation error. A plain fit never asks for them, and of a long record
+    /// they are several times as large.
+    pub fn folds(&self) -> &[Fold] {
+        self.folds.get_or_init(|| folds(&self.train, &self.repeats))
     }
 
     /// The same where the records begin otherwise: as those of `whole` do now.
     pub(super) fn lay_out_again(&mut self) {
         let train = guided(&self.whole);
         train.simulations.set(self.train.simulations.get());
-        self.folds = folds(&train, &self.repeats);
+        self.folds = OnceLock::new();
         self.train = train;
     }
 
-    /// One record of each programme as `sketch` has it, weighted by `noise`: for candidates that are only compared.
-    pub fn sketch(&self, sketch: Sketch, noise: &Noise) -> Problem {
+    /// One record of each programme as `sketch` has it, weighted by the noise of `model` and begun as it has them: for candidates that are
+    /// only compared.
+    pub fn sketch(&self, sketch: Sketch, model: &Fitted) -> Problem {
         let second = |k: &usize| self.repeats.iter().any(|(_, second)| second == k);
-        let kept = (0..self.train.grids.len()).filter(|k| !second(k));
-        let mut problem = self.train.on(kept.map(|k| self.train.grids[k].clone()).collect()).sketch(sketch);
-        noise.weigh(&mut problem, CHOOSING);
+        let kept: Vec<usize> = (0..self.train.grids.len()).filter(|k| !second(k)).collect();
+        let grids = kept.iter().map(|k| self.train.grids[*k].clone()).collect();
+        let mut problem = self.train.on(grids).sketch(sketch);
+        problem.begin_with(&kept.iter().map(|k| model.speeds[*k]).collect::<Vec<_>>());
+        model.noise.weigh(&mut problem, CHOOSING);
         problem
     }
 

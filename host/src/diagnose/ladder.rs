@@ -44,6 +44,11 @@ pub(crate) fn rung(evidence: &Evidence, values: &Values) -> Rung {
     }
 }
 
+/// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
+pub(crate) fn baseline(evidence: &Evidence) -> Option<Rung> {
+    evidence.usual.as_ref().map(|usual| rung(evidence, &usual.values))
+}
+
 /// The errors of `values` running free over the records kept out, if there are any.
 fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
     evidence.kept_out.as_ref().and_then(|kept_out| simulated(kept_out, values))

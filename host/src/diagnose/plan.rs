@@ -316,6 +316,7 @@ mod tests {
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
     use crate::findings::NextExperiment;
+    use crate::fit::window::SpeedReading;
     use crate::select::forward::forward;
 
     #[test]
@@ -332,9 +333,11 @@ mod tests {
         let steady = 6.0 * base.values().base.gain;
         let angle = evidence.train.clone();
         let mut speed = angle.clone();
-        for grid in &mut speed.grids {
-            grid.quantity = Quantity::MeanSpeed;
-        }
+        let means = |mut grid: Grid| {
+            grid.quantity = Quantity::Speed;
+            grid.read_as(SpeedReading::SinceLast)
+        };
+        speed.grids = speed.grids.into_iter().map(means).collect();
         assert!((highest(&angle) / (0.05 * steady) - 1.0).abs() < 0.02, "{} rad", highest(&angle));
         assert!((highest(&speed) / steady - 1.0).abs() < 0.02, "{} rad/s", highest(&speed));
     }

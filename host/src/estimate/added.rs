@@ -7,6 +7,7 @@ use super::{check_effects, kept_out};
 use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
+use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
 use crate::error::{Error, Result};
 use crate::fit::layout::Values;
@@ -15,6 +16,7 @@ use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::select;
+use crate::sentence::listed;
 
 /// Errors of one model.
 #[derive(Debug, Clone, Serialize)]
@@ -83,7 +85,7 @@ pub fn add(
     let evidence = Evidence::new(problem, records, validation, motor);
     let old = select::fitted_from(&evidence, &values);
     let new = select::with(&evidence, &old, effect);
-    let new = new.ok_or_else(|| Error::usage(format!("{effect} cannot be added"), "take another effect"))?;
+    let new = new.ok_or_else(|| cannot_join(&values.kinds(), effect))?;
     let better = new.beats(&old, &evidence, &old);
 
     let whole = &evidence.whole;
@@ -125,8 +127,51 @@ pub fn add(
     })
 }
 
+/// Why `effect` does not join a model of `kinds`, and what would.
+fn cannot_join(kinds: &[Kind], effect: Kind) -> Error {
+    let list = |kinds: Vec<Kind>| listed(&kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>());
+    let (there, rest): (Vec<Kind>, Vec<Kind>) =
+        parts(effect).map(|(part, _)| part).partition(|part| covers(kinds, *part));
+    if effect.spec().is_sum() && !rest.is_empty() && !there.is_empty() {
+        let sum = list(parts(effect).map(|(part, _)| part).collect());
+        return Error::usage(
+            format!("{effect} is {sum} together, and the model has {} already", list(there)),
+            format!("add {}, the rest of it", list(rest)),
+        );
+    }
+    let richer = kinds.iter().copied().filter(|kind| kind.spec().holds(effect.name())).collect::<Vec<_>>();
+    if !richer.is_empty() || covers(kinds, effect) {
+        let by = if richer.is_empty() { parts(effect).map(|(part, _)| part).collect() } else { richer };
+        return Error::usage(
+            format!("what {effect} does is in the model already, by {}", list(by)),
+            "motorlens diagnose shows what else is missing",
+        );
+    }
+    let between = kinds.iter().copied().filter(|kind| kind.is_transmission()).collect();
+    Error::usage(
+        format!("{effect} cannot be added: {} stands between rotor and load", list(between)),
+        format!("fit a model without it, and add {effect} to that"),
+    )
+}
+
 /// Names and plain values, in the layout's order.
 fn estimates_of(layout: &crate::fit::layout::Layout, values: &Values) -> Vec<(String, f64)> {
     let x = layout.pack(values);
     layout.axes.iter().enumerate().map(|(k, a)| (a.name.clone(), layout.plain(k, x[k]))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_that_cannot_join_is_refused_with_the_reason_and_what_would() {
+        use Kind::{Backlash, Compliance, ConstantLoad, Coulomb, CoulombAsymmetric, Stribeck};
+        let told = |kinds: &[Kind], effect| cannot_join(kinds, effect).to_string();
+        assert!(told(&[Coulomb], CoulombAsymmetric).contains("the model has coulomb already"));
+        assert!(told(&[Coulomb], CoulombAsymmetric).contains("add constant_load"));
+        assert!(told(&[Stribeck], Coulomb).contains("by stribeck"));
+        assert!(told(&[Coulomb, ConstantLoad], CoulombAsymmetric).contains("by coulomb and constant_load"));
+        assert!(told(&[Backlash], Compliance).contains("backlash stands between"));
+    }
 }

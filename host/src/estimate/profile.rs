@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_parameter_at_its_bound_is_open_on_that_side_and_a_certain_one_is_not_walked() {
         let case = Case::new(3, &[plant::Kind::Coulomb], Conditions { disturbed: 0.0, spoilt: 0.0 });
-        let (problem, start) = setup::problem(&case.records[2..3], &case.motor);
+        let (mut problem, start) = setup::problem(&case.records[2..3], &case.motor);
         let (layout, x) = problem.fit_base(&start);
         let base = layout.unpack(&x);
         let with = base.with(Kind::Coulomb, vec![0.3]).with(Kind::ConstantLoad, vec![0.0]);

@@ -1,6 +1,10 @@
 //! From records to a problem and a first base model.
 
+use motorlens_shared::effects::Kind;
+
+use super::fast;
 use crate::error::Result;
+use crate::fit::instants::read_otherwise;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
@@ -14,8 +18,28 @@ use crate::motor_file::MotorFile;
 pub fn prepare(records: &[Record], motor: &MotorFile) -> Result<(Problem, Values)> {
     check_some(records)?;
     check_all_usable(records)?;
-    let (problem, start) = setup::problem(records, motor);
+    Ok(with_base(setup::problem(records, motor)))
+}
+
+/// The same for a model of `effects`: speeds are read as such a model says.
+///
+/// # Errors
+/// Records that no fit can use.
+pub fn prepare_for(records: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<(Problem, Values)> {
+    let (problem, base) = prepare(records, motor)?;
+    let otherwise = || {
+        let values = fast::search(&problem, &base, effects).values;
+        read_otherwise(&problem.grids, &values, &problem.rig, &problem.prior)
+    };
+    let asks = !effects.is_empty() && problem.speeds().is_some();
+    Ok(match asks.then(otherwise).flatten() {
+        Some(otherwise) => with_base(setup::problem_of(records, motor, Some(otherwise))),
+        None => (problem, base),
+    })
+}
+
+fn with_base((mut problem, start): (Problem, Values)) -> (Problem, Values) {
     let (layout, x) = problem.fit_base(&start);
     let base = layout.unpack(&x);
-    Ok((problem, base))
+    (problem, base)
 }

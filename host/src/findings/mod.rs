@@ -45,6 +45,9 @@ pub struct Findings {
     pub left_over: Option<f64>,
     /// Fraction of the error above the noise level that the effects explain.
     pub explained_share: Option<f64>,
+    /// What each speed is; none of records of an angle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_reading: Option<String>,
     /// rms that a perfect model would leave.
     pub noise_floor_rad: f64,
     /// From the base model on.
@@ -134,9 +137,8 @@ impl Findings {
         let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
         let no_experiment = plan.as_ref().and_then(Plan::why_none);
         let next_experiment = NextExperiment::of(plan, &found.limits);
-        let mut later = shown_by_fit::faults(&parameters, &found.effects);
         let accepted = found.selected.model();
-        later.extend(shown_by_fit::at_the_end(&accepted.layout, &accepted.x));
+        let mut later = shown_by_fit::of_model(&parameters, &found.effects, (&accepted.layout, &accepted.x));
         let standing = Standing::of(&Facts {
             errors,
             effects: &named(in_model, &parameters),
@@ -149,6 +151,9 @@ impl Findings {
             data_problems: !of_logs.is_empty() || !later.is_empty(),
         });
         later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
+        if suggested.is_none() {
+            later.extend(shown_by_fit::worse_than_usual(&found.ladder, found.baseline.as_ref()));
+        }
         // While an effect is suggested something is left.
         let open = || errors.verdict(in_model.len(), Adequacy::default());
         let rivals = found.open_sets();
@@ -162,6 +167,7 @@ impl Findings {
             badge: standing.badge,
             left_over: errors.left_over(),
             explained_share: errors.explained_share(),
+            speed_reading: found.evidence.whole.speeds().map(|reading| reading.to_string()),
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: first(&found.candidates, suggested),
@@ -202,6 +208,7 @@ impl Findings {
             badge: standing.badge,
             left_over: None,
             explained_share: None,
+            speed_reading: None,
             noise_floor_rad: 0.0,
             ladder: Vec::new(),
             candidates: Vec::new(),

@@ -75,7 +75,7 @@ impl Standing {
         let badge = match (facts.doubted, facts.suggested, verdict) {
             (Some(_), ..) => "Not confirmed",
             (None, Some(_), _) => "An effect is missing",
-            (None, None, Some(verdict)) => verdict.badge(),
+            (None, None, Some(verdict)) => facts.errors.badge(verdict, left),
             (None, None, None) => "Not diagnosed yet",
         };
         Self { verdict, badge, headline: headline + ".", next: NextStep::after(facts, verdict) }
@@ -265,6 +265,14 @@ mod tests {
         assert!(told.headline.ends_with("1.1 x the noise; the best candidate is sensor lag."), "{told:?}");
         let told = Standing::of(&Facts { left: None, ..facts(&effects, 1.1) });
         assert!(told.headline.ends_with("about as little as the noise allows."), "{told:?}");
+    }
+
+    #[test]
+    fn hundreds_of_times_the_noise_do_not_stand_beside_a_plain_explained() {
+        let disturbed = |model| Facts { left: Some(Adequacy::Disturbance(0.06)), ..facts(&[], model) };
+        let told = Standing::of(&disturbed(298.0));
+        assert_eq!((told.verdict, told.badge), (Some(Verdict::Explained), "Explained but for a disturbance"));
+        assert_eq!(Standing::of(&disturbed(2.0)).badge, "Explained");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::report::figure::in_words;
 use crate::select::adequacy::Adequacy;
-use crate::sentence::capital;
+use crate::sentence::{capital, listed};
 
 /// Multiples of the noise level above which nothing is called explained that is not a disturbance by all that these records show.
 const MANY: f64 = 10.0;
@@ -95,6 +95,16 @@ impl Errors {
         }
     }
 
+    /// `verdict` in a few words, for a badge: what drives a model far from the measurement is no small print.
+    pub fn badge(&self, verdict: Verdict, left: Adequacy) -> &'static str {
+        match (verdict, left) {
+            (Verdict::Explained, Adequacy::Disturbance(_)) if !self.is_few() => {
+                "Explained but for a disturbance"
+            }
+            _ => verdict.badge(),
+        }
+    }
+
     /// Whether the model misses no more of what the motor does than idealised equations must.
     fn is_idealised(&self) -> bool {
         self.strayed <= IDEALISED
@@ -116,7 +126,7 @@ impl Errors {
     /// What is left, in the one unit of all sentences.
     fn left(&self) -> String {
         self.left_over().map_or_else(
-            || format!("{:.1} % of the motion, beside a noise too small to be known", 100.0 * self.missed),
+            || format!("{:.1} % of the motion (the noise is too small to be known)", 100.0 * self.missed),
             multiple,
         )
     }
@@ -127,10 +137,16 @@ impl Errors {
             Verdict::BadData => Self::BAD_DATA.into(),
             Verdict::Explained => self.explained(effects, left),
             _ if effects.is_empty() => {
-                format!("No effect of the library helps; what is left is {}", self.left())
+                format!("No effect of the library helps; what is left is {}{}", self.left(), self.and_yet())
             }
-            _ => self.share_of(effects),
+            _ => self.share_of(effects) + self.and_yet(),
         }
+    }
+
+    /// Why so little is not called explained, said where the numbers alone would contradict the verdict.
+    fn and_yet(&self) -> &'static str {
+        let little = self.left_over().is_some_and(|n| n <= CLOSE);
+        if little { ", and still shows a pattern" } else { "" }
     }
 
     /// What `effects` explain beside what they leave.
@@ -200,10 +216,13 @@ impl Errors {
         let left = self.left();
         match self.explained_share() {
             Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
-            Some(share) => capital(&format!(
-                "{names} {verb} {:.0} % of the error above the noise; what is left is {left}",
-                100.0 * share
-            )),
+            Some(share) => {
+                let above = if self.left_over().is_some() { " above the noise" } else { "" };
+                capital(&format!(
+                    "{names} {verb} {:.0} % of the error{above}; what is left is {left}",
+                    100.0 * share
+                ))
+            }
             None => format!("With {names} what is left is {left}"),
         }
     }
@@ -216,8 +235,7 @@ pub fn spoken(effect: Kind) -> String {
 
 /// The names of `effects` as the subject of a sentence, and what it says of them.
 fn subject<S: AsRef<str>>(effects: &[S]) -> (String, &'static str) {
-    let names: Vec<&str> = effects.iter().map(AsRef::as_ref).collect();
-    (names.join(" and "), if names.len() == 1 { "explains" } else { "explain" })
+    (listed(effects), if effects.len() == 1 { "explains" } else { "explain" })
 }
 
 /// So many times the noise, in words: two digits below ten.
@@ -305,7 +323,18 @@ mod tests {
         let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01 };
         assert_eq!(errors.left_over(), None);
         let told = errors.headline(&["coulomb (0.4 V)"], Verdict::PartlyExplained, SOME);
-        assert!(told.contains("what is left is 4.0 % of the motion"), "{told}");
+        let said = "explains 94 % of the error; what is left is 4.0 % of the motion (the noise is too small to be known)";
+        assert!(told.ends_with(said), "{told}");
+    }
+
+    /// A page said "explain 100 % ...; what is left is 0.8 x the noise" under "Partly explained", and nothing of why.
+    #[test]
+    fn where_little_is_left_a_verdict_that_doubts_it_says_why() {
+        let errors = Errors { base: 3.0, model: 0.8, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, SOME), SOME);
+        assert!(told.ends_with("what is left is 0.8 x the noise, and still shows a pattern"), "{told}");
+        let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, ALL), ALL);
+        assert!(told.ends_with("0.8 x the noise"), "{told}");
     }
 
     #[test]

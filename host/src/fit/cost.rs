@@ -28,6 +28,17 @@ const STRIDE_S: f64 = 0.002;
 /// Beyond this many noise units the loss grows linearly.
 pub const HUBER: f64 = 6.0;
 
+/// An error beyond this is counted as this, in the measured unit or in that of the noise.
+pub const MOST: f64 = 1e12;
+
+/// `error`, at most so large. A run that is lost, whose error is no number, is as wrong as can be: as a gradient it would spoil
+/// a search.
+#[inline(always)]
+pub fn bounded(error: f64, most: f64) -> f64 {
+    // Unlike a clamp, both let a number win over none.
+    error.max(-most).min(most)
+}
+
 /// Every so many samples an increment begins, where samples come every `interval_s` seconds.
 pub(super) fn stride(interval_s: f64) -> usize {
     ((STRIDE_S / interval_s).round() as usize).max(1)
@@ -93,7 +104,7 @@ impl<'a> Misfit<'a> {
     #[inline(always)]
     fn error(&self, predictions: &[Block], k: usize) -> [f64; LANES] {
         let (y, p) = (self.measured[k], &predictions[k].0);
-        std::array::from_fn(|l| (y - p[l]) * self.scale - self.mean[l])
+        std::array::from_fn(|l| bounded((y - p[l]) * self.scale - self.mean[l], MOST))
     }
 
     /// Residual `k`, before the loss.
@@ -147,7 +158,7 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     for (p, y) in series.iter_mut().zip(&grid.measured) {
         for l in 0..LANES {
-            p.0[l] = (y - p.0[l]).clamp(-1e12, 1e12);
+            p.0[l] = bounded(y - p.0[l], MOST);
         }
     }
     let samples = series.len();
@@ -256,7 +267,7 @@ fn loss(d: f64) -> f64 {
 /// An error that can be squared, and the share of its square that counts.
 #[inline(always)]
 fn limit(d: f64) -> (f64, f64) {
-    let limited = d.clamp(-1e7, 1e7);
+    let limited = bounded(d, 1e7);
     let x = limited * (1.0 / HUBER);
     (limited, 2.0 / (1.0 + (1.0 + x * x).sqrt()))
 }
@@ -328,6 +339,31 @@ mod tests {
         let (a, b) = (robust(1e3).powi(2), robust(2e3).powi(2));
         assert!((b / a - 2.0).abs() < 0.02);
         assert_eq!(robust(-3.0), -robust(3.0));
+    }
+
+    /// A simulation that runs away ends in infinities and then in no number at all.
+    #[test]
+    fn a_run_that_is_lost_is_as_wrong_as_can_be_and_leaves_slopes_that_are_numbers() {
+        let times: Vec<f64> = (0..300).map(|k| f64::from(k) * 1e-3).collect();
+        let angle = Grid::new(&record(times, vec![1.0; 300]), 0.01);
+        let lost = |k: usize, l: usize| {
+            if k > 100 && l > 0 { [f64::INFINITY, f64::NAN, -f64::NAN][l % 3] } else { 0.1 }
+        };
+        for grid in [Grid { quantity: Quantity::Speed, ..angle.clone() }, angle] {
+            for objective in [Objective::Increments, Objective::Position, Objective::Scales] {
+                let at = |k: usize| Lanes(std::array::from_fn(|l| lost(k, l)));
+                let mut series: Vec<Block> = (0..grid.len()).map(at).collect();
+                let (costs, _) = squares(&grid, objective, &mut series.clone());
+                assert!(
+                    (1..LANES).all(|l| costs[l] > costs[0] && costs[l].is_finite()),
+                    "{objective:?} {costs:?}"
+                );
+                residuals(&grid, objective, &mut series);
+                let mut sums = vec![vec![0.0; 3]; 3];
+                accumulate(&[series], &[0.0, 1e3, 1e3], &mut sums);
+                assert!(sums.iter().flatten().all(|sum| sum.is_finite()), "{objective:?} {sums:?}");
+            }
+        }
     }
 
     /// With samples that only lead in, at 1 kHz where every second one counts, of an angle and of a speed.

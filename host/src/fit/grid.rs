@@ -6,6 +6,7 @@
 
 use super::reading::reading_noise;
 use super::voltages::mean_voltages;
+use super::window::{Since, SpeedReading};
 use crate::log::{Record, timing};
 
 /// What the record's main column is.
@@ -16,7 +17,7 @@ pub enum Quantity {
     Angle,
     /// Speed at the sampling instant, rad/s.
     Speed,
-    /// Mean speed since the last sample, as counted from encoder edges, rad/s.
+    /// Mean speed, as counted from encoder edges: since the last sample, or over a window ([`super::window`]), rad/s.
     MeanSpeed,
 }
 
@@ -60,6 +61,10 @@ pub struct Grid {
     pub measured: Vec<f64>,
     /// What that is.
     pub quantity: Quantity,
+    /// Of mean speeds that window, s; none where it is the time since the sample before.
+    pub(super) window_s: Option<f64>,
+    /// Of mean speeds where each begins, a sample after the other.
+    pub(super) since: Vec<Since>,
     /// Angle at the start, rad.
     pub start_angle: f64,
     /// Speed at the start, rad/s; of an angle's record, what [`super::start`] made of it.
@@ -113,6 +118,8 @@ impl Grid {
             places: Vec::new(),
             measured: Vec::new(),
             quantity,
+            window_s: None,
+            since: Vec::new(),
             start_angle: record.angle_rad.as_ref().map_or(0.0, |a| a[0]),
             start_speed: 0.0,
             reading_age_s: 0.0,
@@ -133,7 +140,7 @@ impl Grid {
             let speed = median3(grid.measured[0], grid.measured[1], grid.measured[2]);
             grid.begin_at(speed, grid.voltages[1]);
         }
-        grid
+        if grid.quantity == Quantity::MeanSpeed { grid.read_as(SpeedReading::SinceLast) } else { grid }
     }
 
     /// Mean voltage of every cell, V.
@@ -164,9 +171,32 @@ impl Grid {
         let mut part = self.clone();
         part.time_s.truncate(n);
         part.places.truncate(n);
+        part.since.truncate(n);
         part.measured.truncate(n);
         part.skip = 0;
         part
+    }
+
+    /// The samples of `range` alone, all judged: the run still starts at the record's beginning.
+    #[must_use]
+    pub fn only(&self, range: std::ops::Range<usize>) -> Self {
+        let places = self.places[range.clone()].to_vec();
+        // Nothing behind the last sample is run.
+        let ends = places.last().map_or(0, |place| place.cell + 2);
+        let until = |all: &[f64]| all[..ends.min(all.len())].to_vec();
+        Self {
+            name: self.name.clone(),
+            voltages: until(&self.voltages),
+            guide: until(&self.guide),
+            seen: self.seen[..ends.min(self.seen.len())].to_vec(),
+            time_s: self.time_s[range.clone()].to_vec(),
+            places,
+            since: self.since.get(range.clone()).map(<[Since]>::to_vec).unwrap_or_default(),
+            measured: self.measured[range].to_vec(),
+            scales: self.scales.clone(),
+            skip: 0,
+            ..*self
+        }
     }
 
     /// The rest of the record, for judging: the run still starts at its beginning.

@@ -1,45 +1,73 @@
-//! Whether a speed is that of the instant or the mean since the sample before.
+//! Whether a speed is that of the instant, the mean since the sample before, or the mean over a window of its own.
 //!
-//! Both are half a sample apart, which a delay, a filter or the time constant make up for, so a motor without them decides wrongly
-//! where there are such. Each reading is therefore given the usual friction, a load and what is late, and the likelihood of what it leaves decides
-//! (white noise; the ratio of the likelihoods of the best fits).
+//! They are half a sample and half a window apart, which a delay, a filter or the time constant make up for, so a motor without them decides
+//! wrongly where there are such. Each reading is therefore given the usual friction, a load and what is late, and the likelihood of what it
+//! leaves decides. What the model lacks and what disturbs the motor go on from reading to reading; how a reading is made shows in what is
+//! new in each. So the errors are those of a first-order autoregression (Cochrane and Orcutt, J. Am. Stat. Assoc. 44, 1949): were they taken for white, a
+//! load that is missing would have chosen the window.
 
 use motorlens_shared::effects::{Kind, Rig};
 
 use super::cost::Objective;
 use super::grid::{Grid, Quantity};
-use super::layout::{BaseValues, Prior, Values};
+use super::layout::{Layout, Prior, Values};
 use super::search::Problem;
 use super::setup::first_base;
+use super::simulate::predict_one;
 use super::sketch::Sketch;
+use super::window::SpeedReading;
 
 /// A reading is believed against what its column looks like where its likelihood is higher by so many natural logarithms.
 const DECIDES: f64 = 5.0;
-/// What a delay or a filter must gain, natural logarithms: a mean of the instants' speed is nearly half a sample's delay.
-const LATE: f64 = 3.0;
+/// Windows that are tried, samples, shortest first, and what all are shorter than, s (a motor controller's usual is 0.1 s) ...
+const WINDOWS: [f64; 16] =
+    [2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0, 100.0, 140.0, 200.0];
+const LONGEST_WINDOW_S: f64 = 0.25;
+/// ... and how many in a row may be no better than a shorter one.
+const ENOUGH_WORSE: usize = 3;
 /// What of the records is looked at.
 const SKETCH: Sketch = Sketch { samples: 8e3, cell_s: 4.01e-3, interval_s: 0.0 };
 /// Starts that are searched, and steps.
 const SEARCHED: (usize, usize) = (2, 14);
 
-/// The records read the other way, and a base for them, where that is what the motion says; none of records of an angle.
-pub(super) fn read_otherwise(
-    grids: &[Grid],
-    base: BaseValues,
-    rig: &Rig,
-    prior: &Prior,
-) -> Option<(Vec<Grid>, BaseValues)> {
-    if grids.is_empty() || grids.iter().any(|g| g.quantity == Quantity::Angle) {
+/// How the speeds of `grids` are read where the motion says that it is not as it stands there, under a model that begins as `values`; none of
+/// records of an angle. Of a plain motor each reading has a base of its own.
+pub fn read_otherwise(grids: &[Grid], values: &Values, rig: &Rig, prior: &Prior) -> Option<SpeedReading> {
+    let now = grids.first()?.speed_reading()?;
+    if grids.iter().any(|g| g.quantity == Quantity::Angle) {
         return None;
     }
-    let other = |quantity| match quantity {
-        Quantity::Speed => Quantity::MeanSpeed,
-        _ => Quantity::Speed,
+    let misfit_as = |reading: SpeedReading| {
+        let grids: Vec<Grid> = grids.iter().map(|g| g.clone().read_as(reading)).collect();
+        let plain = || Values { base: first_base(&grids, rig, prior), effects: Vec::new() };
+        if values.effects.is_empty() {
+            misfit(&grids, &plain(), rig, prior)
+        } else {
+            misfit(&grids, values, rig, prior)
+        }
     };
-    let others: Vec<Grid> = grids.iter().map(|g| Grid { quantity: other(g.quantity), ..g.clone() }).collect();
-    let base_so = first_base(&others, rig, prior);
-    let gained = misfit(grids, base, rig, prior) - misfit(&others, base_so, rig, prior);
-    (gained > DECIDES).then_some((others, base_so))
+    let own = misfit_as(now);
+    let mut best = (own, now);
+    let mut is_better = |reading: SpeedReading| {
+        let misfit = if reading == now { own } else { misfit_as(reading) };
+        let better = misfit < best.0;
+        if better {
+            best = (misfit, reading);
+        }
+        better
+    };
+    is_better(SpeedReading::Instant);
+    is_better(SpeedReading::SinceLast);
+    let lengths = WINDOWS.iter().map(|samples| samples * grids[0].interval_s);
+    let mut worse = 0;
+    for length in lengths.take_while(|length| *length < LONGEST_WINDOW_S) {
+        worse = if is_better(SpeedReading::Window(length)) { 0 } else { worse + 1 };
+        if worse == ENOUGH_WORSE {
+            break;
+        }
+    }
+    // One that is better the longer it is makes up for something else.
+    (best.0 + DECIDES < own && worse > 0).then_some(best.1)
 }
 
 /// Laws on which others build that belong to the usual motor.
@@ -59,30 +87,38 @@ pub fn usual_first(mut laws: Vec<Kind>) -> Vec<Kind> {
     laws
 }
 
-/// The negative log-likelihood of the best fit with the usual laws and any of what is only late, each of which costs [`LATE`].
-fn misfit(grids: &[Grid], base: BaseValues, rig: &Rig, prior: &Prior) -> f64 {
-    let rig = Rig { reference_speed: base.gain * rig.nominal_v, ..*rig };
-    let mut problem = Problem::new(grids.to_vec(), rig, *prior).sketch(SKETCH);
-    let plain = Values { base, effects: Vec::new() };
-    problem.find_moving_starts(&plain);
-    // A reading that is held tells nothing new.
-    let renewed = |g: &Grid| 1 + g.measured.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let count = problem.grids.iter().map(renewed).sum::<usize>() as f64;
-    let mut usual = usual_first(Kind::ALL.to_vec());
-    usual.truncate(BUILT_ON);
-    let late: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.spec().is_late()).collect();
-    let sets = (0..1_usize << late.len()).map(|set| {
-        let chosen = late.iter().enumerate().filter(|(k, _)| set >> k & 1 == 1).map(|(_, kind)| *kind);
-        chosen.collect::<Vec<Kind>>()
-    });
-    let of = |set: Vec<Kind>| {
-        let kinds: Vec<Kind> = usual.iter().chain(&set).copied().collect();
-        0.5 * count * left(&problem, &plain, &kinds).ln() + LATE * set.len() as f64
-    };
-    sets.map(of).fold(f64::MAX, f64::min)
+/// The negative log-likelihood of a fit whose errors are those of a first-order autoregression.
+fn misfit_of(problem: &Problem, layout: &Layout, x: &[f64]) -> f64 {
+    let plain = layout.all_plain(x);
+    let (mut count, mut squares, mut products) = (0.0, 0.0, 0.0);
+    for grid in &problem.grids {
+        let run = predict_one(&layout.kinds, &plain, &problem.rig, grid);
+        let errors: Vec<f64> = grid.measured.iter().zip(run).map(|(y, p)| y - p).collect();
+        // A reading that is held tells nothing new.
+        count += 1.0 + grid.measured.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
+        squares += errors.iter().map(|e| e * e).sum::<f64>();
+        products += errors.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+    }
+    // Each error is foreseen from the one before it.
+    let new = squares - products * products / squares.max(f64::MIN_POSITIVE);
+    0.5 * count * new.max(f64::MIN_POSITIVE).ln()
 }
 
-/// The squared error that the best fit of `plain` with `kinds` leaves.
+/// The negative log-likelihood of the best fit with the effects of `values`, the usual laws and all that is only late.
+fn misfit(grids: &[Grid], values: &Values, rig: &Rig, prior: &Prior) -> f64 {
+    let rig = Rig { reference_speed: values.base.gain * rig.nominal_v, ..*rig };
+    let mut problem = Problem::new(grids.to_vec(), rig, *prior).sketch(SKETCH);
+    let late: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.spec().is_late()).collect();
+    let plain = late.iter().fold(values.clone(), |values, kind| values.without(*kind));
+    problem.find_moving_starts(&plain);
+    let mut usual = usual_first(Kind::ALL.to_vec());
+    usual.truncate(BUILT_ON);
+    usual.retain(|kind| !plain.kinds().iter().any(|own| own.spec().holds(kind.name())));
+    let kinds: Vec<Kind> = usual.into_iter().chain(late).collect();
+    left(&problem, &plain, &kinds)
+}
+
+/// That of the best fit of `plain` with `kinds`.
 fn left(problem: &Problem, plain: &Values, kinds: &[Kind]) -> f64 {
     // Every size of one beside the smallest of the others.
     let sizes: Vec<Vec<Vec<f64>>> = kinds
@@ -94,43 +130,50 @@ fn left(problem: &Problem, plain: &Values, kinds: &[Kind]) -> f64 {
             values.with(*kind, sizes[k][if k == own { size } else { 0 }].clone())
         })
     };
-    let layout = problem.layout(kinds);
+    let layout = problem.layout(&with(0, 0).kinds());
     let xs: Vec<Vec<f64>> = (0..kinds.len())
         .flat_map(|own| (0..sizes[own].len()).map(move |size| (own, size)))
         .map(|(own, size)| layout.pack(&with(own, size)))
         .collect();
     let starts = problem.costed(&layout, Objective::Position, xs);
     let searched = starts.iter().take(SEARCHED.0);
-    let best = searched.map(|(_, x)| problem.race(&layout, Objective::Position, x, SEARCHED.1, 1e-5).0);
-    best.fold(f64::MAX, f64::min)
+    let end = |(_, x): &(f64, Vec<f64>)| {
+        let (_, x) = problem.race(&layout, Objective::Position, x, SEARCHED.1, 1e-5);
+        misfit_of(problem, &layout, &x)
+    };
+    searched.map(end).fold(f64::MAX, f64::min)
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::grid::Quantity;
     use crate::fit::setup::problem;
+    use crate::fit::window::SpeedReading::{self, Instant, SinceLast, Window};
     use crate::log::Record;
     use crate::motor_file::MotorFile;
 
-    /// Speeds every 20 ms of a motor with friction behind a filter of `filter_s` (0: none), each of an instant or the `mean` since the
-    /// one before.
-    fn record(filter_s: f64, mean: bool) -> Record {
+    /// Speeds every 20 ms of a motor with friction behind a filter of `filter_s` (0: none), each the mean over so many samples, or that of an
+    /// instant (0). A torque that holds from sample to sample comes to `disturbance`, V.
+    fn record(filter_s: f64, samples: usize, disturbance: f64) -> Record {
         const STEP_S: f64 = 1e-4;
-        let (mut w, mut drive, mut filtered, mut sum, mut state) = (0.0_f64, 0.0_f64, 0.0, 0.0, 7_u32);
+        let (mut w, mut drive, mut filtered, mut state) = (0.0_f64, 0.0_f64, 0.0, 7_u32);
+        let (mut means, mut torque) = (vec![0.0; samples], 0.0);
         let (mut volts, mut speeds) = (Vec::new(), Vec::new());
         for k in 0..600 {
             // Steps of uneven length.
             let v = 6.0 * (f64::from(k / 23) * 2.1).sin() + 2.0 * (f64::from(k / 11) * 1.3).cos();
-            let read = if mean { sum / 200.0 } else { filtered };
-            let noise: f64 = (0..4)
-                .map(|_| {
+            let lately = means.iter().rev().take(samples).sum::<f64>();
+            let read = if samples > 0 { lately / samples as f64 } else { filtered };
+            let mut noise = || -> f64 {
+                let even = (0..4).map(|_| {
                     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                     f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-                })
-                .sum();
+                });
+                even.sum()
+            };
+            torque = 0.9 * torque + 0.75 * disturbance * noise();
             volts.push(v);
-            speeds.push(read + 0.07 * noise);
-            sum = 0.0;
+            speeds.push(read + 0.07 * noise());
+            let mut sum = 0.0;
             for _ in 0..200 {
                 drive += STEP_S / 8e-4 * (v - drive);
                 let held = w == 0.0 && drive.abs() < 0.3;
@@ -138,12 +181,13 @@ mod tests {
                     0.0
                 } else {
                     w + STEP_S / 0.045
-                        * (1.2 * (drive - 0.3 * (if w == 0.0 { drive } else { w }).signum()) - w)
+                        * (1.2 * (drive + torque - 0.3 * (if w == 0.0 { drive } else { w }).signum()) - w)
                 };
                 w = if w * next < 0.0 { 0.0 } else { next };
                 filtered = if filter_s > 0.0 { filtered + STEP_S / filter_s * (w - filtered) } else { w };
                 sum += filtered;
             }
+            means.push(sum / 200.0);
         }
         Record {
             name: "steps".into(),
@@ -154,16 +198,33 @@ mod tests {
         }
     }
 
+    fn found(record: Record) -> Option<SpeedReading> {
+        problem(&[record], &MotorFile::default()).0.speeds()
+    }
+
     #[test]
     fn a_filtered_speed_of_the_instant_is_no_mean_and_a_filtered_mean_is_none_of_the_instant() {
         for filter_s in [0.0, 0.02, 0.04] {
-            for (mean, right) in [(false, Quantity::Speed), (true, Quantity::MeanSpeed)] {
+            for (samples, right) in [(0, Instant), (1, SinceLast)] {
                 // A mean without a filter is a delay of half a sample all but exactly.
-                if mean && filter_s == 0.0 {
+                if samples == 1 && filter_s == 0.0 {
                     continue;
                 }
-                let (problem, _) = problem(&[record(filter_s, mean)], &MotorFile::default());
-                assert_eq!(problem.grids[0].quantity, right, "filter of {filter_s} s, mean: {mean}");
+                let told = format!("filter of {filter_s} s, mean over {samples}");
+                assert_eq!(found(record(filter_s, samples, 0.0)), Some(right), "{told}");
+            }
+        }
+    }
+
+    /// What a disturbance does goes on from reading to reading: taken for white errors it would have chosen other windows.
+    #[test]
+    fn the_window_of_a_speed_is_found_behind_a_filter_and_under_a_disturbance() {
+        for filter_s in [0.0, 0.02] {
+            for (samples, disturbance) in [(2, 0.0), (5, 0.0), (2, 0.1), (5, 0.1)] {
+                let reading = found(record(filter_s, samples, disturbance));
+                let Some(Window(length)) = reading else { panic!("{samples} samples: {reading:?}") };
+                let told = format!("filter of {filter_s} s, disturbance of {disturbance} V");
+                assert!((length / (0.02 * samples as f64) - 1.0).abs() < 1e-6, "{told}: {length} s");
             }
         }
     }

@@ -2,9 +2,10 @@
 //!
 //! The way of the data: [`grid`] lays records on the model's time grid, and `guide` thins them to what is judged, [`sketch`] to what a first comparison needs;
 //! [`layout`] names the numbers that are searched; [`simulate`] runs eight candidates through a record; [`cost`] turns
-//! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small; [`noise`] tells what they leave by time scale, and
+//! predictions into residuals; `passes` does so for all records at once; [`search`] makes them small, `begun` the first speeds with them; [`noise`] tells what they leave by time scale, and
 //! [`uncertainty`] how well the data determine each number.
 
+mod begun;
 pub mod cost;
 pub mod fixed;
 pub mod grid;
@@ -23,3 +24,4 @@ pub mod sketch;
 pub mod start;
 pub mod uncertainty;
 mod voltages;
+pub mod window;

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use super::cost::{MOST, bounded};
 use super::grid::Grid;
 use super::layout::Layout;
 use super::scales::{append_coefficients, levels};
@@ -32,7 +33,7 @@ impl Coefficients {
     /// Of the error `measured - simulated` on `grid`.
     pub fn of(grid: &Grid, simulated: &[f64]) -> Self {
         let mut series: Vec<f64> =
-            grid.measured.iter().zip(simulated).map(|(y, p)| (y - p).clamp(-1e12, 1e12)).collect();
+            grid.measured.iter().zip(simulated).map(|(y, p)| bounded(y - p, MOST)).collect();
         let count = series.len();
         let sizes = levels(count);
         let mean = if grid.mean_counts() { 0.0 } else { series.iter().sum::<f64>() / count.max(1) as f64 };

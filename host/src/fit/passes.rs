@@ -1,13 +1,16 @@
 //! Passes of candidates through all records: their costs, their errors, and what the neighbours of a point leave.
 
+use super::begun::{Begun, beside};
 use super::cost::{Objective, residuals, squares};
 use super::grid::Grid;
 use super::layout::Layout;
 use super::search::{PRIOR_WEIGHT, Problem};
-use super::simulate::{Block, LANES, predict_block};
+use super::simulate::{Block, LANES, predict_from};
 
 /// Takes a record, its residual series of a point and its neighbours in blocks of lanes, and the neighbours' inverse distances.
 pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
+/// The same, and what a record's first speed has to do with its cost where it begins in motion.
+pub(super) type OfBegun<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64], Option<Begun>) + 'a;
 
 /// Blocks of lanes that are kept from pass to pass: 32 MB.
 const MOST_KEPT: usize = 1 << 19;
@@ -48,13 +51,25 @@ impl Problem {
 
     /// Sum of squared residuals of up to eight candidates.
     pub fn costs(&self, layout: &Layout, objective: Objective, xs: &[Vec<f64>]) -> Vec<f64> {
+        let speeds: Vec<[f64; LANES]> = self.first_speeds().into_iter().map(|speed| [speed; LANES]).collect();
+        self.costs_from(layout, objective, xs, &speeds)
+    }
+
+    /// The same where the records begin with these `speeds`, a record after the other.
+    pub(super) fn costs_from(
+        &self,
+        layout: &Layout,
+        objective: Objective,
+        xs: &[Vec<f64>],
+        speeds: &[[f64; LANES]],
+    ) -> Vec<f64> {
         let mut sums: Vec<f64> = xs.iter().map(|x| self.prior_cost(layout, x)).collect();
         self.count_passes(xs.len());
         let mut room = self.room.take();
         room.resize_with(room.len().max(1), Vec::new);
-        for grid in &self.grids {
+        for (grid, speeds) in self.grids.iter().zip(speeds) {
             let series = &mut room[0];
-            predict_block(layout, xs, &self.rig, grid, series);
+            predict_from(layout, xs, speeds, &self.rig, grid, series);
             for (sum, own) in sums.iter_mut().zip(squares(grid, objective, series).0) {
                 *sum += own;
             }
@@ -86,7 +101,8 @@ impl Problem {
         (points, inverse)
     }
 
-    /// Hands every record's residuals of centre and neighbours, a series of blocks each, to `each`.
+    /// Hands every record's residuals of centre and neighbours, a series of blocks each, to `each`. What its first speed may make up for is
+    /// taken out of the neighbours of a record that begins in motion.
     pub fn neighbours(
         &self,
         layout: &Layout,
@@ -95,30 +111,42 @@ impl Problem {
         axes: &[usize],
         each: &mut OfRecord,
     ) {
-        self.neighbours_on(&self.grids, layout, objective, x, axes, each);
+        let mut each = |grid: &Grid, blocks: &[Vec<Block>], inverse: &[f64], _| each(grid, blocks, inverse);
+        self.neighbours_on(&self.grids, &self.first_speeds(), layout, objective, x, axes, &mut each);
     }
 
-    /// The same of some of the records.
+    /// The same of some of the records, which begin with these `speeds`.
     pub(super) fn neighbours_on(
         &self,
         grids: &[Grid],
+        speeds: &[f64],
         layout: &Layout,
         objective: Objective,
         x: &[f64],
         axes: &[usize],
-        each: &mut OfRecord,
+        each: &mut OfBegun,
     ) {
-        let (points, inverse) = Self::around(layout, x, axes);
+        let (mut points, inverse) = Self::around(layout, x, axes);
         self.count_passes((points.len() * grids.len()).div_ceil(self.grids.len().max(1)));
-        let blocks = points.len().div_ceil(LANES);
+        // Room for the neighbour along the first speed, which differs in nothing else.
+        points.push(x.to_vec());
         let mut room = self.room.take();
-        room.resize_with(room.len().max(blocks), Vec::new);
-        for grid in grids {
-            for (chunk, series) in points.chunks(LANES).zip(&mut room) {
-                predict_block(layout, chunk, &self.rig, grid, series);
+        room.resize_with(room.len().max(points.len().div_ceil(LANES)), Vec::new);
+        for (grid, speed) in grids.iter().zip(speeds) {
+            let apart = beside(grid, &self.rig);
+            let used = inverse.len() + usize::from(apart.is_some());
+            let blocks = used.div_ceil(LANES);
+            for (block, series) in room[..blocks].iter_mut().enumerate() {
+                let lanes = block * LANES..used.min((block + 1) * LANES);
+                let mut begun = [*speed; LANES];
+                if let Some(apart) = apart.filter(|_| lanes.contains(&inverse.len())) {
+                    begun[inverse.len() % LANES] += apart;
+                }
+                predict_from(layout, &points[lanes], &begun, &self.rig, grid, series);
                 residuals(grid, objective, series);
             }
-            each(grid, &room[..blocks], &inverse);
+            let begun = apart.map(|apart| Begun::project_out(&mut room[..blocks], &inverse, apart));
+            each(grid, &room[..inverse.len().div_ceil(LANES)], &inverse, begun);
         }
         self.keep(room);
     }

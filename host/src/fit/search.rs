@@ -1,7 +1,8 @@
 //! Bounded Levenberg-Marquardt over the lanes.
 //!
 //! A Jacobian costs one pass of the lanes (centre and seven neighbours), and a step tries eight dampings in one
-//! more pass. So an iteration is two passes, whatever the number of rejected steps.
+//! more pass. So an iteration is two passes, whatever the number of rejected steps. First speeds of records that begin in motion are fitted with
+//! the parameters (`begun`).
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -9,6 +10,7 @@ use std::collections::BTreeMap;
 use motorlens_shared::effects::Rig;
 use nalgebra::{DMatrix, DVector};
 
+use super::begun::Begun;
 use super::cost::{Objective, accumulate};
 use super::fixed::Fixed;
 use super::grid::Grid;
@@ -40,6 +42,8 @@ pub struct Problem {
 pub struct Found {
     /// Search numbers.
     pub x: Vec<f64>,
+    /// First speeds of the records there, rad/s.
+    pub speeds: Vec<f64>,
     /// Sum of squared residuals, prior included.
     pub cost: f64,
     /// J^T J at `x`, prior included.
@@ -48,8 +52,30 @@ pub struct Found {
     pub count: usize,
 }
 
-/// What one record adds to the cost, its gradient and its curvature at a point, as [`accumulate`] sums it, and the residuals in it.
-type Added = (Vec<Vec<f64>>, usize);
+/// What records add to the cost, its gradient and its curvature at a point.
+#[derive(Debug, Clone)]
+struct Added {
+    /// As [`accumulate`] sums it.
+    sums: Vec<Vec<f64>>,
+    /// Residuals in it.
+    count: usize,
+    /// Of each record that begins in motion, what its first speed has to do with that.
+    begun: Vec<Option<Begun>>,
+}
+
+impl Added {
+    fn nothing(axes: usize) -> Self {
+        Self { sums: vec![vec![0.0; axes + 1]; axes + 1], count: 0, begun: Vec::new() }
+    }
+
+    fn add(&mut self, more: &Self) {
+        for (all, own) in self.sums.iter_mut().flatten().zip(more.sums.iter().flatten()) {
+            *all += own;
+        }
+        self.count += more.count;
+        self.begun.extend_from_slice(&more.begun);
+    }
+}
 
 /// What records add where several searches on some of them begin: each is run there once.
 #[derive(Debug, Default)]
@@ -59,10 +85,10 @@ pub struct Beginning(BTreeMap<usize, Added>);
 pub(crate) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {
-    /// Cost, gradient and curvature at `x` along `axes`.
-    fn linearise(&self, layout: &Layout, objective: Objective, x: &[f64], axes: &[usize]) -> Slope {
-        let added = self.added(layout, objective, x, axes, &self.grids);
-        self.slope(layout, x, axes, added)
+    /// Cost, gradient and curvature along the free axes at `x`, where the records begin with these `speeds`.
+    fn linearise(&self, layout: &Layout, objective: Objective, x: &[f64], speeds: &[f64]) -> Slope {
+        let added = self.added(layout, objective, x, &self.grids, speeds);
+        self.slope(layout, x, added)
     }
 
     /// What `grids` add at `x`.
@@ -71,32 +97,32 @@ impl Problem {
         layout: &Layout,
         objective: Objective,
         x: &[f64],
-        axes: &[usize],
         grids: &[Grid],
+        speeds: &[f64],
     ) -> Added {
-        let n = axes.len();
-        let mut sums = vec![vec![0.0; n + 1]; n + 1];
-        let mut count = 0;
-        self.neighbours_on(grids, layout, objective, x, axes, &mut |_, blocks, inverse| {
-            accumulate(blocks, inverse, &mut sums);
-            count += blocks[0].len();
+        let axes = layout.free();
+        let mut all = Added::nothing(axes.len());
+        self.neighbours_on(grids, speeds, layout, objective, x, &axes, &mut |_, blocks, inverse, begun| {
+            accumulate(blocks, inverse, &mut all.sums);
+            all.count += blocks[0].len();
+            all.begun.push(begun);
         });
-        (sums, count)
+        all
     }
 
     /// The slope that comes of what all records add, and the prior.
-    fn slope(&self, layout: &Layout, x: &[f64], axes: &[usize], (sums, count): Added) -> Slope {
-        let n = axes.len();
+    fn slope(&self, layout: &Layout, x: &[f64], Added { sums, count, begun }: Added) -> Slope {
+        let n = sums.len() - 1;
         let mut gradient = DVector::from_fn(n, |r, _| sums[0][r + 1]);
         let mut curvature = DMatrix::from_fn(n, n, |r, c| sums[r + 1][c + 1]);
-        for (r, &k) in axes.iter().enumerate() {
+        for (r, k) in layout.free().into_iter().enumerate() {
             if let Some((centre, width)) = layout.axes[k].prior {
                 let weight = PRIOR_WEIGHT / (width * width);
                 gradient[r] += weight * (x[k] - centre);
                 curvature[(r, r)] += weight;
             }
         }
-        Slope { cost: sums[0][0] + self.prior_cost(layout, x), gradient, curvature, count }
+        Slope { cost: sums[0][0] + self.prior_cost(layout, x), gradient, curvature, count, begun }
     }
 
     /// Searches from `start` for at most `iterations` steps, until a step gains less than `tolerance` of the cost.
@@ -108,9 +134,10 @@ impl Problem {
         iterations: usize,
         tolerance: f64,
     ) -> Found {
-        let (x, _, slope) = self.descend(layout, objective, start, iterations, tolerance, None);
-        let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &layout.free()));
-        Found { x, cost: slope.cost, curvature: slope.curvature, count: slope.count }
+        let Descent { x, speeds, slope, .. } =
+            self.descend(layout, objective, start, iterations, tolerance, None);
+        let slope = slope.unwrap_or_else(|| self.linearise(layout, objective, &x, &speeds));
+        Found { x, speeds, cost: slope.cost, curvature: slope.curvature, count: slope.count }
     }
 
     /// Where so many steps of the search lead, and the cost there, without the shape of the cost around it: a pass less.
@@ -122,8 +149,22 @@ impl Problem {
         steps: usize,
         tolerance: f64,
     ) -> (f64, Vec<f64>) {
-        let (x, cost, _) = self.descend(layout, objective, start, steps, tolerance, None);
-        (cost, x)
+        let found = self.descend(layout, objective, start, steps, tolerance, None);
+        (found.cost, found.x)
+    }
+
+    /// The same, and the records that begin in motion do so from now on as they do there.
+    pub fn settle(
+        &mut self,
+        layout: &Layout,
+        objective: Objective,
+        start: &[f64],
+        steps: usize,
+        tolerance: f64,
+    ) -> Vec<f64> {
+        let found = self.descend(layout, objective, start, steps, tolerance, None);
+        self.begin_with(&found.speeds);
+        found.x
     }
 
     /// The same for several searches from one `start`, each on some of the same records in the same order: `places` names those of this one,
@@ -138,24 +179,18 @@ impl Problem {
         places: &[usize],
         beginning: &mut Beginning,
     ) -> (f64, Vec<f64>) {
-        let axes = layout.free();
         let x = within(layout, start);
-        let mut all: Added = (vec![vec![0.0; axes.len() + 1]; axes.len() + 1], 0);
+        let mut all = Added::nothing(layout.free().len());
         for (grid, place) in self.grids.iter().zip(places) {
-            let own = || self.added(layout, objective, &x, &axes, std::slice::from_ref(grid));
-            let (sums, count) = beginning.0.entry(*place).or_insert_with(own);
-            for (all, own) in all.0.iter_mut().flatten().zip(sums.iter().flatten()) {
-                *all += own;
-            }
-            all.1 += *count;
+            let own = || self.added(layout, objective, &x, std::slice::from_ref(grid), &[grid.start_speed]);
+            all.add(beginning.0.entry(*place).or_insert_with(own));
         }
-        let first = self.slope(layout, &x, &axes, all);
-        let (x, cost, _) = self.descend(layout, objective, &x, steps, tolerance, Some(first));
-        (cost, x)
+        let first = self.slope(layout, &x, all);
+        let found = self.descend(layout, objective, &x, steps, tolerance, Some(first));
+        (found.cost, found.x)
     }
 
-    /// The way down: where it ends, the cost there, and its shape unless the last step led elsewhere. `first` is the slope at the start,
-    /// where that is known.
+    /// The way down. `first` is the slope at the start, where that is known.
     fn descend(
         &self,
         layout: &Layout,
@@ -164,18 +199,22 @@ impl Problem {
         iterations: usize,
         tolerance: f64,
         first: Option<Slope>,
-    ) -> (Vec<f64>, f64, Option<Slope>) {
+    ) -> Descent {
         let free = layout.free();
         let mut x = within(layout, start);
+        let mut speeds = self.first_speeds();
         let mut damping = 1e-3;
-        let mut slope = first.unwrap_or_else(|| self.linearise(layout, objective, &x, &free));
+        let mut slope = first.unwrap_or_else(|| self.linearise(layout, objective, &x, &speeds));
         for round in 0..iterations {
             if stop::asked() {
                 break;
             }
             let trials: Vec<Vec<f64>> =
                 (0..LANES).map(|l| damped_step(layout, &x, &free, &slope, damping * DAMPINGS[l])).collect();
-            let costs = self.costs(layout, objective, &trials);
+            let steps: Vec<Vec<f64>> =
+                trials.iter().map(|trial| free.iter().map(|&k| trial[k] - x[k]).collect()).collect();
+            let begun = self.follow(&speeds, &slope.begun, &steps);
+            let costs = self.costs_from(layout, objective, &trials, &begun);
             let best = (0..LANES).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
             if costs[best] >= slope.cost {
                 damping *= 3e3;
@@ -186,14 +225,25 @@ impl Problem {
             }
             let gain = (slope.cost - costs[best]) / slope.cost;
             x.clone_from(&trials[best]);
+            speeds = begun.iter().map(|speeds| speeds[best]).collect();
             damping = (damping * DAMPINGS[best]).clamp(1e-9, 1e6);
             if gain < tolerance || round + 1 == iterations {
-                return (x, costs[best], None);
+                return Descent { x, speeds, cost: costs[best], slope: None };
             }
-            slope = self.linearise(layout, objective, &x, &free);
+            slope = self.linearise(layout, objective, &x, &speeds);
         }
-        (x, slope.cost, Some(slope))
+        Descent { x, speeds, cost: slope.cost, slope: Some(slope) }
     }
+}
+
+/// Where a way down ended.
+struct Descent {
+    x: Vec<f64>,
+    /// First speeds of the records, rad/s.
+    speeds: Vec<f64>,
+    cost: f64,
+    /// The cost's shape there, unless the last step led elsewhere.
+    slope: Option<Slope>,
 }
 
 /// `x` within the bounds of its axes.
@@ -208,6 +258,8 @@ struct Slope {
     curvature: DMatrix<f64>,
     /// Residuals that were summed.
     count: usize,
+    /// Of each record that begins in motion, what its first speed has to do with that.
+    begun: Vec<Option<Begun>>,
 }
 
 /// Dampings tried side by side, against the last that worked.

@@ -10,6 +10,7 @@ use super::instants::read_otherwise;
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
+use super::window::SpeedReading;
 use crate::log::quantum::quantum as step_of;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
@@ -71,7 +72,11 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
 }
 
 /// [`problem`]; of records whose speeds are known to be `read` so, that is not asked again.
-pub(crate) fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Quantity>) -> (Problem, Values) {
+pub(crate) fn problem_of(
+    records: &[Record],
+    motor: &MotorFile,
+    read: Option<SpeedReading>,
+) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());
@@ -82,20 +87,25 @@ pub(crate) fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Qua
     }
     let prior = prior(motor);
     if let Some(read) = read {
-        grids.iter_mut().filter(|g| g.quantity != Quantity::Angle).for_each(|g| g.quantity = read);
+        grids = grids.into_iter().map(|grid| grid.read_as(read)).collect();
     }
     let mut base = first_base(&grids, &rig, &prior);
-    if read.is_none()
-        && let Some((others, base_so)) = read_otherwise(&grids, base, &rig, &prior)
-    {
-        (grids, base) = (others, base_so);
+    let plain = Values { base, effects: Vec::new() };
+    if let Some(otherwise) = read.is_none().then(|| read_otherwise(&grids, &plain, &rig, &prior)).flatten() {
+        grids = grids.into_iter().map(|grid| grid.read_as(otherwise)).collect();
+        base = first_base(&grids, &rig, &prior);
     }
     rig.reference_speed = base.gain * rig.nominal_v;
     let fixed = motor.fixed.clone();
     let hold_s = held(&mut grids);
     let mut problem = Problem { fixed, hold_s, ..Problem::new(grids, rig, prior) };
-    let start = Values { base, effects: Vec::new() };
+    let mut start = Values { base, effects: Vec::new() };
     problem.find_moving_starts(&start);
+    if problem.grids.iter().any(|grid| grid.quantity == Quantity::Angle && !grid.rests()) {
+        start.base = first_base(&problem.grids, &problem.rig, &problem.prior);
+        problem.rig.reference_speed = start.base.gain * problem.rig.nominal_v;
+        problem.refine_starts(&start);
+    }
     (problem, start)
 }
 
@@ -135,8 +145,8 @@ impl Problem {
     }
 
     /// How speeds are read, those of one motor all alike; none where there are angles only.
-    pub fn speeds(&self) -> Option<Quantity> {
-        self.grids.iter().map(|grid| grid.quantity).find(|quantity| *quantity != Quantity::Angle)
+    pub fn speeds(&self) -> Option<SpeedReading> {
+        self.grids.iter().find_map(Grid::speed_reading)
     }
 
     /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.
@@ -148,19 +158,19 @@ impl Problem {
         other.grids
     }
 
-    /// Fits the base alone: increments first, then the error itself.
-    pub fn fit_base(&self, start: &Values) -> (Layout, Vec<f64>) {
+    /// Fits the base alone: the error itself first, then its increments. Records that begin in motion do so from now on as it has them.
+    pub fn fit_base(&mut self, start: &Values) -> (Layout, Vec<f64>) {
         let layout = self.layout(&[]);
         let x = layout.pack(start);
-        let (_, rough) = self.race(&layout, Objective::Position, &x, 8, 1e-4);
-        let (_, fine) = self.race(&layout, Objective::Increments, &rough, 12, 1e-5);
+        let rough = self.settle(&layout, Objective::Position, &x, 8, 1e-4);
+        let fine = self.settle(&layout, Objective::Increments, &rough, 12, 1e-5);
         (layout, fine)
     }
 }
 
-/// A record of speeds that begins in motion, without any voltage.
+/// A record that begins in motion, without any voltage.
 fn coasting(grid: &Grid) -> Option<Grid> {
-    (grid.quantity != Quantity::Angle && !grid.rests()).then(|| {
+    (!grid.rests()).then(|| {
         let mut coasting = grid.clone();
         coasting.voltages.fill(0.0);
         coasting
@@ -168,7 +178,7 @@ fn coasting(grid: &Grid) -> Option<Grid> {
 }
 
 /// Gain and time constant by scanning: what the voltage does is linear in the gain, so each time constant needs one pass; and a second where a
-/// record of speeds begins in motion, for what that speed does by itself, which no gain changes.
+/// record begins in motion: what it does by itself is linear in its first speed, which is fitted too.
 pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues {
     let unit = Rig { reference_speed: rig.nominal_v, ..*rig };
     let layout = Layout::new(&[], &unit, prior);
@@ -184,7 +194,7 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues
             .collect();
         let xs: Vec<Vec<f64>> =
             bases.iter().map(|b| layout.pack(&Values { base: *b, effects: Vec::new() })).collect();
-        let [mut yy, mut yp, mut pp] = [[0.0; LANES]; 3];
+        let mut all = [Products::default(); LANES];
         for grid in grids {
             let mut still = grid.clone();
             still.begin_at(0.0, 0.0);
@@ -195,27 +205,61 @@ pub(super) fn first_base(grids: &[Grid], rig: &Rig, prior: &Prior) -> BaseValues
             }
             let speed = grid.quantity != Quantity::Angle;
             let span = ((0.05 / grid.interval_s).round() as usize).max(1);
+            let mut own = [Products::default(); LANES];
             for k in 0..series.len().saturating_sub(span) {
-                let (y, before) = (grid.measured[k + span], if speed { 0.0 } else { grid.measured[k] });
-                for l in 0..LANES {
-                    let p = series[k + span].0[l] - if speed { 0.0 } else { series[k].0[l] };
-                    let by_itself = coasted.get(k + span).map_or(0.0, |block| block.0[l]);
-                    let (y, p) = ((y - before - by_itself) / grid.sigma, p / grid.sigma);
-                    yy[l] += y * y;
-                    yp[l] += y * p;
-                    pp[l] += p * p;
+                let added = |of: &[Block], l: usize| match (of.get(k + span), speed) {
+                    (Some(block), true) => block.0[l],
+                    (Some(block), false) => block.0[l] - of[k].0[l],
+                    (None, _) => 0.0,
+                };
+                let y = grid.measured[k + span] - if speed { 0.0 } else { grid.measured[k] };
+                for (l, own) in own.iter_mut().enumerate() {
+                    own.add([y, added(&series, l), added(&coasted, l)].map(|x| x / grid.sigma));
                 }
             }
+            for (all, own) in all.iter_mut().zip(own) {
+                all.add_without_start(own);
+            }
         }
-        for l in 0..chunk.len() {
-            let gain = yp[l] / pp[l].max(1e-300);
-            let left = yy[l] - gain * yp[l];
+        for (products, base) in all.iter().zip(bases) {
+            let gain = products.yp / products.pp.max(1e-300);
+            let left = products.yy - gain * products.yp;
             if gain > 0.0 && left < best.0 {
-                best = (left, BaseValues { gain, ..bases[l] });
+                best = (left, BaseValues { gain, ..base });
             }
         }
     }
     best.1
+}
+
+/// Sums of products of what was measured (y), what the voltage does (p) and what the first speed does (s).
+#[derive(Clone, Copy, Default)]
+struct Products {
+    yy: f64,
+    yp: f64,
+    pp: f64,
+    ys: f64,
+    ps: f64,
+    ss: f64,
+}
+
+impl Products {
+    fn add(&mut self, [y, p, s]: [f64; 3]) {
+        self.yy += y * y;
+        self.yp += y * p;
+        self.pp += p * p;
+        self.ys += y * s;
+        self.ps += p * s;
+        self.ss += s * s;
+    }
+
+    /// Adds those of a record, less what its first speed may make up for.
+    fn add_without_start(&mut self, own: Self) {
+        let inverse = if own.ss > 0.0 { 1.0 / own.ss } else { 0.0 };
+        self.yy += own.yy - own.ys * own.ys * inverse;
+        self.yp += own.yp - own.ys * own.ps * inverse;
+        self.pp += own.pp - own.ps * own.ps * inverse;
+    }
 }
 
 #[cfg(test)]

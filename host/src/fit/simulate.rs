@@ -9,7 +9,7 @@ use motorlens_shared::scalar::Scalar;
 use motorlens_shared::simulator::{Chosen, MAX_EFFECTS, Simulator, in_order};
 use motorlens_shared::step::State;
 
-use super::grid::{Grid, Quantity};
+use super::grid::{Grid, Place, Quantity};
 use super::layout::{BASE_PARAMETERS, Layout};
 use crate::stop;
 
@@ -32,14 +32,14 @@ impl<'a, S: Scalar> Parameters<'a, S> {
     }
 }
 
-/// Where a record begins, and how far it goes.
+/// Where a record begins, turning with `speed`, and how far it goes.
 fn course<'a, S: Scalar>(
     base: &Base<S>,
     rig: &Rig,
     grid: &'a Grid,
+    speed: S,
     [voltages, guide]: [&'a [S::Element]; 2],
 ) -> Course<'a, S> {
-    let speed = S::lit(grid.start_speed);
     // A motor already turning has the current that its speed leaves to the first voltage.
     let turning = if grid.rests() { 0.0 } else { 1.0 };
     let current = S::lit(turning) * (S::lit(grid.voltages[0]) - base.back_emf() * speed);
@@ -62,48 +62,55 @@ struct Sampler<'a, S> {
     out: &'a mut Vec<S>,
     /// At the end of the cell before the next.
     before: Reading<S>,
-    last_sample: S,
+    /// Readings where the means begin, a sample after the other.
+    since: Vec<S>,
 }
 
 impl<'a, S: Scalar> Sampler<'a, S> {
     fn new(grid: &'a Grid, out: &'a mut Vec<S>) -> Self {
         out.clear();
         out.reserve(grid.len());
-        Self { grid, out, before: [S::zero(); 2], last_sample: S::zero() }
+        Self { grid, out, before: [S::zero(); 2], since: Vec::with_capacity(grid.since.len()) }
     }
 }
 
 impl<S: Scalar> Sink<S> for Sampler<'_, S> {
     fn begin(&mut self, reading: Reading<S>) {
         self.before = reading;
-        self.last_sample = reading[0];
     }
     fn take(&mut self, first: usize, readings: &[Reading<S>]) {
         let grid = self.grid;
         let step = S::lit(grid.step_s);
         let end = first + readings.len();
+        let ends = |cell: usize| {
+            let k = cell - first;
+            (if k == 0 { &self.before } else { &readings[k - 1] }, &readings[k])
+        };
+        let at = |place: &Place| {
+            let (before, after) = ends(place.cell);
+            match place.part {
+                1.0 => after[0],
+                // Before the record it turned as it does at its beginning.
+                part if part < 0.0 => before[1].mul_add(step * S::lit(part), before[0]),
+                part => hermite(part, step, before, after),
+            }
+        };
+        let begun = grid.since[self.since.len()..].iter().take_while(|since| since.place.cell < end);
+        self.since.extend(begun.map(|since| at(&since.place)));
         for (number, place) in grid.places.iter().enumerate().skip(self.out.len()) {
             if place.cell >= end {
                 break;
             }
-            let k = place.cell - first;
-            let after = &readings[k];
-            let before = if k == 0 { &self.before } else { &readings[k - 1] };
-            let reading = if place.part == 1.0 { after[0] } else { hermite(place.part, step, before, after) };
+            let (before, after) = ends(place.cell);
             let sample = match grid.quantity {
-                Quantity::Angle => reading,
-                Quantity::Speed | Quantity::MeanSpeed if number == 0 => before[1],
+                Quantity::Angle => at(place),
+                Quantity::Speed if number == 0 => before[1],
                 // The reading's own mean over the cell, and what the shaft's speed is beside its mean at that time.
                 Quantity::Speed => {
                     let mean = (after[0] - before[0]) * S::lit(1.0 / grid.step_s);
                     (after[1] - before[1]).mul_add(S::lit(place.part - 0.5), mean)
                 }
-                Quantity::MeanSpeed => {
-                    let since = 1.0 / (grid.time_s[number] - grid.time_s[number - 1]);
-                    let mean = (reading - self.last_sample) * S::lit(since);
-                    self.last_sample = reading;
-                    mean
-                }
+                Quantity::MeanSpeed => (at(place) - self.since[number]) * S::lit(grid.since[number].rate),
             };
             self.out.push(sample);
         }
@@ -129,24 +136,37 @@ fn predict<S: Shown<Plain = S, Element = f64>>(
     plain: &[S],
     rig: &Rig,
     grid: &Grid,
+    speed: S,
     out: &mut Vec<S>,
 ) {
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
     let simulator = Simulator::new(&base, effects, &rig);
-    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
+    let course = course(&base, &rig, grid, speed, [&grid.voltages, &grid.guide]);
     kernel::run(&simulator, &course, &mut Sampler::new(grid, out));
 }
 
 /// One set of plain parameters.
 pub fn predict_one(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: &Grid) -> Vec<f64> {
     let mut out = Vec::with_capacity(grid.len());
-    predict(kinds, parameters, rig, grid, &mut out);
+    predict(kinds, parameters, rig, grid, grid.start_speed, &mut out);
     out
 }
 
 /// Up to eight search vectors; missing lanes repeat the first.
 pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
+    predict_from(layout, xs, &[grid.start_speed; LANES], rig, grid, out);
+}
+
+/// The same of records that begin with these `speeds`, rad/s; of those that begin at rest they are zero.
+pub fn predict_from(
+    layout: &Layout,
+    xs: &[Vec<f64>],
+    speeds: &[f64; LANES],
+    rig: &Rig,
+    grid: &Grid,
+    out: &mut Vec<Block>,
+) {
     if stop::asked() {
         // The search's answer is thrown away: a shaft that stands still will do.
         out.clear();
@@ -159,17 +179,24 @@ pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, o
     #[cfg(target_arch = "x86_64")]
     if kernel::has_wide() {
         let plain: Vec<_> = plain.iter().map(kernel::Wide::from_block).collect();
-        predict_wide(&layout.kinds, &plain, rig, grid, out);
+        predict_wide(&layout.kinds, &plain, rig, grid, kernel::Wide::from_block(&Lanes(*speeds)), out);
         return;
     }
-    predict(&layout.kinds, &plain, rig, grid, out);
+    predict(&layout.kinds, &plain, rig, grid, Lanes(*speeds), out);
 }
 
 /// [`predict`] on the vector unit.
 #[cfg(target_arch = "x86_64")]
-fn predict_wide(kinds: &[Kind], plain: &[kernel::Wide], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
+fn predict_wide(
+    kinds: &[Kind],
+    plain: &[kernel::Wide],
+    rig: &Rig,
+    grid: &Grid,
+    speed: kernel::Wide,
+    out: &mut Vec<Block>,
+) {
     let rig = Rig { step_s: grid.step_s, ..*rig };
     let Parameters { base, effects } = Parameters::new(kinds, plain);
-    let course = course(&base, &rig, grid, [&grid.voltages, &grid.guide]);
+    let course = course(&base, &rig, grid, speed, [&grid.voltages, &grid.guide]);
     kernel::run_wide(&base, &effects, &rig, &course, &mut Sampler::new(grid, out));
 }

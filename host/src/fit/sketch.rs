@@ -1,7 +1,8 @@
 //! Less of the records, for candidates that only have to be compared with one another: longer cells, fewer samples, beginnings.
 
-use super::grid::{Grid, Place, Quantity};
+use super::grid::{Grid, Place};
 use super::search::Problem;
+use super::window::Since;
 
 /// How much of the records is kept.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +26,7 @@ impl Problem {
             while !held && 2.0 * grid.step_s <= sketch.cell_s {
                 grid = grid.coarse();
             }
-            while grid.quantity != Quantity::MeanSpeed && 2.0 * grid.interval_s <= sketch.interval_s {
+            while 2.0 * grid.interval_s <= sketch.interval_s {
                 grid = grid.every_second();
             }
             grid
@@ -59,6 +60,7 @@ impl Grid {
             seen: (0..guide.len()).map(near).collect(),
             guide,
             places: self.places.iter().map(place).collect(),
+            since: self.since.iter().map(|since| Since { place: place(&since.place), ..*since }).collect(),
             ..self
         }
     }
@@ -68,6 +70,7 @@ impl Grid {
         Self {
             time_s: self.time_s.iter().copied().step_by(2).collect(),
             places: self.places.iter().copied().step_by(2).collect(),
+            since: self.since.iter().copied().step_by(2).collect(),
             measured: self.measured.iter().copied().step_by(2).collect(),
             interval_s: 2.0 * self.interval_s,
             skip: self.skip.div_ceil(2),

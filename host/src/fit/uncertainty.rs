@@ -127,6 +127,9 @@ impl Spread {
             }
             h[(f, f)] *= 1.0 + 1e-12;
         }
+        // What the records do not answer to at all leaves the others as they are.
+        let silent: Vec<usize> = (0..n).filter(|f| h[(*f, *f)] == 0.0).collect();
+        silent.iter().for_each(|f| h[(*f, *f)] = 1.0);
         let inverse = h.try_inverse().unwrap_or_else(|| DMatrix::from_element(n, n, f64::INFINITY));
         for (counts, residual, row) in &few {
             let leverage = counts * row.dot(&(&inverse * row));
@@ -142,6 +145,7 @@ impl Spread {
                 covariance[(*a, *b)] = small[(r, c)];
             }
         }
+        silent.iter().for_each(|f| covariance[(free[*f], free[*f])] = f64::INFINITY);
         Self { layout, x, covariance }
     }
 
@@ -194,6 +198,7 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
+    use motorlens_shared::effects::Kind;
     use motorlens_shared::excitation::Programme;
     use motorlens_virtual_motor::{Motor, Run, VirtualMotor};
 
@@ -209,6 +214,25 @@ mod tests {
             record(&mut VirtualMotor::new(motor, &[], 31 * seed + k as u64), programme, 200, &run)
         };
         Programme::default_protocol(motor.nominal_v as f32).training.iter().enumerate().map(play).collect()
+    }
+
+    /// The time constant of a filter is nothing to a reading that is held.
+    #[test]
+    fn a_parameter_that_moves_nothing_leaves_the_intervals_of_the_others_as_they_are() {
+        let motor = Motor::paper();
+        let found = discover(
+            &disturbed(&motor, 3),
+            &[],
+            &MotorFile::default(),
+            &Options { most: 0, ..Options::default() },
+            &mut |_| (),
+        )
+        .unwrap();
+        let held = found.model.values().with(Kind::SensorLag, vec![0.0, 0.015]);
+        let all = estimates(&found.evidence.whole, &held);
+        let of = |name: &str| all.iter().find(|estimate| estimate.name == name).unwrap();
+        assert!(of("gain").identifiable && of("gain").high < 1.2 * of("gain").low, "{:?}", of("gain"));
+        assert!(!of("sensor_lag.time").identifiable);
     }
 
     /// Of forty intervals, each of which holds the truth nineteen times of twenty, seven lie beside it once in two hundred times.

@@ -22,14 +22,13 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 use serde_json::json;
 
-#[cfg(any(feature = "cli", feature = "serve"))]
-pub(crate) use story::baseline;
 pub use story::{DRAWN, Shown, Story, Suspect, Torques, title, torques};
 
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::glossary;
 use crate::log::Warning;
+use crate::sentence::listed;
 use figure::Figure;
 
 /// How the pages look.
@@ -91,6 +90,11 @@ fn ladder(story: &Story) -> falls::Ladder<'_> {
     }
 }
 
+/// The effects of `set`, as users type them.
+fn in_a_sentence(set: &[Kind]) -> String {
+    listed(&set.iter().map(|kind| kind.name()).collect::<Vec<_>>())
+}
+
 /// Data problems as people read them.
 fn told(faults: &[Warning]) -> Vec<Warning> {
     faults.iter().map(|fault| Warning { what: fault.told(), ..fault.clone() }).collect()
@@ -124,7 +128,7 @@ pub fn html(story: &Story) -> Result<String> {
         "parameters": words::estimate_rows(&story.parameters),
         "combinations": words::estimate_rows(&story.combinations),
         "records": words::record_rows(story),
-        "rivals": story.rivals,
+        "rivals": story.rivals.iter().map(|set| in_a_sentence(set)).collect::<Vec<_>>(),
         "next": story.next,
         "rungs": ladder(story).rows(),
         "terms": glossary::terms(&in_model(story)),

@@ -108,12 +108,13 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
-            "{}: the error is {} with the model and {} with {}; {}.",
+            "{}: the error is {} with the model and {} with {}; {}{}.",
             if shown.unseen { "Validation record" } else { "Record fitted" },
             told.words(measures.rmse),
             told.words(shown.base.measures().rmse),
             shown.against,
             told.noise_in_words(),
+            run.speed_reading.map(|reading| format!("; each speed is {reading}")).unwrap_or_default(),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
         columns,
@@ -141,6 +142,7 @@ fn part(run: &FreeRun, window: Option<Window>) -> FreeRun {
     let (from, to) = places_within(&run.time_s, Some((low - HALF_SPAN_S, high + HALF_SPAN_S)));
     let cut = |column: &[f64]| column[from..to].to_vec();
     FreeRun {
+        speed_reading: None,
         record: run.record.clone(),
         time_s: cut(&run.time_s),
         measured: cut(&run.measured),
@@ -190,6 +192,7 @@ mod tests {
     fn turning() -> Shown {
         let time_s: Vec<f64> = (0..100_000).map(|k| f64::from(k) * 1e-3).collect();
         let run = FreeRun {
+            speed_reading: None,
             record: "r".into(),
             measured: time_s.iter().map(|t| 3.0 * t).collect(),
             simulated: time_s.iter().map(|t| 2.9 * t).collect(),

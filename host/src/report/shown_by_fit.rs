@@ -6,10 +6,17 @@ use crate::diagnose::ladder::Rung;
 use crate::fit::layout::Layout;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
+use crate::report::falls::judged;
 use crate::report::figure::in_words;
 
+/// All that a fitted model shows: its `parameters`, its accepted `effects`, and values of its `layout` at `x` where the search for them
+/// ends. Terminal, report and page ask for the same, so that none sends to data problems that another one does not know.
+pub fn of_model(parameters: &[Estimate], effects: &[Kind], (layout, x): (&Layout, &[f64])) -> Vec<Warning> {
+    faults(parameters, effects).into_iter().chain(at_the_end(layout, x)).collect()
+}
+
 /// Those that the `parameters` and the accepted `effects` of a model show.
-pub fn faults(parameters: &[Estimate], effects: &[Kind]) -> Vec<Warning> {
+fn faults(parameters: &[Estimate], effects: &[Kind]) -> Vec<Warning> {
     too_little_excitation(parameters)
         .into_iter()
         .chain(effects.iter().filter_map(|kind| of_the_sensor(*kind, parameters)))
@@ -25,7 +32,7 @@ pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
         .collect();
     (!open.is_empty()).then(|| Warning {
         place: "all records together".into(),
-        what: format!("too_little_excitation: they do not determine {}", open.join(" and ")),
+        what: format!("too_little_excitation: these records do not determine {}", open.join(" and ")),
         fix:
             "record a programme that accelerates, brakes and holds several speeds (motorlens plan writes one)"
                 .into(),
@@ -33,7 +40,7 @@ pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
 }
 
 /// The parameters of `layout` that stand at `x` where the search for them ends: no motor has such values, so that something else made them.
-pub fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
+fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
     let value = |k: usize| {
         let axis = &layout.axes[k];
         format!("{} = {}", axis.name, in_words(layout.plain(k, x[k]), axis.unit))
@@ -62,9 +69,9 @@ pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
     (last > MUCH_WORSE * least).then(|| Warning {
         place: "validation records".into(),
         what: format!(
-            "not_confirmed: they are met {:.1} times better by the model with {}, before the effects that came after it",
-            last / least,
-            names(&best.effects, " and ", "no effects")
+            "not_confirmed: the model with {} meets the validation records {:.1} times better than with the effects that came after it",
+            names(&best.effects, " and ", "no effects"),
+            last / least
         ),
         fix: format!(
             "use that model (fit --effects {}), or record more like the validation records to fit to: they choose nothing by themselves",
@@ -73,7 +80,25 @@ pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
     })
 }
 
-/// An error on validation records so many times that of a smaller model is told.
+/// The last model of `ladder`, to which nothing is to be added, where the `usual` one does much better on the records that judge.
+pub fn worse_than_usual(ladder: &[Rung], usual: Option<&Rung>) -> Option<Warning> {
+    let (last, usual) = (ladder.last()?, usual?);
+    let place = if last.validation.is_some() { "validation records" } else { "all records together" };
+    let (own, least) = (judged(last).rmse, judged(usual).rmse);
+    (own > MUCH_WORSE * least).then(|| Warning {
+        place: place.into(),
+        what: format!(
+            "usual_is_better: kS-kV-kA, the usual model, meets them {:.1} times better than the model with {}",
+            own / least,
+            names(&last.effects, " and ", "no effects")
+        ),
+        fix: "simulate such moves with that one (fit --method feedforward), and do not rely on what is named here: something acts that is \
+              not in the library, or that the log does not hold"
+            .into(),
+    })
+}
+
+/// An error so many times that of a smaller model on the records that judge is told.
 const MUCH_WORSE: f64 = 1.25;
 
 /// The names of `effects`, or what `nothing` is called.
@@ -90,7 +115,8 @@ const SLOW_WINDING_S: f64 = 8e-3;
 /// What to know where `kind` is late by so little that a winding could be it.
 fn or_a_winding(kind: Kind, parameters: &[Estimate]) -> &'static str {
     let own = |p: &&Estimate| p.unit == "s" && p.name.strip_prefix(kind.name()) == Some(".time");
-    if parameters.iter().find(own).is_some_and(|time| time.value < SLOW_WINDING_S) {
+    // A reading that is held has no such time.
+    if parameters.iter().find(own).is_some_and(|time| time.value > 0.0 && time.value < SLOW_WINDING_S) {
         "; a winding whose L/R is longer than 2.7 ms answers alike: give inductance_h and resistance_ohm in motor.toml if yours is"
     } else {
         ""
@@ -124,6 +150,23 @@ mod tests {
     use crate::compare::measures::Measures;
 
     #[test]
+    fn a_usual_model_that_is_much_better_on_the_records_that_judge_is_told() {
+        let measures = |rmse| Measures { rmse, ..Measures::default() };
+        let rung = |train, unseen: Option<f64>| Rung {
+            effects: vec![Kind::Stribeck],
+            train: measures(train),
+            validation: unseen.map(measures),
+        };
+        let told = |last: Rung, usual: Rung| worse_than_usual(&[last], Some(&usual));
+        let better = told(rung(0.1, Some(1.0)), rung(0.4, Some(0.5))).unwrap();
+        assert_eq!(better.place, "validation records");
+        assert!(better.what.contains("2.0 times better than the model with stribeck"), "{}", better.what);
+        let better = told(rung(1.0, None), rung(0.5, None)).unwrap();
+        assert_eq!(better.place, "all records together");
+        assert_eq!(told(rung(1.0, Some(0.5)), rung(0.1, Some(0.45))), None);
+    }
+
+    #[test]
     fn a_filter_as_fast_as_a_slow_winding_is_told_to_be_perhaps_one() {
         let lag = |value| Estimate {
             name: "sensor_lag.time".into(),
@@ -136,6 +179,7 @@ mod tests {
         let fix = |value| of_the_sensor(Kind::SensorLag, &[lag(value)]).unwrap().fix;
         assert!(fix(4e-3).contains("inductance_h"));
         assert!(!fix(4e-2).contains("inductance_h"));
+        assert!(!fix(0.0).contains("inductance_h"), "it is held");
     }
 
     #[test]
@@ -148,7 +192,12 @@ mod tests {
         let ladder =
             [rung(&[], 1.2), rung(&[Kind::Coulomb, Kind::Delay], 0.04), rung(&[Kind::Stribeck], 0.12)];
         let told = doubted_by_validation(&ladder).unwrap();
-        assert!(told.what.contains("3.0 times better by the model with coulomb and delay"), "{}", told.what);
+        assert!(
+            told.what
+                .contains("the model with coulomb and delay meets the validation records 3.0 times better"),
+            "{}",
+            told.what
+        );
         assert!(told.fix.contains("fit --effects coulomb,delay"), "{}", told.fix);
         assert_eq!(doubted_by_validation(&ladder[..2]), None);
         let alone = ladder.map(|rung| Rung { validation: None, ..rung });

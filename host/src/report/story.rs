@@ -8,8 +8,7 @@ use crate::compare::free_run::{FreeRun, free_runs};
 use crate::compare::residual_torque::{ResidualTorque, residual_torque};
 use crate::compare::rise::{Rise, worst_rise};
 use crate::diagnose::discover::Discovery;
-use crate::diagnose::evidence::Evidence;
-use crate::diagnose::ladder::{self, Ranked, Rung};
+use crate::diagnose::ladder::{Ranked, Rung};
 use crate::findings::{Findings, Standing};
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -105,7 +104,7 @@ impl Story {
             records: shown,
             floor: discovery.noise_floor,
             rises: rises(discovery),
-            baseline: baseline(&discovery.evidence),
+            baseline: discovery.baseline.clone(),
             ladder: discovery.ladder.clone(),
             suspects: suspects(discovery),
             rivals: discovery.open_sets(),
@@ -129,11 +128,6 @@ fn rises(discovery: &Discovery) -> Vec<Option<Rise>> {
     let runs: Vec<Vec<FreeRun>> = discovery.shown.iter().map(|values| free_runs(problem, values)).collect();
     let steps = runs.windows(2).map(|pair| worst_rise(&pair[0], &pair[1]));
     std::iter::once(None).chain(steps).collect()
-}
-
-/// Errors of kS-kV-kA fitted to the same records; none where they do not give it.
-pub(crate) fn baseline(evidence: &Evidence) -> Option<Rung> {
-    evidence.usual.as_ref().map(|usual| ladder::rung(evidence, &usual.values))
 }
 
 /// The candidates in order, and after them what only a later diagnosis brought.

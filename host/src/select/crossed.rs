@@ -1,10 +1,14 @@
 //! Cross-validated simulation error: each record is simulated by a model that was fitted to the others.
 //!
 //! The likelihood of [`super::score`] says whether an effect is there; this says whether the model with it simulates what it has not
-//! seen (M. Stone, *J. R. Stat. Soc. B* 36, 1974). Where one record is all there is, its end is simulated by a fit to its beginning.
+//! seen (M. Stone, *J. R. Stat. Soc. B* 36, 1974). Where one record is all there is, each piece of it is simulated by a fit to what is before
+//! and behind it (P. Burman, E. Chow and D. Nolan, *Biometrika* 81, 1994): its beginning alone may tell nothing of what its end shows.
+
+use std::ops::Range;
+use std::sync::Arc;
 
 use crate::diagnose::evidence::Evidence;
-use crate::fit::cost::Objective;
+use crate::fit::cost::{Objective, bounded};
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
 use crate::fit::noise::Noise;
@@ -15,10 +19,10 @@ use crate::fit::sketch::Sketch;
 
 /// Folds at most.
 const FOLDS: usize = 6;
-/// Share of a single record that is fitted.
-const BEGINNING: f64 = 0.6;
-/// Pieces of its rest, which tell how sure the error is as records do elsewhere.
+/// Pieces of a single record, which tell how sure the error is as records do elsewhere.
 const PIECES: usize = 4;
+/// Samples from which on a part of a record is fitted.
+const FEWEST: usize = 16;
 /// All of the records, in cells of two milliseconds.
 const SKETCH: Sketch = Sketch { samples: f64::MAX, cell_s: 2.01e-3, interval_s: 0.0 };
 /// Steps of a fit from the parameters of all records.
@@ -28,9 +32,31 @@ const STEPS: usize = 4;
 #[derive(Debug, Clone)]
 pub struct Fold {
     fit: Problem,
-    /// Which of all records those to fit are.
+    /// Which of all records, or of their parts, those to fit are.
     places: Vec<usize>,
-    test: Vec<(Grid, usize)>,
+    /// Records to simulate, and what of them counts.
+    test: Vec<(Arc<Grid>, Range<usize>)>,
+}
+
+/// Each piece of the records of one programme, and the parts before and behind it to fit.
+fn pieces(train: &Problem) -> Vec<Fold> {
+    let whole: Vec<Arc<Grid>> = train.grids.iter().cloned().map(Arc::new).collect();
+    let fold = |piece: usize| {
+        let mut fold = Fold { fit: train.on(Vec::new()), places: Vec::new(), test: Vec::new() };
+        for (k, grid) in train.grids.iter().enumerate() {
+            let end = |piece: usize| grid.len() * piece / PIECES;
+            let own = end(piece)..end(piece + 1);
+            for (side, part) in [0..own.start, own.end..grid.len()].into_iter().enumerate() {
+                if part.len() >= FEWEST {
+                    fold.fit.grids.push(grid.only(part));
+                    fold.places.push((k * PIECES + piece) * 2 + side);
+                }
+            }
+            fold.test.push((whole[k].clone(), own));
+        }
+        fold
+    };
+    (0..PIECES).map(fold).filter(|fold| !fold.fit.grids.is_empty()).collect()
 }
 
 /// The folds of records laid out as `train`, of which `repeats` run one programme: those stay together.
@@ -42,43 +68,46 @@ pub fn folds(train: &Problem, repeats: &[(usize, usize)]) -> Vec<Fold> {
     leaders.sort_unstable();
     leaders.dedup();
     if leaders.len() < 2 {
-        let fit = train.on(train.grids.iter().map(|g| g.beginning(BEGINNING)).collect());
-        let test = train.grids.iter().map(|g| (g.clone(), (g.len() as f64 * BEGINNING) as usize)).collect();
-        return vec![Fold { fit, places: (0..count).collect(), test }];
+        return pieces(train);
     }
     let fold_of =
         |k: usize| leaders.iter().position(|l| *l == leader(k)).unwrap_or(0) % FOLDS.min(leaders.len());
     let fold = |f: usize| {
         let places: Vec<usize> = (0..count).filter(|k| fold_of(*k) != f).collect();
         let kept = places.iter().map(|k| train.grids[*k].clone());
-        let test = (0..count).filter(|k| fold_of(*k) == f).map(|k| (train.grids[k].clone(), 0));
+        let test = (0..count)
+            .filter(|k| fold_of(*k) == f)
+            .map(|k| (Arc::new(train.grids[k].clone()), 0..train.grids[k].len()));
         Fold { fit: train.on(kept.collect()), places, test: test.collect() }
     };
     (0..FOLDS.min(leaders.len())).map(fold).collect()
 }
 
-/// Logarithm of the root mean square error on each record, or on each piece of the end of the only one, simulated by the model at `x` as
-/// the other folds fit it.
+/// Logarithm of the root mean square error on each record, or on each piece of the only one, simulated by the model at `x` as the other
+/// folds fit it.
 pub fn crossed(data: &Evidence, layout: &Layout, x: &[f64], noise: &Noise) -> Vec<f64> {
     let mut errors_ln = Vec::new();
     let mut beginning = Beginning::default();
-    let pieces = if data.folds.len() > 1 { 1 } else { PIECES };
-    for Fold { fit, places, test } in &data.folds {
+    for Fold { fit, places, test } in data.folds() {
         let mut fit = fit.clone();
         noise.weigh(&mut fit, CHOOSING);
         let (_, x) = fit.race_on(layout, Objective::Scales, x, STEPS, 1e-3, places, &mut beginning);
         let plain = layout.all_plain(&x);
         data.train.count_passes_of(&fit);
-        for (grid, from) in test {
+        for (grid, range) in test {
+            let moving = (!grid.rests()).then(|| {
+                let mut tested = fit.on(vec![(**grid).clone()]);
+                tested.begin_under(layout, &x);
+                tested
+            });
+            let grid = moving.as_ref().map_or(&**grid, |tested| &tested.grids[0]);
             let run = predict_one(&layout.kinds, &plain, &fit.rig, grid);
-            let errors: Vec<f64> =
-                grid.measured.iter().zip(run).skip(*from).map(|(y, p)| (y - p).clamp(-1e9, 1e9)).collect();
+            let pairs = grid.measured[range.clone()].iter().zip(&run[range.clone()]);
+            let errors: Vec<f64> = pairs.map(|(y, p)| bounded(y - p, 1e9)).collect();
             let n = errors.len().max(1) as f64;
             let mean = if grid.quantity == Quantity::Angle { errors.iter().sum::<f64>() / n } else { 0.0 };
-            for piece in errors.chunks(errors.len().div_ceil(pieces).max(1)) {
-                let square = piece.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / piece.len() as f64;
-                errors_ln.push(0.5 * (square + data.reading).ln());
-            }
+            let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n;
+            errors_ln.push(0.5 * (square + data.reading).ln());
         }
     }
     errors_ln
@@ -93,12 +122,12 @@ pub struct Fall {
     error: f64,
     /// Records or pieces.
     records: usize,
-    /// Whether they were simulated by fits to different records.
+    /// Whether they were simulated by different fits.
     apart: bool,
 }
 
 impl Fall {
-    /// Of `new` below `old`, logarithms of errors record by record ([`crossed`]), simulated by fits to different records or by one.
+    /// Of `new` below `old`, logarithms of errors record by record ([`crossed`]), simulated by different fits or by one.
     pub fn of(new: &[f64], old: &[f64], apart: bool) -> Self {
         let falls: Vec<f64> = old.iter().zip(new).map(|(old, new)| old - new).collect();
         let n = falls.len().max(1) as f64;
@@ -117,8 +146,8 @@ impl Fall {
         self.mean - self.error
     }
 
-    /// Whether the error falls by at least a factor of e^`least`, and by `sure` standard errors for so many records; of a single record that
-    /// cannot be said.
+    /// Whether the error falls by at least a factor of e^`least`, and by `sure` standard errors for so many records or pieces; of one
+    /// fit or one record that cannot be said.
     pub fn is_beyond_doubt(self, least: f64, sure: impl Fn(usize) -> f64) -> bool {
         self.apart && self.records > 1 && self.mean > least && self.mean > sure(self.records) * self.error
     }

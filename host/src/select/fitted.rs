@@ -35,6 +35,8 @@ pub struct Fitted {
     pub layout: Layout,
     /// Where the search ended, on those axes.
     pub x: Vec<f64>,
+    /// First speeds of the records, rad/s, as they were fitted with it.
+    pub speeds: Vec<f64>,
     /// What it leaves, by time scale.
     pub noise: Noise,
     /// Held-out log-likelihood under its own noise.
@@ -54,6 +56,7 @@ impl Fitted {
     fn weighed(data: &Evidence, layout: Layout, x: &[f64], rounds: usize, steps: usize, plain: f64) -> Self {
         let mut problem = data.train.clone();
         let mut x = x.to_vec();
+        problem.begin_under(&layout, &x);
         let noise_of = |errors: &[Coefficients], x: &[f64]| {
             let response = Response::of(&data.train, layout.unpack(x).base.tau_m);
             Noise::of(errors, data.reading, response)
@@ -62,7 +65,7 @@ impl Fitted {
         let mut noise = noise_of(&errors, &x);
         for _ in 0..rounds.max(1) {
             noise.weigh(&mut problem, plain);
-            (_, x) = problem.race(&layout, Objective::Scales, &x, steps, 1e-4);
+            x = problem.settle(&layout, Objective::Scales, &x, steps, 1e-4);
             errors = coefficients(&problem, &layout, &x);
             noise = noise_of(&errors, &x);
         }
@@ -70,7 +73,8 @@ impl Fitted {
         let scored = Scored::new(&problem, &layout, &x, errors, &noise);
         data.train.count_passes_of(&problem);
         let score = scored.under(&noise).iter().sum();
-        Self { layout, x, noise, score, scored, crossed: OnceLock::new() }
+        let speeds = problem.first_speeds();
+        Self { layout, x, speeds, noise, score, scored, crossed: OnceLock::new() }
     }
 
     /// Fits the model `values`.
@@ -234,7 +238,7 @@ impl Fitted {
     }
 
     fn fall(&self, other: &Self, data: &Evidence) -> Fall {
-        Fall::of(self.unseen(data), other.unseen(data), data.folds.len() > 1)
+        Fall::of(self.unseen(data), other.unseen(data), data.folds().len() > 1)
     }
 
     /// Whether its likelihood is higher than that of `other`, worth it and so many standard errors `sure`.

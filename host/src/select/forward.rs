@@ -150,7 +150,7 @@ struct Screen {
 
 impl Screen {
     fn new(data: &Evidence, model: &Fitted, sketch: Sketch, steps: usize) -> Self {
-        let problem = data.sketch(sketch, &model.noise);
+        let problem = data.sketch(sketch, model);
         let (own, _) = problem.race(&model.layout, Objective::Scales, &model.x, steps, 1e-3);
         let whole = data.train.samples() as f64 / problem.samples().max(1) as f64;
         Self { problem, own, whole }
@@ -161,13 +161,18 @@ impl Screen {
         0.5 * self.whole * (self.own - cost) / (1.0 + CHOOSING)
     }
 
-    /// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`.
+    /// Sorts `round` by cost, and keeps at most `most`, of which each comes to a `share` of the gain that the best has or that is `asked`; and
+    /// what is only late, which nearly every log is, by however little.
     fn keep(&self, round: &mut Vec<(Layout, Start)>, most: usize, share: f64, asked: f64) {
         round.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
         let best = round.first().map_or(0.0, |(_, start)| self.gain(start));
         let least = share * asked.max(best);
         let hopeful = round.iter().take_while(|(_, start)| self.gain(start) > least).count();
-        round.truncate(hopeful.clamp(1, most));
+        let rest = round.split_off(hopeful.clamp(1, most).min(round.len()));
+        round.extend(
+            rest.into_iter()
+                .filter(|(layout, _)| layout.kinds.last().is_some_and(|kind| kind.spec().is_late())),
+        );
     }
 }
 

@@ -10,7 +10,7 @@ use super::run::run;
 use super::starts::straightened;
 use crate::diagnose::discover::{Discovery, Options, Progress, noise_floor};
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::ladder::{rank, rung};
+use crate::diagnose::ladder::{baseline, rank, rung};
 use crate::fit::layout::Values;
 use crate::log::Record;
 use crate::model_file::{DISCOVERED, Model, Origin};
@@ -46,7 +46,7 @@ pub fn discovery(
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Discovery {
-    let Begin { at: begun, evidence, plain, model } = begin;
+    let Begin { at: begun, mut evidence, plain, model } = begin;
     let told = RefCell::new(progress);
     let (mut ladder, mut shown) = (Vec::new(), Vec::new());
     let selected = run(
@@ -71,6 +71,7 @@ pub fn discovery(
         seed: None,
     };
     let (base, model) = (&selected.steps[0], selected.model());
+    evidence.begin_as(model);
     let values = model.values();
     // The accepted model was corrected once more.
     ladder.truncate(selected.steps.len() - 1);
@@ -88,6 +89,7 @@ pub fn discovery(
         effects: values.kinds(),
         noise_floor,
         ladder,
+        baseline: baseline(&evidence),
         shown,
         candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
         limits: detection_limits(&evidence, base, model, &options.library, evidence.highest_voltage()),

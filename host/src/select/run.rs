@@ -45,7 +45,8 @@ impl Selected {
     }
 }
 
-/// Candidates of a step that are searched to the end, best first, until one is believed.
+/// Candidates of a step that are searched to the end, best first, until one is believed; and as many more of other laws where none is: in the
+/// place of one kind of friction that is not believed the others are tried, and nothing else.
 const TRIED: usize = 3;
 
 /// The model of which what is left counts as all that is to be explained: the first one, or the one that knows how long its readings are
@@ -82,23 +83,24 @@ pub fn run(
         let depth = steps.len() - 1;
         let (mut candidates, near) = tried(data, model, library, WORTH, &mut |kind| tick(depth, kind));
         candidates.extend(pairs(data, model, &came_near, WORTH));
+        if depth == 1 {
+            // What was accepted may only imitate friction and something else together.
+            candidates.extend(beside_the_usual(data, &steps[0], library, model.kinds()));
+        }
         candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
         came_near = near;
         let mut next = step_up(data, base, model, &mut candidates);
         if next.is_none() && depth == 0 && most > 1 {
             // None alone explains anything: two may.
             let mut two = pairs(data, model, &came_near, WORTH);
+            two.extend(beside_the_usual(data, model, library, model.kinds()));
+            two.sort_by(|a, b| b.score().total_cmp(&a.score()));
             next = step_up(data, base, model, &mut two);
             candidates.extend(two);
         }
-        if next.is_none() && depth == 0 && most > 1 {
-            let mut beside = beside_the_usual(data, model, library);
-            next = step_up(data, base, model, &mut beside);
-            candidates.extend(beside);
-        }
         all.push(candidates);
         let Some(next) = next else { break };
-        let next = simpler(data, next, base);
+        let next = simpler(data, next, model.score(), base);
         let next = pruned(data, next, &given, model.score(), base);
         step(&next);
         steps.push(next);
@@ -111,12 +113,12 @@ pub fn run(
 }
 
 /// Candidates with the effect on which most others build, and one more: a motor is rarely without friction, and what it lacks beside that may
-/// look like nothing without.
-fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind]) -> Vec<Fitted> {
+/// look like nothing without. None where that effect is one of the `kinds` that were accepted: then it is tried so anyway.
+fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind], kinds: &[Kind]) -> Vec<Fitted> {
     let lacking = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let usual = usual_first(lacking.collect()).into_iter().next();
-    let Some(beside) = usual.and_then(|usual| with(data, model, usual)) else { return Vec::new() };
-    forward(data, &beside, library, WORTH, &mut |_| ())
+    let beside = usual.filter(|usual| !covers(kinds, *usual)).and_then(|usual| with(data, model, usual));
+    beside.map_or_else(Vec::new, |beside| forward(data, &beside, library, WORTH, &mut |_| ()))
 }
 
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat
@@ -130,21 +132,46 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
     if let Some(chosen) = simplest(data, candidates, base) {
         candidates[..=chosen].rotate_right(1);
     }
-    let worth = candidates.iter().filter(|c| promises(c));
+    let worth: Vec<&Fitted> = candidates.iter().filter(|c| promises(c)).collect();
+    let (first, rest) = worth.split_at(worth.len().min(TRIED));
+    let settled = match believed(data, base, model, first.iter().copied()) {
+        Ok(found) => return Some(found),
+        Err(settled) => settled,
+    };
+    let others = rest.iter().filter(|c| !first.iter().any(|tried| is_kin(tried, c)));
+    let other = believed(data, base, model, others.take(TRIED).copied()).ok()?;
+    // What is doubted does as well: then this is no better known.
+    (!settled.iter().any(|doubted| doubted.is_as_good_as(&other, data, base))).then_some(other)
+}
+
+/// The first of some `candidates` that beats `model` surely, searched to its end; else the first that outweighs it, or is surely late; else all
+/// that were searched.
+fn believed<'a>(
+    data: &Evidence,
+    base: &Fitted,
+    model: &Fitted,
+    candidates: impl Iterator<Item = &'a Fitted>,
+) -> Result<Fitted, Vec<Fitted>> {
     let mut settled = Vec::new();
-    for candidate in worth.take(TRIED) {
+    for candidate in candidates {
         let candidate = candidate.clone().settled(data);
         if candidate.is_lost(model) || candidate.adds_a_trifle(model, data) || candidate.strays(model, data) {
             continue;
         }
         if candidate.beats_surely(model, data, base) {
-            return Some(candidate);
+            return Ok(candidate);
         }
         settled.push(candidate);
     }
     let outweighs = settled.iter().position(|c| c.outweighs(model, data, base));
     let late = || settled.iter().position(|c| c.is_surely_late(model, data, base));
-    outweighs.or_else(late).map(|k| settled.swap_remove(k))
+    outweighs.or_else(late).map(|k| settled.swap_remove(k)).ok_or(settled)
+}
+
+/// Whether all effects of one of the two are part of the other's.
+fn is_kin(one: &Fitted, other: &Fitted) -> bool {
+    let within = |a: &Fitted, b: &Fitted| a.kinds().iter().all(|kind| covers(b.kinds(), *kind));
+    within(one, other) || within(other, one)
 }
 
 /// `accepted`, and those of the models `tried` in its place that do as well; none where none does.
@@ -161,8 +188,8 @@ pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitt
 }
 
 /// `model`, or the model with a simpler law in the place of one that contains it, where the richer one does not beat that: both are
-/// searched to the end, the simpler from where the richer ended.
-fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
+/// searched to the end, the simpler from where the richer ended. Its score stays above the `least`, that of the model before.
+fn simpler(data: &Evidence, model: Fitted, least: f64, base: &Fitted) -> Fitted {
     let values = model.values();
     let spread = LazyCell::new(|| Spread::of(&data.train, &values));
     for (rich, parameters) in &values.effects {
@@ -172,8 +199,10 @@ fn simpler(data: &Evidence, model: Fitted, base: &Fitted) -> Fitted {
                 continue;
             }
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
-            if may_be_nothing(&spread, *rich, Some(at)) || poor.is_as_good_as(&model, data, base) {
-                return simpler(data, poor, base);
+            let is_enough =
+                || may_be_nothing(&spread, *rich, Some(at)) || poor.is_as_good_as(&model, data, base);
+            if poor.score() > least && is_enough() {
+                return simpler(data, poor, least, base);
             }
         }
     }

@@ -23,6 +23,7 @@ use crate::glossary;
 use crate::log::Metadata;
 use crate::report::missing::Setting;
 use crate::report::{self, fails, falls, missing, records, words};
+use crate::sentence::capital;
 
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
@@ -103,6 +104,7 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
         "effects": effects.collect::<Vec<_>>(),
         "ladder": session.ladder,
         "floor": session.floor,
+        "noise": capital(&session.yardstick().noise_in_words()),
         "unit": session.unit(),
         "faults": session.faults,
         "counts_per_rev": session.data.motor.counts_per_rev.or_else(|| told(Metadata::counts_per_rev)),

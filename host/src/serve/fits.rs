@@ -85,7 +85,9 @@ fn stopped() -> End {
 pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(&job.app.session());
-        let Some(found) = tried(job, &work, &formula::all()) else { return stopped() };
+        let refused = job.app.session().refused.clone();
+        let library: Vec<Kind> = formula::all().into_iter().filter(|kind| !refused.contains(kind)).collect();
+        let Some(found) = tried(job, &work, &library) else { return stopped() };
         let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, work.floor, found);
         let message = diagnosis.suggested.map_or_else(
             || "No effect of the library is worth adding to this model.".to_owned(),
@@ -114,9 +116,24 @@ fn searched(job: &Job, work: &Work, begin: &Values) -> Option<Fitted> {
     steps::search(&work.evidence, begin, &work.model, &|| job.stopped(), &mut tell)
 }
 
-/// Searches from `begin` and makes the result the session's model; `added` is the effect that came.
-fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str) -> End {
+/// An effect that comes or goes, and what is known of the model that it leads to.
+enum Change {
+    /// The effect comes; tried before, the model with it is this one.
+    Adding(Kind, Box<Fitted>),
+    /// The effect goes.
+    Removing(Kind),
+}
+
+/// Searches from `begin` and makes the result the session's model.
+fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> End {
     let Some(chosen) = searched(job, work, begin) else { return stopped() };
+    let (chosen, added, removed) = match change {
+        // From where the old parameters stood a search may end beside what the diagnosis found, and the next effect would mend that.
+        Change::Adding(kind, known) => {
+            (chosen.or_better(Some(known.settled(&work.evidence))), Some(kind), None)
+        }
+        Change::Removing(kind) => (chosen, None, Some(kind)),
+    };
     let shown = chosen.simulating(&work.evidence);
     let (before, after) = (rung(&work.evidence, &work.shown), rung(&work.evidence, &shown));
     let rise = rise(&work.evidence, &work.shown, &shown);
@@ -126,7 +143,16 @@ fn refit(job: &Job, work: &Work, begin: &Values, added: Option<Kind>, what: &str
         .map(|effect| Doubt { effect, rises });
     let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
     let next = NextModel { chosen, shown, rung: after, rise, doubt };
-    End::Done(message, Box::new(move |session| session.step_to(next)))
+    End::Done(
+        message,
+        Box::new(move |session| {
+            // What held-out data did not confirm is not suggested again.
+            session
+                .refused
+                .extend(session.doubt.map(|doubt| doubt.effect).filter(|effect| removed == Some(*effect)));
+            session.step_to(next);
+        }),
+    )
 }
 
 /// Where the error rose, in words.
@@ -188,7 +214,8 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
         // The old parameters start where they are, so that one sees them move.
         let parameters = known.values().effects.pop().map(|e| e.1).unwrap_or_default();
         let begin = work.model.values().with(kind, parameters);
-        refit(job, &work, &begin, Some(kind), &format!("{kind} is in the model"))
+        let change = Change::Adding(kind, Box::new(known.clone()));
+        refit(job, &work, &begin, change, &format!("{kind} is in the model"))
     })
 }
 
@@ -200,7 +227,9 @@ pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> An
     }
     jobs::start(&app, &format!("Removing {kind}"), move |job| {
         let work = Work::of(&job.app.session());
-        let begin = work.model.values().without(kind);
-        refit(job, &work, &begin, None, &format!("{kind} is out of the model"))
+        // A model that was there before comes back as it was.
+        let without = work.model.values().without(kind);
+        let begin = job.app.session().passed_with(&without.kinds()).unwrap_or(without);
+        refit(job, &work, &begin, Change::Removing(kind), &format!("{kind} is out of the model"))
     })
 }

@@ -14,6 +14,7 @@ mod guard;
 mod jobs;
 mod puzzle;
 mod runs;
+mod scene;
 mod session;
 mod slide;
 mod steps;

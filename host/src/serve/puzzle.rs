@@ -14,7 +14,6 @@ use super::App;
 use super::jobs::{self, Answer, End, refused};
 use super::session::{Puzzle, Session};
 use crate::error::{Error, Result};
-use crate::motor_file::MotorFile;
 use crate::simulate::{self, Role, SimulateArgs};
 
 /// The session of the demo's records.
@@ -38,7 +37,8 @@ fn hidden(seed: u64) -> Result<Session> {
     for (play, record) in plays.iter().zip(scenario.records(&plays)?) {
         if play.role == Role::HeldOut { validation.push(record) } else { records.push(record) }
     }
-    let mut session = Session::new(records, validation, MotorFile::default())?;
+    // Beside the logs on the disk lies a motor file: without it the same motor would be fitted otherwise than by the other verbs.
+    let mut session = Session::new(records, validation, simulate::data_sheet(&scenario)?)?;
     session.puzzle = Some(Puzzle { answer: simulate::Answer::of(&scenario), revealed: false });
     Ok(session)
 }
@@ -72,5 +72,16 @@ pub async fn reveal(State(app): State<Arc<App>>) -> Answer {
             Ok(Json(json!({ "answer": puzzle.answer, "found": found })))
         }
         None => Err(refused(StatusCode::CONFLICT, "these records are no puzzle")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_puzzle_knows_of_its_motor_what_the_logs_on_the_disk_tell() {
+        let motor = demo().unwrap().data.motor;
+        assert!(motor.gear_ratio.is_some() && motor.nameplate.inductance_h.is_some(), "{motor:?}");
     }
 }

@@ -6,19 +6,20 @@ use motorlens_shared::effects::Kind;
 
 use super::data::{Data, Role};
 use super::diagnosis::Diagnosis;
+use super::scene::Scene;
 use super::view::{Tracks, View};
 use crate::compare::rise::Rise;
 use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
-use crate::findings::{Doubted, Facts, Standing, errors_of, named};
+use crate::findings::Yardstick;
 use crate::fit::layout::Values;
 use crate::log::{Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::{Story, Suspect, baseline, missing, shown_by_fit, title};
-use crate::select::DetectionLimit;
+use crate::report::falls::judged;
+use crate::report::title;
 use crate::select::fitted::Fitted;
 use crate::simulate::Answer;
 
@@ -74,6 +75,8 @@ pub struct Session {
     pub diagnosis: Option<Arc<Diagnosis>>,
     /// Whether the last step is believed.
     pub doubt: Option<Doubt>,
+    /// Effects that were added to these records and removed again, as held-out data did not confirm them.
+    pub refused: Vec<Kind>,
     /// What is hidden, where the records are a puzzle's.
     pub puzzle: Option<Puzzle>,
     /// Noise level: the error that a perfect model would leave.
@@ -82,31 +85,6 @@ pub struct Session {
     pub faults: Vec<Warning>,
     title: String,
     view: Arc<View>,
-}
-
-/// A session at one moment, to be told without holding it up.
-#[derive(Debug, Clone)]
-pub struct Scene {
-    /// The model on the records.
-    pub view: Arc<View>,
-    /// How the model came about.
-    pub ladder: Vec<Rung>,
-    /// Where each of its steps raised the error most.
-    pub rises: Vec<Option<Rise>>,
-    /// Errors of kS-kV-kA.
-    pub baseline: Option<Rung>,
-    /// What is missing from it.
-    pub diagnosis: Option<Arc<Diagnosis>>,
-    /// Noise level.
-    pub floor: f64,
-    /// Unit of what is compared.
-    pub unit: &'static str,
-    /// Problems of the data.
-    pub faults: Vec<Warning>,
-    /// The model as a file.
-    pub model: Model,
-    doubt: Option<Doubt>,
-    title: String,
 }
 
 impl Session {
@@ -138,12 +116,13 @@ impl Session {
             faults: data_faults(records.iter().chain(&validation)),
             title: title(&records),
             ladder: vec![rung(&evidence, &current)],
-            baseline: baseline(&evidence),
+            baseline: ladder::baseline(&evidence),
             view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), values)),
             rises: vec![None],
             passed,
             diagnosis: None,
             doubt: None,
+            refused: Vec::new(),
             puzzle: None,
             data,
             evidence,
@@ -159,6 +138,11 @@ impl Session {
         self.evidence.whole.grids.first().map_or("rad", |g| g.quantity.unit())
     }
 
+    /// What errors on these records are measured by.
+    pub fn yardstick(&self) -> Yardstick {
+        Yardstick::new(self.floor, &judged(&self.ladder[0]), self.unit())
+    }
+
     /// Takes the model of `step` as the current one.
     pub fn step_to(&mut self, step: NextModel) {
         let NextModel { chosen, shown, rung, rise, doubt } = step;
@@ -171,6 +155,16 @@ impl Session {
         (self.chosen, self.current, self.diagnosis, self.doubt) = (chosen, shown, None, doubt);
         self.ladder.push(rung);
         self.rises.push(rise);
+    }
+
+    /// The model with these effects that the page has come past, if there is one.
+    pub fn passed_with(&self, effects: &[Kind]) -> Option<Values> {
+        let same = |values: &Values| {
+            let kinds = values.kinds();
+            kinds.len() == effects.len() && kinds.iter().all(|kind| effects.contains(kind))
+        };
+        let own = self.passed.iter().filter(|passed| passed.name != USUAL);
+        own.map(|passed| &passed.values).find(|values| same(values)).cloned()
     }
 
     /// Draws the model beside number `place` of those passed.
@@ -209,6 +203,7 @@ impl Session {
             unit: self.unit(),
             faults: self.faults.clone(),
             model: self.model(),
+            chosen: self.chosen.clone(),
             doubt: self.doubt,
             title: self.title.clone(),
         }
@@ -244,89 +239,4 @@ fn prose(kinds: &[Kind]) -> String {
 /// `model` on all records of `evidence`.
 pub fn rung(evidence: &Evidence, model: &Fitted) -> Rung {
     ladder::rung(evidence, &model.values())
-}
-
-impl Scene {
-    /// Motor turns per turn of the output shaft.
-    pub fn gear_ratio(&self) -> f64 {
-        self.model.rig.gear_ratio
-    }
-
-    /// Heading of the page.
-    pub fn title(&self) -> &str {
-        &self.title
-    }
-
-    /// Effects in the model.
-    pub fn effects(&self) -> Vec<Kind> {
-        self.view.model.kinds()
-    }
-
-    /// The verdict and what to do next.
-    pub fn standing(&self) -> Standing {
-        let diagnosis = self.diagnosis.as_deref();
-        Standing::of(&Facts {
-            errors: errors_of(&self.ladder, self.floor),
-            effects: &named(&self.effects(), &self.view.estimates()[0]),
-            left: diagnosis.map(|d| d.left),
-            suggested: diagnosis.and_then(|d| d.suggested),
-            doubted: self.doubt.map(|d| Doubted {
-                effect: d.effect,
-                rises: d.rises,
-                most: self.rises.last().and_then(Option::as_ref),
-            }),
-            experiment: diagnosis
-                .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
-            hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
-            data_problems: !self.faults.is_empty(),
-        })
-    }
-
-    /// Faults of the data that only the fit shows.
-    pub fn later_faults(&self) -> Vec<Warning> {
-        // An effect that the data do not confirm shows nothing about them.
-        let believed = |kind: &Kind| self.doubt.is_none_or(|doubt| doubt.effect != *kind);
-        let effects: Vec<Kind> = self.effects().into_iter().filter(believed).collect();
-        shown_by_fit::faults(&self.view.estimates()[0], &effects)
-    }
-
-    /// What is suspected, and after it what is in the model already.
-    pub fn suspects(&self) -> Vec<Suspect> {
-        let mut all = self.diagnosis.as_deref().map_or_else(Vec::new, |d| d.suspects.clone());
-        let drawn = self.view.evidence();
-        all.extend(
-            self.effects()
-                .into_iter()
-                .zip(drawn)
-                .map(|(kind, figures)| missing::accepted(kind, &self.ladder, self.unit, figures.clone())),
-        );
-        all
-    }
-
-    /// Everything that a report tells.
-    pub fn story(&self) -> Story {
-        let [base_torques, model_torques] = self.view.torques().clone();
-        let [parameters, combinations] = self.view.estimates().clone();
-        let diagnosis = self.diagnosis.as_deref().cloned().unwrap_or_default();
-        Story {
-            title: self.title.clone(),
-            base: self.view.against.values.clone(),
-            unit: self.unit,
-            floor: self.floor,
-            ladder: self.ladder.clone(),
-            suspects: self.suspects(),
-            rivals: diagnosis.rivals,
-            next: diagnosis.next.map(|next| next.why),
-            standing: self.standing(),
-            rises: self.rises.clone(),
-            baseline: self.baseline.clone(),
-            faults: self.faults.iter().cloned().chain(self.later_faults()).collect(),
-            parameters,
-            combinations,
-            base_torques,
-            model_torques,
-            records: self.view.all_shown().into_iter().cloned().collect(),
-            model: self.model.clone(),
-        }
-    }
 }

@@ -64,6 +64,7 @@ pub fn search(
         });
         let error = (found.cost / found.count.max(1) as f64).sqrt();
         tell(Step { round, error, parameters: parameters.collect() });
+        problem.begin_with(&found.speeds);
         let next = problem.search(&layout, Objective::Scales, &found.x, 1, ENOUGH);
         let gain = (found.cost - next.cost) / found.cost.max(1e-300);
         found = next;

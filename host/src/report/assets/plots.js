@@ -5,6 +5,8 @@ const Plots = (() => {
   const colour = (role) => getComputedStyle(document.documentElement).getPropertyValue("--" + role).trim();
   const fade = (hex, alpha) => hex + Math.round(alpha * 255).toString(16).padStart(2, "0");
   const brief = (v) => (v === null || v === undefined ? "" : String(Number(v.toPrecision(4))));
+  // Side by side on paper the wide plots of the screen would be towers; lower than this an axis has no place for its title.
+  const heightOf = (panel) => (document.documentElement.dataset.paper ? Math.max(0.55 * panel.height, Math.min(84, panel.height)) : panel.height);
   const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
 
   // One line of the plot a curve, three where it has a band: the library wants all on one column.
@@ -100,7 +102,7 @@ const Plots = (() => {
     }
     if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
     const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58, values: (u, splits) => splits.map(brief) };
-    if (panel.height < 150) up.space = 20;
+    if (heightOf(panel) < 150) up.space = 20;
     if (panel.y.log) {
       // Lines and numbers at whole decades only, or at 1, 2, 5 where there are few: nine to each would be all that one sees.
       const round = (v, few) => (few ? [1, 2, 5, 10] : [1, 10]).some((m) => Math.abs(v / 10 ** Math.floor(Math.log10(v)) - m) < 1e-6);
@@ -118,7 +120,7 @@ const Plots = (() => {
       return entry.still ? [Math.min(wide[0], u.scales.y.min), Math.max(wide[1], u.scales.y.max)] : wide;
     };
     return new uPlot({
-      width: Math.max(root.clientWidth, 200), height: panel.height + (last ? 30 : 0), padding: [10, 12, 0, 0],
+      width: Math.max(root.clientWidth, 200), height: heightOf(panel) + (last ? 30 : 0), padding: [10, 12, 0, 0],
       scales: { x: { time: false, range: (u, low, high) => (names.length ? [-0.6, names.length - 0.4] : [low, high]) }, y: { distr: panel.y.log ? 3 : 1, range: ranged } },
       axes: [across, up], bands: bands(all),
       series: [{ label: "at", value: (u, v) => (names.length ? names[v === null ? -1 : Math.round(v)] || "" : brief(v)), class: last ? "place" : "silent" }, ...all.map(series)],

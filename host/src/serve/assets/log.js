@@ -38,6 +38,17 @@ function guessed({ names, kinds, canonical, proposal }) {
   return { kinds, rig, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
 }
 
+// Remedies name the command line's options; here each has its place on the page.
+const FIELDS = [["--supply-volts", "log-supply"], ["--counts-per-rev", "log-counts"], ["--metres-per-rev", "log-metres"], ["--rate", "log-rate"]];
+const labelOf = (id) => $(id).closest("label").firstChild.textContent.trim();
+function onPage(remedy) {
+  if (/^say which column|^choose the columns/.test(remedy)) return "say in the row below the names what each column is: the time, the voltage (or duty), and the angle or the speed; each once";
+  const told = FIELDS.map(([option, id]) => [id, remedy.match(new RegExp(`${option} ([\\d.]+)`))]).filter(([, found]) => found);
+  if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
+  return remedy.replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
+    .replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
+}
+
 async function openAll(files) {
   queue = [...files];
   sent = [];
@@ -59,6 +70,7 @@ async function openNext() {
   $("log-words").textContent = guess.words;
   const rig = guess.rig || {};
   for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || $(id).value || "";
+  $("log-turned").checked = Boolean(guess.turned);
   if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft;
   const choose = element("tr", {}, ...table.names.map((name, k) => {
     const kind = guess.kinds[k] || "", kinds = KINDS.includes(kind) ? KINDS : [...KINDS, kind];
@@ -95,6 +107,7 @@ const RIG = [["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["met
 const rigChosen = () => Object.fromEntries(RIG.map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
 function mapOf({ kinds: before, canonical, motors }, kinds) {
   if (motors.length) return `voltage=voltage-${$("log-motor").value}:V`;
+  if ($("log-turned").checked) kinds = kinds.map((kind) => (/^(angle|speed):/.test(kind) ? kind + "*-1" : kind).replace("*-1*-1", ""));
   if (canonical && kinds.every((kind, k) => kind === before[k])) return "";
   const parts = kinds.map((kind, k) => [kind.slice(0, kind.indexOf(":")), k, kind.slice(kind.indexOf(":") + 1)]).filter(([quantity]) => quantity);
   // The fraction of a time in two columns has the unit of both; of a bridge, what is taken off has that of the first.
@@ -118,7 +131,7 @@ $("mapping").addEventListener("submit", async (event) => {
   const table = dropped.table, { names } = table, kinds = kindsChosen();
   try {
     await send(dropped, table, kinds);
-    if (kinds.length && mapOf(table, kinds)) remember(names, { kinds, rig: rigChosen() });
+    if (kinds.length && mapOf(table, kinds)) remember(names, { kinds, rig: rigChosen(), turned: $("log-turned").checked });
     if ($("log-all").checked) {
       while (queue.length) {
         dropped = queue.shift();
@@ -130,7 +143,7 @@ $("mapping").addEventListener("submit", async (event) => {
     if (queue.length) return await openNext();
     await ask("/api/use", { replace: new FormData($("mapping")).get("keep") === "replace", ...rigChosen() });
     $("dialog").close();
-  } catch (error) { $("log-fault").textContent = words(error); $("log-fault").hidden = false; }
+  } catch (error) { $("log-fault").textContent = words(error); $("log-fault").hidden = false; $("log-fault").scrollIntoView({ block: "nearest" }); }
 });
 $("cancel").addEventListener("click", () => { queue = []; $("dialog").close(); });
 $("file").addEventListener("change", guard(async (event) => { const files = [...event.target.files]; event.target.value = ""; await openAll(files); }));

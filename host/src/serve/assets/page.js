@@ -12,7 +12,7 @@ async function ask(path, body) {
 function words(error) {
   const e = error.error || error;
   const place = [e.file, e.line && "line " + e.line, e.column && "column " + e.column].filter(Boolean).join(", ");
-  return (place ? place + ": " : "") + (e.why || e.message || String(e)) + (e.remedy ? "\nTo do: " + e.remedy : "");
+  return (place ? place + ": " : "") + (e.why || e.message || String(e)) + (e.remedy ? "\nTo do: " + onPage(e.remedy) : "");
 }
 function alarm(error) { $("alarm").textContent = error ? words(error) : ""; $("alarm").hidden = !error; }
 const guard = (work) => async (event) => { alarm(null); try { await work(event); } catch (error) { alarm(error); } };
@@ -21,6 +21,7 @@ function element(name, properties = {}, ...children) {
   e.append(...children);
   return e;
 }
+const listed = (names, last = "and") => (names.length < 2 ? names.join() : `${names.slice(0, -1).join(", ")} ${last} ${names[names.length - 1]}`);
 const named = (unit) => (unit === "1" ? "" : " " + unit);
 const short = (x) => Number(x.toPrecision(4)).toString();
 function size(x, unit) {
@@ -81,7 +82,8 @@ function slidersOf(parameters) {
       slide();
     });
     input.addEventListener("change", () => Plots.slide($("record-plot"), {}, false));
-    return element("label", { title: meaningOf(p.name) }, p.name + " ", output, input);
+    const caption = element("small", { textContent: captionOf(p.name) });
+    return element("label", { title: meaningOf(p.name) }, p.name + " ", output, caption, input);
   }));
 }
 let sliding = false, slidAgain = false;
@@ -108,7 +110,7 @@ function showError(error, unseen) {
 function showFitted() {
   const last = state.ladder[state.ladder.length - 1];
   showError(last.train.rmse, last.validation && last.validation.rmse);
-  $("slid-floor").textContent = "Noise level " + size(state.floor, state.unit);
+  $("slid-floor").textContent = state.noise + ".";
 }
 
 // What had the keyboard's focus before the page was drawn anew, and gets it back: who works by keys would begin at the top again.
@@ -169,9 +171,11 @@ $("add-effect").addEventListener("click", guard(() => ask("/api/add", { effect: 
 $("stop").addEventListener("click", guard(() => ask("/api/stop", {})));
 $("puzzle").addEventListener("click", guard(() => ask("/api/puzzle", {})));
 $("against").addEventListener("change", guard(async () => { await ask("/api/against", { model: Number($("against").value) }); await Promise.all([showRecord(), showFails()]); }));
+// "stribeck=0.44,excess=0.23", as it is typed on the command line: "stribeck (0.44, excess 0.23)".
+const spoken = (typed) => typed.replace("=", " (").replaceAll("=", " ").replaceAll(",", ", ") + (typed.includes("=") ? ")" : "");
 $("reveal").addEventListener("click", guard(async () => {
   const { answer, found } = await ask("/api/reveal", {});
-  const hidden = answer.effects.length ? answer.sizes.join(" and ") : "nothing";
+  const hidden = answer.effects.length ? answer.sizes.map(spoken).join(" and ") : "nothing";
   const missed = answer.effects.filter((e) => !found.includes(e)), wrong = found.filter((e) => !answer.effects.includes(e));
   const right = !missed.length && !wrong.length;
   const parts = [missed.length ? "it misses " + missed.join(" and ") : "", wrong.length ? `${wrong.join(" and ")} ${wrong.length > 1 ? "are" : "is"} not in the motor` : ""].filter(Boolean);
@@ -193,7 +197,8 @@ const NEXT = {
 function showStanding({ verdict, badge, headline, next }) {
   $("verdict").dataset.verdict = verdict || next.action;
   $("badge").textContent = badge;
-  $("headline").textContent = headline;
+  // No line begins with the unit of the number before it.
+  $("headline").textContent = headline.replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
   $("next").textContent = next.action === "export" ? "Save the model" : next.label;
   $("next").title = next.command;
   $("next").hidden = false;

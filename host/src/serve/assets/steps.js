@@ -13,7 +13,7 @@ function figureElement(f, level = "h3") {
 
 // Before any physics: what is wrong with the data.
 function showFaults(faults) {
-  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault.replace(/^[a-z_]+: /, (kind) => kind.replaceAll("_", " ")) + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + f.fix + "." }));
+  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault.replace(/^[a-z_]+: /, (kind) => kind.replaceAll("_", " ")) + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + onPage(f.fix) + "." }));
   $("data-faults").hidden = !faults.length;
   $("faults").replaceChildren(...faults.map(card));
 }
@@ -40,7 +40,7 @@ function candidateRow(c) {
 function card(c, figures, first) {
   const all = element("details", { className: "card", id: "card-" + c.effect, open: first }, element("summary", {}, element("span", { textContent: c.effect }), ` ${c.title}`),
     element("p", { textContent: c.evidence + "." }), element("p", { className: "quiet", textContent: `Look for: ${c.signature}.` }), element("p", { className: "quiet" }, element("code", { textContent: c.equation })));
-  if (c.rivals.length) all.append(element("p", { textContent: "These records cannot tell it from " + c.rivals.join(", ") + "." }));
+  if (c.rivals.length) all.append(element("p", { textContent: "These records cannot tell it from " + listed(c.rivals, "or") + "." }));
   if (c.added) all.append(element("p", {}, element("span", { className: "tag fit", textContent: "in the model" })));
   all.append(...figures.filter((f) => c.figures.includes(f.id)).map((f) => figureElement(f, "h3")));
   all.addEventListener("toggle", () => { if (all.open) all.querySelectorAll(".plot").forEach((p) => Plots.draw(p)); });
@@ -57,10 +57,10 @@ async function showMissing() {
   const { cards, figures, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
   const all = [];
   if (diagnosed && !worth) all.push(element("article", { className: "card nothing" }, element("h3", { textContent: "No candidate is worth adding" }), element("p", { textContent: "No effect of the library lowers the error enough, on the records fitted and on blocks held out, to be worth its parameters." })));
-  for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Indistinguishable" }), element("p", { textContent: `These records cannot tell ${set.join(", ")} apart: the first of them is as good a name as the others.` })));
+  for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Indistinguishable" }), element("p", { textContent: `These records cannot tell ${listed(set)} apart: the first of them is as good a name as the others.` })));
   if (next) all.push(nextCard(next));
   all.push(...cards.map((c, k) => card(c, figures, k === 0)));
-  $("missing-words").textContent = diagnosed ? "Gain: the share of the error that the effect explains, on the records fitted and on blocks held out." : "Every effect of the library is tried on the model, on records fitted and on blocks held out.";
+  $("missing-words").textContent = diagnosed ? "Gain: the share of the error that the effect explains, on the records fitted and on blocks held out. The order is that of the likelihood of blocks held out; what these records cannot tell apart shares a rank." : "Every effect of the library is tried on the model, on records fitted and on blocks held out.";
   $("ranking").hidden = !cards.length;
   $("candidates").replaceChildren(...cards.map(candidateRow));
   $("cards").replaceChildren(...all);
@@ -116,6 +116,8 @@ async function showEstimates() {
 // Glossary: symbols, units, meanings and equations, for the table and for tooltips.
 let terms = [];
 const meaningOf = (name) => { const t = terms.find((term) => term.name === name); return t ? `${t.meaning}. ${t.equation}` : ""; };
+// The first words of it: who slides a parameter sees what it is without a mouse that waits over it.
+const captionOf = (name) => { const t = terms.find((term) => term.name === name); return t ? t.meaning.split(/[:;.,]( |$)/)[0] : ""; };
 async function showGlossary() {
   const answer = await ask("/api/glossary");
   terms = answer.terms;

@@ -68,7 +68,13 @@ fn the_whole_loop_on_published_logs_that_are_dropped_on_the_page() {
         diagnosed(&mut browser);
     }
     browser.screenshot("header", "light-0-real-log");
-    let badges = ["Explained", "Partly explained", "Unexplained", "An effect is missing"];
+    let badges = [
+        "Explained",
+        "Explained but for a disturbance",
+        "Partly explained",
+        "Unexplained",
+        "An effect is missing",
+    ];
     assert!(badges.contains(&browser.text("#badge").as_str()), "{}", browser.text("#badge"));
     // kS-kV-kA stands beside the other models.
     assert_eq!(browser.text("#models tr:first-child th"), "kS-kV-kA");
@@ -159,6 +165,11 @@ fn a_wrong_effect_is_not_praised_and_goes_with_one_click() {
     browser.wait(&format!("document.querySelectorAll('.chip').length == 0 && {FRESH}"));
     assert_eq!(effects(&mut browser), 0.0);
     assert_eq!(browser.text("#next"), "Find what is missing");
+    // The model is what it was, and who has seen the effect fail is not sent there again.
+    let again = browser.number("state.ladder[2].validation.rmse");
+    assert!((again / before - 1.0).abs() < 1e-3, "{before} before, {again} after");
+    diagnosed(&mut browser);
+    assert_eq!(browser.value("document.querySelector('#card-lost_counts')"), serde_json::Value::Null);
 }
 
 #[test]

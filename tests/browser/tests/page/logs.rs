@@ -87,6 +87,60 @@ fn the_two_sides_of_a_bridge_are_taken_for_the_difference_that_drives_the_motor(
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
+/// The message of the dialogue after it was asked to read the log with columns of these `kinds`.
+fn refused(browser: &mut Browser, log: &Path, kinds: [&str; 3], counts: &str) -> String {
+    asked_about(browser, log);
+    let kinds = serde_json::json!(kinds);
+    browser.value(&format!(
+        "document.querySelectorAll('#preview select').forEach((s, k) => {{ s.value = {kinds}[k]; }}), $('log-supply').value = '12', $('log-counts').value = '{counts}'"
+    ));
+    browser.click("#use");
+    browser.wait("!$('log-fault').hidden");
+    let told = browser.text("#log-fault");
+    browser.click("#cancel");
+    told
+}
+
+#[test]
+fn what_the_dialogue_refuses_it_tells_how_to_mend_on_the_page() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let log = directory.path().join("turned.csv");
+    let mut text = "millis,pwm,enc\n".to_owned();
+    let (mut w, mut x) = (0.0, 0.0);
+    for k in 0..800 {
+        let duty = (150.0 * (0.02 * f64::from(k)).sin()).round();
+        writeln!(text, "{},{duty},{x:.0}", 10 * k).unwrap();
+        w += 0.01 * (0.1 * duty - w) / 0.06;
+        x -= 0.01 * w * 1320.0 / std::f64::consts::TAU;
+    }
+    std::fs::write(&log, text).unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+
+    let told = refused(&mut browser, &log, ["time:ms", "duty:255", "angle:counts"], "");
+    assert!(told.contains("fill in \"Counts per output turn\"") && !told.contains("--"), "{told}");
+    let told = refused(&mut browser, &log, ["time:ms", "", "angle:counts"], "1320");
+    assert!(told.contains("in the row below the names") && !told.contains("--"), "{told}");
+    // An encoder that counts the other way is found when the records are taken in, and turned round in the dialogue.
+    let read = |browser: &mut Browser, turned: bool| {
+        asked_about(browser, &log);
+        browser.value(&format!("$('log-counts').value = '1320', $('log-turned').checked = {turned}"));
+        browser.click("#use");
+    };
+    read(&mut browser, false);
+    browser.wait("!$('alarm').hidden && $('running').hidden");
+    let told = browser.text("#alarm");
+    assert!(told.contains("open the log again and tick \"turn angle and speed round"), "{told}");
+    read(&mut browser, true);
+    browser.wait(&format!("state.title == 'turned' && {FRESH}"));
+    assert_eq!(
+        browser.value("document.querySelector('#ranges small').textContent"),
+        "steady speed of the output shaft per volt"
+    );
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
 #[test]
 fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let _alone = alone();

@@ -1,5 +1,6 @@
 //! The report file, opened with no network.
 
+use base64::Engine;
 use motorlens_browser_tests::{Browser, Server, run};
 
 use super::{alone, opened};
@@ -31,6 +32,14 @@ fn the_report_draws_all_five_steps_from_its_one_file() {
     browser.wait("document.querySelector('.record:not([hidden]) canvas') && document.querySelectorAll('.record:not([hidden])').length == 1");
     assert_eq!(browser.number("performance.getEntriesByType('resource').length"), 0.0);
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+
+    // A reader wants verdict, plots and tables of seven records on few pages, nothing drawn beyond an edge.
+    let paper =
+        browser.call("Page.printToPDF", serde_json::json!({ "paperWidth": 8.27, "paperHeight": 11.69 }));
+    let paper = base64::engine::general_purpose::STANDARD.decode(paper["data"].as_str().unwrap()).unwrap();
+    let pages = paper.windows(12).filter(|word| word == b"/Type /Page\n").count();
+    println!("the report of the default protocol has {pages} pages");
+    assert!((1..=10).contains(&pages), "{pages} pages");
 }
 
 #[test]

@@ -119,6 +119,21 @@ fn a_running_fit_stops_at_a_step_and_the_next_one_may_start() {
     browser.wait(&format!("document.querySelectorAll('.chip').length == 1 && {FRESH}"));
 }
 
+/// The same motor, by the page's button and by `demo`: what the page did not know of it had a second effect make up for.
+#[test]
+fn the_button_leads_to_the_answer_of_the_loop_by_itself() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    diagnosed(&mut browser);
+    added(&mut browser);
+    diagnosed(&mut browser);
+    assert_eq!(browser.text("#badge"), "Explained");
+    browser.click("#reveal");
+    browser.wait("!$('answer').hidden");
+    assert!(browser.text("#answer").starts_with("Right."), "{}", browser.text("#answer"));
+}
+
 #[test]
 fn a_puzzle_is_set_found_and_revealed() {
     let _alone = alone();
@@ -142,5 +157,6 @@ fn a_puzzle_is_set_found_and_revealed() {
     browser.wait("/Hidden: /.test(document.querySelector('#answer').textContent)");
     browser.screenshot("header", "light-0-puzzle");
     let answer = browser.text("#answer");
+    assert!(!answer.contains('='), "{answer}");
     assert!(answer.starts_with("Right."), "{answer}");
 }
