@@ -252,10 +252,7 @@ pub fn discover(
 pub fn discover_records(records: &[Record], options: &Options, observer: Observer) -> Result<Discovered> {
     watched(observer, move |tell| {
         let asked = search::Options { library: options.library.clone(), most: options.most };
-        let found =
-            search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
-                event(progress).into_iter().for_each(tell);
-            })?;
+        let found = search::discover(records, &options.validation, &options.motor, &asked, &mut told(tell))?;
         let findings = Findings::new(&found, &log::data_faults(records.iter().chain(&options.validation)));
         Ok(Discovered { findings, model: found.model })
     })
@@ -292,10 +289,7 @@ pub fn plan(
 ) -> Result<Option<NextExperiment>> {
     watched(observer, move |tell| {
         let asked = search::Options { library: options.library.clone(), most: 1 };
-        let found =
-            search::discover(records, &options.validation, &options.motor, &asked, &mut |progress| {
-                event(progress).into_iter().for_each(tell);
-            })?;
+        let found = search::discover(records, &options.validation, &options.motor, &asked, &mut told(tell))?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
         Ok(NextExperiment::of(found.plan(Limits { volts, seconds }), &found.limits))
     })
@@ -416,21 +410,19 @@ pub fn same(
             Some(kinds) => kinds.to_vec(),
             None => {
                 let asked = search::Options { library: options.library.clone(), most: options.most };
-                search::discover(first, &[], motor, &asked, &mut |progress| {
-                    event(progress).into_iter().for_each(tell)
-                })?
-                .effects
+                search::discover(first, &[], motor, &asked, &mut told(tell))?.effects
             }
         };
         crate::same::same(first, second, motor, &kinds)
     })
 }
 
-fn event(progress: Progress) -> Option<Event> {
-    match progress {
-        Progress::Trying { depth, effect } => Some(Event::Trying { depth, effect }),
-        Progress::Rung(rung) => Some(Event::Model { effects: rung.effects, rmse: rung.train.rmse }),
-        Progress::Anew(_) => None,
+/// What a search tells, as the observer's events.
+fn told(tell: &dyn Fn(Event)) -> impl FnMut(Progress) {
+    move |progress| match progress {
+        Progress::Trying { depth, effect } => tell(Event::Trying { depth, effect }),
+        Progress::Rung(rung) => tell(Event::Model { effects: rung.effects, rmse: rung.train.rmse }),
+        Progress::Anew(_) => {}
     }
 }
 

@@ -11,7 +11,6 @@ use crate::error::{BadInput, Error, Result};
 use crate::fit::grid::Quantity;
 use crate::fit::layout::{BaseValues, Prior, Values};
 use crate::fit::search::Problem;
-use crate::fit::window::SpeedReading;
 use crate::formula::{self, Written};
 
 /// Version of the file's layout.
@@ -49,12 +48,9 @@ pub struct RigValues {
     pub reference_speed_rad_s: f64,
     /// One encoder count, rad of the output shaft.
     pub count_rad: f64,
-    /// What a reading of the speed is; none of a model fitted to angles.
+    /// What the speeds are that it was fitted to; none of a model fitted to angles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_reading: Option<Quantity>,
-    /// Where that is a mean over a window, how long it is, s; none where it is the mean since the sample before.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed_window_s: Option<f64>,
 }
 
 /// Beliefs, as stored: centre and spread.
@@ -139,29 +135,8 @@ impl Model {
     /// A model of `values` as they were fitted to the records of `problem`, whose speeds are read as they are there.
     pub(crate) fn fitted(values: &Values, problem: &Problem, origin: Origin) -> Self {
         let mut model = Self::new(values, &problem.rig, &problem.prior, origin);
-        model.read_speeds(problem.speeds());
+        model.rig.speed_reading = problem.speeds();
         model
-    }
-
-    /// How the speeds were read that it was fitted to.
-    pub(crate) fn speed_reading(&self) -> Option<SpeedReading> {
-        let mean = || self.rig.speed_window_s.map_or(SpeedReading::SinceLast, SpeedReading::Window);
-        match self.rig.speed_reading? {
-            Quantity::Angle => None,
-            Quantity::Speed => Some(SpeedReading::Instant),
-            Quantity::MeanSpeed => Some(mean()),
-        }
-    }
-
-    /// Keeps how speeds are read.
-    pub(crate) fn read_speeds(&mut self, reading: Option<SpeedReading>) {
-        let (quantity, window_s) = match reading {
-            None => (None, None),
-            Some(SpeedReading::Instant) => (Some(Quantity::Speed), None),
-            Some(SpeedReading::SinceLast) => (Some(Quantity::MeanSpeed), None),
-            Some(SpeedReading::Window(length)) => (Some(Quantity::MeanSpeed), Some(length)),
-        };
-        (self.rig.speed_reading, self.rig.speed_window_s) = (quantity, window_s);
     }
 
     /// A model of `values` on `rig`.
@@ -187,7 +162,6 @@ impl Model {
                 reference_speed_rad_s: rig.reference_speed,
                 count_rad: rig.count_rad,
                 speed_reading: None,
-                speed_window_s: None,
             },
             prior: PriorValues { tau_e: prior.tau_e, viscous_share: prior.viscous_share },
             base: values.base,

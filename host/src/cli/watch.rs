@@ -50,7 +50,9 @@ pub fn climb<'a>(
             });
         }
         Progress::Anew(reading) => {
-            bar.suspend(|| console.say(format!("Each speed turns out to be {reading}. With that, anew:")));
+            if let Some(reading) = reading.speed_in_words() {
+                bar.suspend(|| console.say(format!("Each speed turns out to be {reading}. With that, anew:")));
+            }
         }
         Progress::Rung(rung) => {
             // The step that ended is not said beside the bar of the next one.

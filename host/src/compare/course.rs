@@ -86,7 +86,6 @@ mod tests {
         let angle: Vec<f64> =
             time_s.iter().map(|t| t.min(1.0) + (t - 2.0).clamp(0.0, 1.0) - (t - 3.0).max(0.0)).collect();
         let run = FreeRun {
-            speed_reading: None,
             record: "r".into(),
             simulated: angle.iter().map(|a| a * 0.9).collect(),
             measured: angle,

@@ -191,7 +191,6 @@ mod tests {
             voltage_v.push(speed);
         }
         FreeRun {
-            speed_reading: None,
             record: "r".into(),
             time_s,
             measured,

@@ -9,7 +9,6 @@ use crate::fit::grid::Quantity;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
-use crate::fit::window::SpeedReading;
 
 /// A measured record and the run beside it.
 #[derive(Debug, Clone)]
@@ -26,8 +25,6 @@ pub struct FreeRun {
     pub voltage_v: Vec<f64>,
     /// What both are.
     pub quantity: Quantity,
-    /// How a speed is read; none of an angle.
-    pub speed_reading: Option<SpeedReading>,
 }
 
 impl FreeRun {
@@ -76,7 +73,6 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
                 voltage_v: (0..grid.len()).map(held).collect(),
                 simulated,
                 quantity: grid.quantity,
-                speed_reading: grid.speed_reading(),
             }
         })
         .collect()

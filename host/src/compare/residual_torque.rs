@@ -155,7 +155,6 @@ pub(super) mod testing {
         };
         let time_s: Vec<f64> = (0..12_000).map(|k| f64::from(k) * 1e-3).collect();
         FreeRun {
-            speed_reading: None,
             record: "made".into(),
             measured: go(&torque),
             simulated: go(&|_, _| 0.0),

@@ -68,7 +68,6 @@ mod tests {
     fn run(record: &str, error: impl Fn(f64) -> f64) -> FreeRun {
         let time_s: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).collect();
         FreeRun {
-            speed_reading: None,
             record: record.into(),
             measured: vec![0.0; 1000],
             simulated: time_s.iter().map(|t| error(*t)).collect(),

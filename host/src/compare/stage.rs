@@ -22,7 +22,7 @@ pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Resul
 
 /// The same with the first speeds of a rough base model, and that model: where a fit begins. Speeds are read as they were when `model` was fitted.
 pub fn laid_out(model: &Model, records: &[Record], motor: &MotorFile) -> (Problem, Values) {
-    let (mut problem, start) = setup::problem_of(records, motor, model.speed_reading());
+    let (mut problem, start) = setup::problem_of(records, motor, model.rig.speed_reading);
     problem.rig = model.rig(problem.rig.step_s);
     problem.prior = model.prior();
     (problem, start)
@@ -31,7 +31,7 @@ pub fn laid_out(model: &Model, records: &[Record], motor: &MotorFile) -> (Proble
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::window::SpeedReading;
+    use crate::fit::grid::Quantity;
 
     #[test]
     fn speeds_are_read_as_they_were_when_the_model_was_fitted() {
@@ -48,9 +48,9 @@ mod tests {
             ([Record { time_s, voltage_v, speed_rad_s, ..Record::default() }], MotorFile::default());
         let (problem, values) = setup::problem(&records, &file);
         let mut model = Model::fitted(&values, &problem, crate::model_file::Origin::default());
-        assert_eq!(model.speed_reading(), problem.speeds());
-        for reading in [SpeedReading::Instant, SpeedReading::SinceLast, SpeedReading::Window(0.05)] {
-            model.read_speeds(Some(reading));
+        assert_eq!(model.rig.speed_reading, problem.speeds());
+        for reading in [Quantity::Speed, Quantity::MeanSpeed, Quantity::WindowSpeed(0.05)] {
+            model.rig.speed_reading = Some(reading);
             assert_eq!(problem_of(&model, &records, &file).unwrap().speeds(), Some(reading));
         }
     }

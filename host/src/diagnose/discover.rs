@@ -9,13 +9,11 @@ use super::ladder::{Ranked, Rung, rung};
 use super::plan::{self, Limits, Plan};
 use crate::compare::laid_out;
 use crate::error::Result;
-use crate::fit::grid::Grid;
-use crate::fit::instants::read_otherwise;
+use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Values;
 use crate::fit::reading::fast_scatter;
 use crate::fit::search::Problem;
 use crate::fit::setup;
-use crate::fit::window::SpeedReading;
 use crate::log::{Record, repeats};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
@@ -37,7 +35,7 @@ pub enum Progress {
     /// A rung of the ladder is fitted.
     Rung(Rung),
     /// The speeds turn out to be read so: the ladder is climbed anew.
-    Anew(SpeedReading),
+    Anew(Quantity),
 }
 
 /// What to look for.
@@ -105,10 +103,8 @@ pub fn discover(
     };
     let found = select((evidence, model), progress);
     // How a speed is read was asked of a motor without the effects that are known now.
-    let whole = &found.evidence.whole;
     let values = found.selected.model().values();
-    let otherwise = || read_otherwise(&whole.grids, &values, &whole.rig, &whole.prior);
-    let Some(otherwise) = (!values.effects.is_empty()).then(otherwise).flatten() else { return Ok(found) };
+    let Some(otherwise) = found.evidence.whole.read_otherwise(&values) else { return Ok(found) };
     let read_so = settled(setup::problem_of(records, motor, Some(otherwise)), records, validation, motor);
     let again = select(read_so, &mut |told| {
         if matches!(told, Progress::Trying { .. }) {

@@ -316,7 +316,6 @@ mod tests {
     use crate::diagnose::discover::prepare;
     use crate::exam::case::{Case, Conditions};
     use crate::findings::NextExperiment;
-    use crate::fit::window::SpeedReading;
     use crate::select::forward::forward;
 
     #[test]
@@ -335,7 +334,7 @@ mod tests {
         let mut speed = angle.clone();
         let means = |mut grid: Grid| {
             grid.quantity = Quantity::Speed;
-            grid.read_as(SpeedReading::SinceLast)
+            grid.read_as(Quantity::MeanSpeed)
         };
         speed.grids = speed.grids.into_iter().map(means).collect();
         assert!((highest(&angle) / (0.05 * steady) - 1.0).abs() < 0.02, "{} rad", highest(&angle));

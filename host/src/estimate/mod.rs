@@ -19,7 +19,7 @@ pub use added::{Addition, Errors, Moved, add};
 pub use combinations::combinations;
 pub use identifiability::{Answer, Identifiability, Unlock, identifiability};
 pub use profile::{Profile, profiles};
-pub use start::{prepare, prepare_for};
+pub use start::prepare;
 
 use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
@@ -123,7 +123,7 @@ pub fn fit(
     progress: &mut dyn FnMut(u32, f64),
 ) -> Result<Fit> {
     check_effects(&options.effects)?;
-    let (problem, base) = prepare_for(records, motor, &options.effects)?;
+    let (problem, base) = start::prepare_for(records, motor, &options.effects)?;
     check_all_usable(validation)?;
     let begun = Instant::now();
     let searched = match options.method {

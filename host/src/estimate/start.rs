@@ -4,7 +4,6 @@ use motorlens_shared::effects::Kind;
 
 use super::fast;
 use crate::error::Result;
-use crate::fit::instants::read_otherwise;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::setup;
@@ -28,8 +27,7 @@ pub fn prepare(records: &[Record], motor: &MotorFile) -> Result<(Problem, Values
 pub fn prepare_for(records: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<(Problem, Values)> {
     let (problem, base) = prepare(records, motor)?;
     let otherwise = || {
-        let values = fast::search(&problem, &base, effects).values;
-        read_otherwise(&problem.grids, &values, &problem.rig, &problem.prior)
+        problem.read_otherwise(&fast::search(&problem, &base, effects).values)
     };
     let asks = !effects.is_empty() && problem.speeds().is_some();
     Ok(match asks.then(otherwise).flatten() {

@@ -16,6 +16,7 @@ use crate::diagnose::ladder::{Ranked, Rung};
 use crate::diagnose::plan::{Limits, Plan};
 use crate::error::Error;
 use crate::estimate::combinations;
+use crate::fit::grid::Quantity;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::Warning;
 use crate::report::falls::judged;
@@ -167,7 +168,7 @@ impl Findings {
             badge: standing.badge,
             left_over: errors.left_over(),
             explained_share: errors.explained_share(),
-            speed_reading: found.evidence.whole.speeds().map(|reading| reading.to_string()),
+            speed_reading: found.evidence.whole.speeds().and_then(Quantity::speed_in_words),
             noise_floor_rad: found.noise_floor,
             ladder: found.ladder.clone(),
             candidates: first(&found.candidates, suggested),

@@ -6,19 +6,21 @@
 
 use super::reading::reading_noise;
 use super::voltages::mean_voltages;
-use super::window::{Since, SpeedReading};
+use super::window::Since;
 use crate::log::{Record, timing};
 
 /// What the record's main column is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Angle of the output shaft, rad.
     Angle,
     /// Speed at the sampling instant, rad/s.
     Speed,
-    /// Mean speed, as counted from encoder edges: since the last sample, or over a window ([`super::window`]), rad/s.
+    /// Mean speed since the last sample, as counted from encoder edges, rad/s.
     MeanSpeed,
+    /// Mean speed over the last so many seconds, rad/s.
+    WindowSpeed(f64),
 }
 
 impl Quantity {
@@ -26,7 +28,19 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Angle => "rad",
-            Self::Speed | Self::MeanSpeed => "rad/s",
+            Self::Speed | Self::MeanSpeed | Self::WindowSpeed(_) => "rad/s",
+        }
+    }
+
+    /// In a sentence, after "each speed is"; none of an angle.
+    pub fn speed_in_words(self) -> Option<String> {
+        match self {
+            Self::Angle => None,
+            Self::Speed => Some("that of its time".into()),
+            Self::MeanSpeed => Some("the mean since the reading before".into()),
+            Self::WindowSpeed(length) => {
+                Some(format!("the mean over the last {} ms", (1e4 * length).round() / 10.0))
+            }
         }
     }
 }
@@ -61,8 +75,6 @@ pub struct Grid {
     pub measured: Vec<f64>,
     /// What that is.
     pub quantity: Quantity,
-    /// Of mean speeds that window, s; none where it is the time since the sample before.
-    pub(super) window_s: Option<f64>,
     /// Of mean speeds where each begins, a sample after the other.
     pub(super) since: Vec<Since>,
     /// Angle at the start, rad.
@@ -118,7 +130,6 @@ impl Grid {
             places: Vec::new(),
             measured: Vec::new(),
             quantity,
-            window_s: None,
             since: Vec::new(),
             start_angle: record.angle_rad.as_ref().map_or(0.0, |a| a[0]),
             start_speed: 0.0,
@@ -140,7 +151,7 @@ impl Grid {
             let speed = median3(grid.measured[0], grid.measured[1], grid.measured[2]);
             grid.begin_at(speed, grid.voltages[1]);
         }
-        if grid.quantity == Quantity::MeanSpeed { grid.read_as(SpeedReading::SinceLast) } else { grid }
+        grid.read_as(quantity)
     }
 
     /// Mean voltage of every cell, V.

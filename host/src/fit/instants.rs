@@ -10,12 +10,11 @@ use motorlens_shared::effects::{Kind, Rig};
 
 use super::cost::Objective;
 use super::grid::{Grid, Quantity};
-use super::layout::{Layout, Prior, Values};
+use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::setup::first_base;
 use super::simulate::predict_one;
 use super::sketch::Sketch;
-use super::window::SpeedReading;
 
 /// A reading is believed against what its column looks like where its likelihood is higher by so many natural logarithms.
 const DECIDES: f64 = 5.0;
@@ -30,25 +29,40 @@ const SKETCH: Sketch = Sketch { samples: 8e3, cell_s: 4.01e-3, interval_s: 0.0 }
 /// Starts that are searched, and steps.
 const SEARCHED: (usize, usize) = (2, 14);
 
-/// How the speeds of `grids` are read where the motion says that it is not as it stands there, under a model that begins as `values`; none of
-/// records of an angle. Of a plain motor each reading has a base of its own.
-pub fn read_otherwise(grids: &[Grid], values: &Values, rig: &Rig, prior: &Prior) -> Option<SpeedReading> {
-    let now = grids.first()?.speed_reading()?;
+impl Problem {
+    /// What its speeds are, where a model of `values` says that they are not what they are taken for; none of a plain motor, of which that was
+    /// asked when the records were laid out.
+    pub fn read_otherwise(&self, values: &Values) -> Option<Quantity> {
+        if values.effects.is_empty() {
+            return None;
+        }
+        best_reading(&self.grids, |grids| misfit(grids, values, &self.rig, &self.prior))
+    }
+}
+
+/// What the speeds of `grids` are, where a plain motor says that they are not what they are taken for. Each reading has a base of its own, that
+/// at hand `base`.
+pub(super) fn plainly_otherwise(grids: &[Grid], base: BaseValues, rig: &Rig, prior: &Prior) -> Option<Quantity> {
+    let own = grids.first()?.quantity;
+    best_reading(grids, |grids| {
+        let base = if grids[0].quantity == own { base } else { first_base(grids, rig, prior) };
+        misfit(grids, &Values { base, effects: Vec::new() }, rig, prior)
+    })
+}
+
+/// The reading of the speeds of `grids` of which `misfit` is clearly less than of that at hand; none where angles are among them.
+fn best_reading(grids: &[Grid], misfit: impl Fn(&[Grid]) -> f64) -> Option<Quantity> {
+    let now = grids.first()?.quantity;
     if grids.iter().any(|g| g.quantity == Quantity::Angle) {
         return None;
     }
-    let misfit_as = |reading: SpeedReading| {
+    let misfit_as = |reading| {
         let grids: Vec<Grid> = grids.iter().map(|g| g.clone().read_as(reading)).collect();
-        let plain = || Values { base: first_base(&grids, rig, prior), effects: Vec::new() };
-        if values.effects.is_empty() {
-            misfit(&grids, &plain(), rig, prior)
-        } else {
-            misfit(&grids, values, rig, prior)
-        }
+        misfit(&grids)
     };
     let own = misfit_as(now);
     let mut best = (own, now);
-    let mut is_better = |reading: SpeedReading| {
+    let mut is_better = |reading: Quantity| {
         let misfit = if reading == now { own } else { misfit_as(reading) };
         let better = misfit < best.0;
         if better {
@@ -56,12 +70,12 @@ pub fn read_otherwise(grids: &[Grid], values: &Values, rig: &Rig, prior: &Prior)
         }
         better
     };
-    is_better(SpeedReading::Instant);
-    is_better(SpeedReading::SinceLast);
+    is_better(Quantity::Speed);
+    is_better(Quantity::MeanSpeed);
     let lengths = WINDOWS.iter().map(|samples| samples * grids[0].interval_s);
     let mut worse = 0;
     for length in lengths.take_while(|length| *length < LONGEST_WINDOW_S) {
-        worse = if is_better(SpeedReading::Window(length)) { 0 } else { worse + 1 };
+        worse = if is_better(Quantity::WindowSpeed(length)) { 0 } else { worse + 1 };
         if worse == ENOUGH_WORSE {
             break;
         }
@@ -147,7 +161,7 @@ fn left(problem: &Problem, plain: &Values, kinds: &[Kind]) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::fit::setup::problem;
-    use crate::fit::window::SpeedReading::{self, Instant, SinceLast, Window};
+    use crate::fit::grid::Quantity::{self, MeanSpeed, Speed, WindowSpeed};
     use crate::log::Record;
     use crate::motor_file::MotorFile;
 
@@ -198,14 +212,14 @@ mod tests {
         }
     }
 
-    fn found(record: Record) -> Option<SpeedReading> {
+    fn found(record: Record) -> Option<Quantity> {
         problem(&[record], &MotorFile::default()).0.speeds()
     }
 
     #[test]
     fn a_filtered_speed_of_the_instant_is_no_mean_and_a_filtered_mean_is_none_of_the_instant() {
         for filter_s in [0.0, 0.02, 0.04] {
-            for (samples, right) in [(0, Instant), (1, SinceLast)] {
+            for (samples, right) in [(0, Speed), (1, MeanSpeed)] {
                 // A mean without a filter is a delay of half a sample all but exactly.
                 if samples == 1 && filter_s == 0.0 {
                     continue;
@@ -222,7 +236,7 @@ mod tests {
         for filter_s in [0.0, 0.02] {
             for (samples, disturbance) in [(2, 0.0), (5, 0.0), (2, 0.1), (5, 0.1)] {
                 let reading = found(record(filter_s, samples, disturbance));
-                let Some(Window(length)) = reading else { panic!("{samples} samples: {reading:?}") };
+                let Some(WindowSpeed(length)) = reading else { panic!("{samples} samples: {reading:?}") };
                 let told = format!("filter of {filter_s} s, disturbance of {disturbance} V");
                 assert!((length / (0.02 * samples as f64) - 1.0).abs() < 1e-6, "{told}: {length} s");
             }

@@ -6,11 +6,10 @@ use super::cost::Objective;
 use super::fixed::Fixed;
 use super::grid::{Grid, Quantity};
 use super::held::{date, held};
-use super::instants::read_otherwise;
+use super::instants::plainly_otherwise;
 use super::layout::{BaseValues, Layout, Prior, Values};
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
-use super::window::SpeedReading;
 use crate::log::quantum::quantum as step_of;
 use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
@@ -75,7 +74,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
 pub(crate) fn problem_of(
     records: &[Record],
     motor: &MotorFile,
-    read: Option<SpeedReading>,
+    read: Option<Quantity>,
 ) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
@@ -90,8 +89,8 @@ pub(crate) fn problem_of(
         grids = grids.into_iter().map(|grid| grid.read_as(read)).collect();
     }
     let mut base = first_base(&grids, &rig, &prior);
-    let plain = Values { base, effects: Vec::new() };
-    if let Some(otherwise) = read.is_none().then(|| read_otherwise(&grids, &plain, &rig, &prior)).flatten() {
+    let otherwise = || plainly_otherwise(&grids, base, &rig, &prior);
+    if let Some(otherwise) = read.is_none().then(otherwise).flatten() {
         grids = grids.into_iter().map(|grid| grid.read_as(otherwise)).collect();
         base = first_base(&grids, &rig, &prior);
     }
@@ -144,9 +143,9 @@ impl Problem {
         }
     }
 
-    /// How speeds are read, those of one motor all alike; none where there are angles only.
-    pub fn speeds(&self) -> Option<SpeedReading> {
-        self.grids.iter().find_map(Grid::speed_reading)
+    /// What the speeds are, those of one motor all alike; none where there are angles only.
+    pub fn speeds(&self) -> Option<Quantity> {
+        self.grids.iter().map(|grid| grid.quantity).find(|quantity| *quantity != Quantity::Angle)
     }
 
     /// Records kept out of the fit, laid on their grids; where readings are held, they are dated with the hold found here.

@@ -110,7 +110,9 @@ impl<S: Scalar> Sink<S> for Sampler<'_, S> {
                     let mean = (after[0] - before[0]) * S::lit(1.0 / grid.step_s);
                     (after[1] - before[1]).mul_add(S::lit(place.part - 0.5), mean)
                 }
-                Quantity::MeanSpeed => (at(place) - self.since[number]) * S::lit(grid.since[number].rate),
+                Quantity::MeanSpeed | Quantity::WindowSpeed(_) => {
+                    (at(place) - self.since[number]) * S::lit(grid.since[number].rate)
+                }
             };
             self.out.push(sample);
         }

@@ -5,28 +5,6 @@
 use super::grid::{Grid, Place, Quantity};
 use crate::log::timing;
 
-/// How a speed is read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SpeedReading {
-    /// At the sampling instant.
-    Instant,
-    /// The mean since the sample before.
-    SinceLast,
-    /// The mean over the last so many seconds.
-    Window(f64),
-}
-
-/// In a sentence, after "each speed is".
-impl std::fmt::Display for SpeedReading {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Instant => f.write_str("that of its time"),
-            Self::SinceLast => f.write_str("the mean since the reading before"),
-            Self::Window(length) => write!(f, "the mean over the last {} ms", (1e4 * length).round() / 10.0),
-        }
-    }
-}
-
 /// Where the mean of a reading begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Since {
@@ -37,27 +15,14 @@ pub struct Since {
 }
 
 impl Grid {
-    /// How its speed is read; none of an angle.
-    pub fn speed_reading(&self) -> Option<SpeedReading> {
-        match self.quantity {
-            Quantity::Angle => None,
-            Quantity::Speed => Some(SpeedReading::Instant),
-            Quantity::MeanSpeed => Some(self.window_s.map_or(SpeedReading::SinceLast, SpeedReading::Window)),
-        }
-    }
-
-    /// The same with its speed read so; an angle stays what it is.
+    /// The same with its speed read as `quantity`; an angle stays what it is.
     #[must_use]
-    pub fn read_as(self, reading: SpeedReading) -> Self {
-        if self.quantity == Quantity::Angle {
-            return self;
-        }
-        let window_s = match reading {
-            SpeedReading::Instant => {
-                return Self { quantity: Quantity::Speed, window_s: None, since: Vec::new(), ..self };
-            }
-            SpeedReading::SinceLast => None,
-            SpeedReading::Window(length) => Some(length),
+    pub fn read_as(self, quantity: Quantity) -> Self {
+        let window_s = match (self.quantity, quantity) {
+            (Quantity::Angle, _) | (_, Quantity::Angle) => return self,
+            (_, Quantity::Speed) => return Self { quantity, since: Vec::new(), ..self },
+            (_, Quantity::MeanSpeed) => None,
+            (_, Quantity::WindowSpeed(length)) => Some(length),
         };
         let usual = timing::median_interval(&self.time_s);
         let before =
@@ -69,7 +34,7 @@ impl Grid {
             };
             Since { place, rate: 1.0 / before(k) }
         });
-        Self { quantity: Quantity::MeanSpeed, window_s, since: since.collect(), ..self }
+        Self { quantity, since: since.collect(), ..self }
     }
 }
 
@@ -94,9 +59,9 @@ mod tests {
     fn a_window_begins_its_length_before_each_sample_also_before_the_record() {
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.02).collect();
         let angle = Grid::new(&record(times, vec![1.0; 100]), 0.01);
-        let grid = Grid { quantity: Quantity::Speed, ..angle }.read_as(SpeedReading::Window(0.05));
-        assert_eq!(grid.speed_reading(), Some(SpeedReading::Window(0.05)));
-        assert_eq!(SpeedReading::Window(0.05).to_string(), "the mean over the last 50 ms");
+        let grid = Grid { quantity: Quantity::Speed, ..angle }.read_as(Quantity::WindowSpeed(0.05));
+        assert_eq!(grid.quantity, Quantity::WindowSpeed(0.05));
+        assert_eq!(grid.quantity.speed_in_words().unwrap(), "the mean over the last 50 ms");
         for (since, place) in grid.since.iter().zip(&grid.places) {
             let at = |p: &Place| grid.step_s * (p.cell as f64 + p.part);
             assert!((at(place) - at(&since.place) - 0.05).abs() < 1e-9, "{since:?} {place:?}");

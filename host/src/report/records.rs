@@ -114,7 +114,7 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
             told.words(shown.base.measures().rmse),
             shown.against,
             told.noise_in_words(),
-            run.speed_reading.map(|reading| format!("; each speed is {reading}")).unwrap_or_default(),
+            run.quantity.speed_in_words().map(|reading| format!("; each speed is {reading}")).unwrap_or_default(),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
         columns,
@@ -142,7 +142,6 @@ fn part(run: &FreeRun, window: Option<Window>) -> FreeRun {
     let (from, to) = places_within(&run.time_s, Some((low - HALF_SPAN_S, high + HALF_SPAN_S)));
     let cut = |column: &[f64]| column[from..to].to_vec();
     FreeRun {
-        speed_reading: None,
         record: run.record.clone(),
         time_s: cut(&run.time_s),
         measured: cut(&run.measured),
@@ -192,7 +191,6 @@ mod tests {
     fn turning() -> Shown {
         let time_s: Vec<f64> = (0..100_000).map(|k| f64::from(k) * 1e-3).collect();
         let run = FreeRun {
-            speed_reading: None,
             record: "r".into(),
             measured: time_s.iter().map(|t| 3.0 * t).collect(),
             simulated: time_s.iter().map(|t| 2.9 * t).collect(),
@@ -212,6 +210,16 @@ mod tests {
         assert!(times(&whole).len() <= POINTS + 2);
         assert!(times(&part).len() >= 500 && times(&part)[1] == 40.0, "{:?}", times(&part)[1]);
         assert_eq!(part["x"]["range"], serde_json::json!([40.0, 40.5]));
+    }
+
+    #[test]
+    fn how_speeds_are_read_is_told_of_all_of_a_record_and_of_a_window_of_it() {
+        let mut shown = turning();
+        (shown.model.quantity, shown.base.quantity) = (Quantity::WindowSpeed(0.1), Quantity::WindowSpeed(0.1));
+        for window in [None, Some((40.0, 40.5))] {
+            let reading = figure("r", &shown, 1e-3, window).reading;
+            assert!(reading.contains("each speed is the mean over the last 100 ms"), "{reading}");
+        }
     }
 
     #[test]
