@@ -37,7 +37,7 @@ pub fn run_wide(
         [] => work.run(|_| Nothing),
         [(kind, _)] => kind.with(work),
         [(kind, _), _] => kind.with(First(work)),
-        _ => work.run_several(),
+        _ => work.run_many(),
     }
 }
 
@@ -93,6 +93,11 @@ impl Work<'_> {
         // SAFETY: see run_wide.
         let effects = unsafe { late(self.delay, between, self.lag, &self.prepared.setting) };
         self.run_all(effects);
+    }
+
+    /// Any set, as far as what is only late can be taken apart from it.
+    fn run_many(self) {
+        self.run(|work| Several::new(work.between, &work.prepared.setting));
     }
 
     fn run_several(self) {

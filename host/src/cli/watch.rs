@@ -51,7 +51,9 @@ pub fn climb<'a>(
         }
         Progress::Anew(reading) => {
             if let Some(reading) = reading.speed_in_words() {
-                bar.suspend(|| console.say(format!("Each speed turns out to be {reading}. With that, anew:")));
+                bar.suspend(|| {
+                    console.say(format!("Each speed turns out to be {reading}. With that, anew:"))
+                });
             }
         }
         Progress::Rung(rung) => {

@@ -190,14 +190,7 @@ mod tests {
             simulated.push(angle - error);
             voltage_v.push(speed);
         }
-        FreeRun {
-            record: "r".into(),
-            time_s,
-            measured,
-            simulated,
-            voltage_v,
-            quantity: Quantity::Angle,
-        }
+        FreeRun { record: "r".into(), time_s, measured, simulated, voltage_v, quantity: Quantity::Angle }
     }
 
     fn by<'a>(map: &'a FailureMap, name: &str) -> &'a Slice {

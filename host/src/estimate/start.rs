@@ -26,9 +26,7 @@ pub fn prepare(records: &[Record], motor: &MotorFile) -> Result<(Problem, Values
 /// Records that no fit can use.
 pub fn prepare_for(records: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<(Problem, Values)> {
     let (problem, base) = prepare(records, motor)?;
-    let otherwise = || {
-        problem.read_otherwise(&fast::search(&problem, &base, effects).values)
-    };
+    let otherwise = || problem.read_otherwise(&fast::search(&problem, &base, effects).values);
     let asks = !effects.is_empty() && problem.speeds().is_some();
     Ok(match asks.then(otherwise).flatten() {
         Some(otherwise) => with_base(setup::problem_of(records, motor, Some(otherwise))),

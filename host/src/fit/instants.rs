@@ -42,7 +42,12 @@ impl Problem {
 
 /// What the speeds of `grids` are, where a plain motor says that they are not what they are taken for. Each reading has a base of its own, that
 /// at hand `base`.
-pub(super) fn plainly_otherwise(grids: &[Grid], base: BaseValues, rig: &Rig, prior: &Prior) -> Option<Quantity> {
+pub(super) fn plainly_otherwise(
+    grids: &[Grid],
+    base: BaseValues,
+    rig: &Rig,
+    prior: &Prior,
+) -> Option<Quantity> {
     let own = grids.first()?.quantity;
     best_reading(grids, |grids| {
         let base = if grids[0].quantity == own { base } else { first_base(grids, rig, prior) };
@@ -160,8 +165,8 @@ fn left(problem: &Problem, plain: &Values, kinds: &[Kind]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::setup::problem;
     use crate::fit::grid::Quantity::{self, MeanSpeed, Speed, WindowSpeed};
+    use crate::fit::setup::problem;
     use crate::log::Record;
     use crate::motor_file::MotorFile;
 

@@ -71,11 +71,7 @@ pub fn problem(records: &[Record], motor: &MotorFile) -> (Problem, Values) {
 }
 
 /// [`problem`]; of records whose speeds are known to be `read` so, that is not asked again.
-pub(crate) fn problem_of(
-    records: &[Record],
-    motor: &MotorFile,
-    read: Option<Quantity>,
-) -> (Problem, Values) {
+pub(crate) fn problem_of(records: &[Record], motor: &MotorFile, read: Option<Quantity>) -> (Problem, Values) {
     let mut rig = rig(records, motor);
     let counts_known =
         motor.counts_per_rev.is_some() || records.iter().any(|r| r.meta.counts_per_rev().is_some());

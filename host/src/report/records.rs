@@ -114,7 +114,10 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
             told.words(shown.base.measures().rmse),
             shown.against,
             told.noise_in_words(),
-            run.quantity.speed_in_words().map(|reading| format!("; each speed is {reading}")).unwrap_or_default(),
+            run.quantity
+                .speed_in_words()
+                .map(|reading| format!("; each speed is {reading}"))
+                .unwrap_or_default(),
         ),
         x: Axis { range: window.map(|(low, high)| [low, high]), ..Axis::titled("Time (s)") },
         columns,
@@ -215,7 +218,8 @@ mod tests {
     #[test]
     fn how_speeds_are_read_is_told_of_all_of_a_record_and_of_a_window_of_it() {
         let mut shown = turning();
-        (shown.model.quantity, shown.base.quantity) = (Quantity::WindowSpeed(0.1), Quantity::WindowSpeed(0.1));
+        (shown.model.quantity, shown.base.quantity) =
+            (Quantity::WindowSpeed(0.1), Quantity::WindowSpeed(0.1));
         for window in [None, Some((40.0, 40.5))] {
             let reading = figure("r", &shown, 1e-3, window).reading;
             assert!(reading.contains("each speed is the mean over the last 100 ms"), "{reading}");

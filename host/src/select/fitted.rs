@@ -22,8 +22,9 @@ use crate::fit::scales::{CHOOSING, KEEPING};
 /// Rounds of weighing of a model that is kept, and steps of each.
 pub const SETTLED: (usize, usize) = (3, 12);
 
-/// A simulation error so many times that of the model before is no improvement, whatever the likelihood says.
-const STRAYS: f64 = 3.0;
+/// A simulation error so many times that of the model before is no improvement, whatever the likelihood says; under a disturbance each run
+/// drifts by chance, and the better model's may drift a little further.
+const STRAYS: f64 = 1.25;
 
 /// Steps of the last correction.
 const LAST: usize = 12;
@@ -208,7 +209,7 @@ impl Fitted {
         !self.layout.at_the_end(&self.x).is_empty()
     }
 
-    /// Whether it simulates the records that it was fitted to much worse than `other` does. Fits hold the phase of what repeats with the angle at
+    /// Whether it simulates the records that it was fitted to clearly worse than `other` does. Fits hold the phase of what repeats with the angle at
     /// the measured angle; a model that only runs so is of no use.
     pub fn strays(&self, other: &Self, data: &Evidence) -> bool {
         let error = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);

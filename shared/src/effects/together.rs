@@ -3,7 +3,7 @@
 //! A set that the compiler knows ([`With`] ... [`Nothing`]) leaves no choice to be made in a step and keeps a block of
 //! lanes in registers; [`Several`] holds any set and chooses at every step.
 
-use super::{Active, Delay, Effect, Kind, Memory, Named, Now, Port, SensorLag, Setting};
+use super::{Active, Delay, Effect, Kind, Memory, Named, Now, Port, SensorLag, Setting, Spec};
 use crate::scalar::Scalar;
 use crate::step::{Drive, Laws, State};
 use heapless::Vec;
@@ -186,10 +186,37 @@ pub struct Several<S> {
     active: Vec<Active<S>, MAX_EFFECTS>,
     laws: Laws,
     two_masses: bool,
-    remembers: bool,
-    senses: bool,
+    /// Where those that drive, transmit, sense and remember stand: the registry's order is that of the ports.
+    driving: Places,
+    transmitting: Places,
+    sensing: Places,
+    remembering: Places,
     /// A sensor shows another one something else than the shaft.
     chained: bool,
+}
+
+/// The first of some places, and that behind the last.
+#[derive(Debug, Clone, Copy)]
+struct Places(usize, usize);
+
+impl Places {
+    /// From the first effect that `is` what is asked to the last; a user's formula may be anything.
+    fn of(effects: &[(Kind, &[impl Scalar])], is: impl Fn(&Spec) -> bool) -> Self {
+        let is_one = |(kind, _): &(Kind, _)| matches!(kind, Kind::Formula(_)) || is(kind.spec());
+        let effects = &effects[..effects.len().min(MAX_EFFECTS)];
+        let end = effects.iter().rposition(is_one).map_or(0, |last| last + 1);
+        Self(effects.iter().position(is_one).unwrap_or(0), end)
+    }
+
+    #[inline(always)]
+    fn among<T>(self, all: &[T]) -> &[T] {
+        all.get(self.0..self.1).unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn among_mut<T>(self, all: &mut [T]) -> &mut [T] {
+        all.get_mut(self.0..self.1).unwrap_or_default()
+    }
 }
 
 impl<S: Scalar> Several<S> {
@@ -197,14 +224,16 @@ impl<S: Scalar> Several<S> {
     #[must_use]
     pub fn new(effects: &[(Kind, &[S])], setting: &Setting<S>) -> Self {
         let any = |of: fn(Kind) -> bool| effects.iter().any(|(kind, _)| of(*kind));
+        let chained = any(|kind| kind == Kind::Eccentricity) && any(|kind| kind == Kind::SensorLag);
         Self {
             active: effects.iter().take(MAX_EFFECTS).map(|(k, p)| Active::new(*k, p, setting)).collect(),
             laws: effects.iter().fold(Laws::default(), |laws, (kind, _)| laws.and(kind.spec().laws)),
             two_masses: any(Kind::is_transmission),
-            remembers: any(|kind| kind.spec().remembers),
-            // A user's formula may enter anywhere.
-            senses: any(|kind| kind.spec().port == Port::Sensor || matches!(kind, Kind::Formula(_))),
-            chained: any(|kind| kind == Kind::Eccentricity) && any(|kind| kind == Kind::SensorLag),
+            driving: Places::of(effects, |spec| matches!(spec.port, Port::Voltage | Port::Torque)),
+            transmitting: Places::of(effects, Spec::transmits),
+            sensing: Places::of(effects, |spec| spec.port == Port::Sensor),
+            remembering: Places::of(effects, |spec| spec.remembers || chained && spec.port == Port::Sensor),
+            chained,
         }
     }
 }
@@ -220,7 +249,7 @@ impl<S: Scalar> Effects<S> for Several<S> {
     }
     #[inline(always)]
     fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
-        for (effect, memory) in self.active.iter().zip(memories) {
+        for (effect, memory) in self.driving.among(&self.active).iter().zip(self.driving.among(memories)) {
             effect.drive(now, memory, drive);
         }
     }
@@ -232,35 +261,38 @@ impl<S: Scalar> Effects<S> for Several<S> {
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
-        if self.remembers {
-            let (mut seen, mut seen_after) = (*now, *after);
-            for (effect, memory) in self.active.iter().zip(memories) {
-                effect.settle(&seen, &seen_after, memory);
-                if self.chained {
-                    effect.show(&mut seen.state);
-                    effect.show(&mut seen_after);
-                }
+        let Places(first, end) = self.remembering;
+        if first == end {
+            // What is remembered costs two copies of the motion.
+            return;
+        }
+        let (mut seen, mut seen_after) = (*now, *after);
+        for (effect, memory) in
+            self.remembering.among(&self.active).iter().zip(self.remembering.among_mut(memories))
+        {
+            effect.settle(&seen, &seen_after, memory);
+            if self.chained {
+                effect.show(&mut seen.state);
+                effect.show(&mut seen_after);
             }
         }
     }
     #[inline(always)]
     fn couple(&self, part: S, state: &mut State<S>) {
-        for effect in &self.active {
+        for effect in self.transmitting.among(&self.active) {
             effect.couple(part, state);
         }
     }
     #[inline(always)]
     fn show(&self, state: &mut State<S>) {
-        for effect in &self.active {
+        for effect in self.sensing.among(&self.active) {
             effect.show(state);
         }
     }
     #[inline(always)]
     fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S) {
-        if self.senses {
-            for (effect, memory) in self.active.iter().zip(memories) {
-                effect.read(state, memory, reading);
-            }
+        for (effect, memory) in self.sensing.among(&self.active).iter().zip(self.sensing.among(memories)) {
+            effect.read(state, memory, reading);
         }
     }
 }
