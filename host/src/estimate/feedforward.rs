@@ -49,7 +49,10 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
     if !rows.is_empty() && is_one_level(&rows) {
         let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
         let fix = "add records at other voltages, or one in which the motor runs out; or use --method fast";
-        return Err(BadInput::new(&path, ONE_LEVEL, fix).into());
+        // At other voltages it may turn too, and not evenly enough.
+        let all = records.iter().flat_map(driven).collect::<Vec<_>>();
+        let why = if is_one_voltage(all.into_iter()) { ONE_LEVEL } else { ONE_EVEN_LEVEL };
+        return Err(BadInput::new(&path, why, fix).into());
     }
     let Some(k) = gains(&rows) else {
         let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
@@ -148,15 +151,34 @@ fn rows_of(record: &Record) -> Vec<([f64; 3], f64)> {
 }
 
 const ONE_LEVEL: &str = "kS, kV and kA are not determined: all that turns the motor is one voltage, of which friction alone can be any share";
+const ONE_EVEN_LEVEL: &str = "kS, kV and kA are not determined: at one voltage alone does the motor turn one way for a tenth of a second and four \
+                              samples without a reading near zero, and there friction alone can be any share";
 /// Voltages in the direction of the motion that lie this close together, in shares of the highest, are one.
 const SAME_LEVEL: f64 = 0.05;
 
 /// Whether one voltage drives all that turns: along a step up speed and acceleration make up for each other, so that friction, speed
 /// and acceleration are one equation for three numbers.
 fn is_one_level(rows: &[([f64; 3], f64)]) -> bool {
-    let along = rows.iter().map(|(row, volts)| volts * row[0].signum());
+    is_one_voltage(rows.iter().map(|(row, volts)| volts * row[0].signum()))
+}
+
+fn is_one_voltage(along: impl Iterator<Item = f64>) -> bool {
     let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
     high - low <= SAME_LEVEL * high.abs().max(low.abs())
+}
+
+/// The share of the readings of a motion at either end of their voltages that may be a moment's: an edge, the end of the log.
+const MOMENTS: f64 = 0.05;
+
+/// The voltages in the direction of the motion that turn `record` for more than a moment.
+fn driven(record: &Record) -> Vec<f64> {
+    let way = motion::speed(record);
+    let still = STILL * motion::peak(&way);
+    let turning = way.iter().zip(&record.voltage_v).filter(|(w, _)| w.abs() > still);
+    let mut along: Vec<f64> = turning.map(|(w, v)| v * w.signum()).collect();
+    along.sort_by(f64::total_cmp);
+    let moments = (MOMENTS * along.len() as f64) as usize;
+    along[moments..along.len() - moments].to_vec()
 }
 
 /// Least squares, in which neither friction nor inertia is negative: one that would be is left out and the rest fitted again.
@@ -226,6 +248,20 @@ mod tests {
             |volts: fn(f64) -> f64| [1.0, -1.0].map(|s| rows_of(&test(2.0, move |t| s * volts(t)))).concat();
         assert!(is_one_level(&rows(|_| 7.0)));
         assert!(!is_one_level(&rows(|t| if t < 1.0 { 7.0 } else { 0.0 })));
+    }
+
+    #[test]
+    fn one_level_is_said_of_the_motor_only_where_no_other_turns_it() {
+        let steps = |t: f64| if t < 2.0 { 7.0 } else { 5.0 };
+        let mut record = test(4.0, steps);
+        assert!(driven(&record).contains(&5.0) && !is_one_voltage(driven(&record).into_iter()));
+        // Below the second level readings of none stand in every window.
+        let speed = record.speed_rad_s.as_mut().unwrap();
+        (100..200).step_by(3).for_each(|k| speed[k] = 0.0);
+        assert!(is_one_level(&rows_of(&record)) && !is_one_voltage(driven(&record).into_iter()));
+        // The log ends as the drive does.
+        let one = test(2.0, |t| if t < 1.96 { 7.0 } else { 0.0 });
+        assert!(is_one_voltage(driven(&one).into_iter()));
     }
 
     #[test]

@@ -1,14 +1,11 @@
 //! Readings that were garbled on their way, left out or, of a voltage, held: they stand far from those before and after them.
 
-use std::collections::BTreeMap;
-
+use super::dropouts::{LONGEST_SPIKE, dropouts, speed_dropouts};
 use super::motion::peak;
-use super::repair::{APART, far_steps, leave_out, named};
+use super::repair::{far_steps, leave_out, named};
 use super::wraps::wrapped;
 use super::{Record, Warning};
 
-/// A garbled reading returns within so many samples.
-const LONGEST_SPIKE: usize = 3;
 /// A spike of speed is this many times the fastest other reading.
 const SPIKE_SPEED: f64 = 3.0;
 /// ... or goes so many times as far at once as any two others lie apart.
@@ -37,12 +34,14 @@ fn spikes(values: &[f64]) -> Vec<usize> {
 
 pub(super) fn leave_out_spikes(record: &mut Record) {
     // Where nothing was read at times, the rest is in order.
-    let garbled = |x: &[f64], spikes: fn(&[f64]) -> Vec<usize>| {
-        Some(dropouts(x)).filter(|dropped| !dropped.is_empty()).unwrap_or_else(|| spikes(x))
+    let or_else = |dropped: Vec<usize>, spikes: &dyn Fn() -> Vec<usize>| {
+        if dropped.is_empty() { spikes() } else { dropped }
     };
     let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none());
-    let angle = angle.map(|x| garbled(x, spikes)).unwrap_or_default();
-    let speed = record.speed_rad_s.as_deref().map(|w| garbled(w, speed_spikes)).unwrap_or_default();
+    let angle = angle.map(|x| or_else(dropouts(x), &|| spikes(x))).unwrap_or_default();
+    let volts = &record.voltage_v;
+    let of_speed = |w: &[f64]| or_else(speed_dropouts(w, volts), &|| speed_spikes(w));
+    let speed = record.speed_rad_s.as_deref().map(of_speed).unwrap_or_default();
     for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
         if samples.is_empty() {
             continue;
@@ -62,60 +61,6 @@ pub(super) fn leave_out_spikes(record: &mut Record) {
     if !angle.is_empty() || !speed.is_empty() {
         leave_out(record, bad);
     }
-}
-
-/// Zeros, or another number that comes again and again, in the midst of motion, which no inertia allows: nothing was read there.
-fn dropouts(values: &[f64]) -> Vec<usize> {
-    let zeros = dropped_to_zero(values);
-    if !zeros.is_empty() {
-        return zeros;
-    }
-    let Some(sentinel) = sentinel(values) else { return zeros };
-    let shifted: Vec<f64> = values.iter().map(|value| value - sentinel).collect();
-    dropped_to_zero(&shifted)
-}
-
-/// A number comes at least so often where it stands for what was not read.
-const FEWEST_SENTINELS: usize = 5;
-
-/// The number other than zero that stands most often by itself far below or far above both readings beside it.
-fn sentinel(values: &[f64]) -> Option<f64> {
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let far = APART * steps.sum::<f64>() / values.len().max(1) as f64;
-    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    for triple in values.windows(3) {
-        let (before, after) = (triple[1] - triple[0], triple[1] - triple[2]);
-        if triple[1] != 0.0 && before * after > 0.0 && before.abs().min(after.abs()) > far {
-            *counts.entry(triple[1].to_bits()).or_default() += 1;
-        }
-    }
-    let (bits, count) = counts.into_iter().max_by_key(|(_, count)| *count)?;
-    (count >= FEWEST_SENTINELS).then(|| f64::from_bits(bits))
-}
-
-fn dropped_to_zero(values: &[f64]) -> Vec<usize> {
-    let ordinary = values.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
-    let step = ordinary.fold(0.0, |step: f64, p| step.max((p[1] - p[0]).abs()));
-    let runs = |least: f64| zeros_between(values, least);
-    let certain = runs(APART * step);
-    // Where some are certain, the others among slower motion are the same.
-    if certain.len() > 1 { runs(0.0) } else { certain }
-}
-
-/// Short runs of zeros between readings of one sign, both further from zero than `least`.
-fn zeros_between(values: &[f64], least: f64) -> Vec<usize> {
-    let mut found = Vec::new();
-    let mut k = 1;
-    while k + 1 < values.len() {
-        let zeros = values[k..].iter().take_while(|w| **w == 0.0).count();
-        let (before, after) = (values[k - 1], values.get(k + zeros).copied().unwrap_or(0.0));
-        let far = before * after > 0.0 && before.abs().min(after.abs()) > least;
-        if zeros > 0 && zeros <= LONGEST_SPIKE && far {
-            found.extend(k..k + zeros);
-        }
-        k += zeros.max(1);
-    }
-    found
 }
 
 /// Spikes far beyond all other readings, or that no inertia allows: many times the largest step between any two others.
@@ -199,34 +144,6 @@ mod tests {
         }
         (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
         assert_eq!(repaired(record)[0].len(), 796);
-    }
-
-    #[test]
-    fn zeros_in_the_midst_of_motion_are_left_out_and_a_speed_that_passes_zero_is_not() {
-        let mut record = moving(swing);
-        let speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
-        (record.angle_rad, record.speed_rad_s) = (None, Some(speed.clone()));
-        assert_eq!(repaired(record.clone())[0].len(), 800);
-        let mut dropped = speed;
-        for k in [20, 77, 301, 302, 640] {
-            dropped[k] = 0.0;
-        }
-        record.speed_rad_s = Some(dropped);
-        let parts = repaired(record);
-        assert_eq!(parts[0].len(), 795);
-        assert!(parts[0].warnings[0].what.contains("sample 21"), "{:?}", parts[0].warnings);
-    }
-
-    #[test]
-    fn a_number_that_stands_for_what_was_not_read_is_left_out_wherever_it_stands_apart() {
-        let mut record = moving(swing);
-        let mut speed: Vec<f64> = record.time_s.iter().map(|t| 34.0 * (1.7 * t).cos()).collect();
-        let fast: Vec<usize> = (20..780).step_by(10).filter(|k| speed[*k].abs() > 10.0).collect();
-        for k in &fast {
-            speed[*k] = -0.1;
-        }
-        (record.angle_rad, record.speed_rad_s) = (None, Some(speed));
-        assert_eq!(repaired(record)[0].len(), 800 - fast.len());
     }
 
     #[test]

@@ -3,9 +3,9 @@
 //! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
+use super::clipped::clipped;
 use super::hold::hold;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
-use super::motion::peak;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
@@ -100,42 +100,6 @@ fn constant_supply(record: &Record) -> Option<Odd> {
          supply looks like a property of the motor"
             .into(),
     ))
-}
-
-/// Share of the highest voltage below which a clip would be told, and how much better it must fit.
-const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
-const CLIP_BETTER: f64 = 0.6;
-/// Powers of the voltage that bend where a limit has an edge: a driver that floats loses more the higher the duty. A limit must fit so much better.
-const BENT: [f64; 3] = [0.7, 0.5, 0.3];
-const EDGED: f64 = 0.85;
-/// A limit that the voltage passes for more than this share of the time leaves one level, which friction explains as well.
-const ALWAYS_CLIPPED: f64 = 0.8;
-
-/// The motor does not answer to more than a certain voltage.
-fn clipped(Seen { record, weak }: &Seen) -> Option<Odd> {
-    let weak = weak.as_ref()?;
-    let plain = weak.regress(0.0, |v| v)?;
-    let highest = peak(&record.voltage_v);
-    let at = |share: f64| {
-        Some((share * highest, weak.regress(0.0, |v| v.clamp(-share * highest, share * highest))?))
-    };
-    let above =
-        |limit: f64| record.voltage_v.iter().filter(|v| v.abs() > limit).count() as f64 / record.len() as f64;
-    let tried = CLIP_SHARES.iter().filter(|share| above(**share * highest) < ALWAYS_CLIPPED);
-    let (limit, best) = tried.filter_map(|s| at(*s)).min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
-    let bent = |power: f64| Some(weak.regress(0.0, |v: f64| v.signum() * v.abs().powf(power))?.left);
-    let has_edge = || best.left < EDGED * BENT.into_iter().filter_map(bent).fold(f64::INFINITY, f64::min);
-    let better = best.left < CLIP_BETTER * plain.left && plain.left > 0.05;
-    (better && above(limit) > 0.03 && has_edge()).then(|| {
-        (
-            "clipped_voltage",
-            "voltage_v",
-            format!(
-                "the motor answers as if no more than {limit:.2} V reached it, and the log goes up to {highest:.2} V"
-            ),
-            "log the voltage behind the driver's limit, or command less than the supply can give".into(),
-        )
-    })
 }
 
 /// Shifts tried, s.
@@ -345,33 +309,4 @@ fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
 fn measured(record: &Record) -> Option<(&'static str, &Vec<f64>)> {
     let angle = record.angle_rad.as_ref().map(|a| ("angle_rad", a));
     angle.or_else(|| record.speed_rad_s.as_ref().map(|s| ("speed_rad_s", s)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A motor to which `law` of the voltage comes through.
-    fn run(law: impl Fn(f64) -> f64) -> Record {
-        let time_s: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
-        let levels = [2.0, 9.0, -5.0, 12.0, -12.0, 4.0, -8.0, 10.0, -3.0, 7.0];
-        let voltage_v: Vec<f64> = (0..2000).map(|k| levels[k / 100 % 10]).collect();
-        let mut speed = 0.0;
-        let course = voltage_v.iter().map(|v| {
-            let now = speed;
-            speed += 0.1 * (1.5 * law(*v) - speed);
-            now
-        });
-        let speed_rad_s = Some(course.collect());
-        Record { time_s, voltage_v, speed_rad_s, ..Record::default() }
-    }
-
-    #[test]
-    fn a_voltage_that_is_cut_off_is_clipped_and_one_that_bends_is_not() {
-        let cut = clipped(&Seen::of(&run(|v| v.clamp(-4.8, 4.8)))).unwrap();
-        assert!(cut.0 == "clipped_voltage" && cut.2.contains("no more than 4.80 V"), "{}", cut.2);
-        // Speed over duty of a driver that floats.
-        let bends = run(|v| v.signum() * 12.0 * (1.0 - 0.137 / (0.137 + v.abs() / 12.0)));
-        assert_eq!(clipped(&Seen::of(&bends)), None);
-    }
 }
