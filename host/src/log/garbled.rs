@@ -1,6 +1,7 @@
 //! Readings that were garbled on their way, left out or, of a voltage, held: they stand far from those before and after them.
 
 use super::dropouts::{LONGEST_SPIKE, dropouts, speed_dropouts};
+use super::edges::{garbled_behind_edges, keep_drive};
 use super::motion::peak;
 use super::repair::{far_steps, leave_out, named};
 use super::wraps::wrapped;
@@ -41,7 +42,15 @@ pub(super) fn leave_out_spikes(record: &mut Record) {
     let angle = angle.map(|x| or_else(dropouts(x), &|| spikes(x))).unwrap_or_default();
     let volts = &record.voltage_v;
     let of_speed = |w: &[f64]| or_else(speed_dropouts(w, volts), &|| speed_spikes(w));
-    let speed = record.speed_rad_s.as_deref().map(of_speed).unwrap_or_default();
+    let mut speed = record.speed_rad_s.as_deref().map(of_speed).unwrap_or_default();
+    let behind_edges =
+        record.speed_rad_s.as_deref().map(|w| garbled_behind_edges(w, volts)).unwrap_or_default();
+    if !behind_edges.is_empty() {
+        keep_drive(&record.time_s, &mut record.voltage_v, &behind_edges);
+        speed.extend(behind_edges);
+        speed.sort_unstable();
+        speed.dedup();
+    }
     for (column, samples) in [("angle_rad", &angle), ("speed_rad_s", &speed)] {
         if samples.is_empty() {
             continue;

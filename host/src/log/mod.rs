@@ -17,6 +17,7 @@ mod clock;
 mod counter;
 mod direction;
 mod dropouts;
+mod edges;
 mod encoding;
 mod ends;
 mod fields;
