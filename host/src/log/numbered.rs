@@ -20,12 +20,25 @@ const ALIKE: f64 = 0.8;
 /// The column of the numbers, and by how much they rise from row to row.
 pub(super) fn column(names: &[String], head: &Preamble, wanted: &Columns) -> Option<(Wanted, f64)> {
     (0..names.len()).find_map(|index| {
-        let name = words::of(&names[index]);
-        let is_named = !name.is_empty() && name.iter().all(|word| NAMES.contains(&word.as_str()));
-        let per_row = (is_named && !wanted.reads(index)).then(|| per_row(head, index))??;
+        let per_row =
+            (is_called_so(&names[index]) && !wanted.reads(index)).then(|| per_row(head, index))??;
         let header = names[index].clone();
         Some((Wanted { quantity: Quantity::Time, index, less: None, header, unit: Unit::SI }, per_row))
     })
+}
+
+/// Whether a column numbers the rows, by its name or by its values: what does is nothing of a motor.
+pub(super) fn numbers_rows(name: &str, values: &[f64]) -> bool {
+    let is_named = is_called_so(name);
+    let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
+    let by_one = steps().filter(|step| *step == 1.0).count() as f64;
+    let enough = values.len() >= FEWEST;
+    enough && (by_one >= ALIKE * steps().count() as f64 || is_named && steps().all(|step| step >= 0.0))
+}
+
+fn is_called_so(name: &str) -> bool {
+    let words = words::of(name);
+    !words.is_empty() && words.iter().all(|word| NAMES.contains(&word.as_str()))
 }
 
 /// By how much the whole numbers of the first rows rise, if they do.

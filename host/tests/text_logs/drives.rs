@@ -104,3 +104,28 @@ fn what_a_proposal_takes_for_the_drive_is_asked_where_it_may_be_another() {
         );
     }
 }
+
+#[test]
+fn what_drives_one_motor_is_proposed_with_no_motion_of_another() {
+    // Beside what is desired of each motor, "current" is what it does.
+    let row =
+        |k: f64| vec![10.0 * k, speed(k), 2.0 * speed(k), (k % 7.0) * 14.0, (k % 5.0) * 20.0, 40.0, 80.0];
+    let text = table("t_ms,CURRENT_M1,CURRENT_M2,PWM_M1,PWM_M2,DESIRED_M1,DESIRED_M2", row);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("if \"CURRENT_M1\" is that") && said.contains("speed=CURRENT_M1:rad/s"), "{said}");
+    assert!(!said.contains("current=") && !said.contains("=CURRENT_M2"), "{said}");
+    // The current of another motor is none of this one.
+    let row = |k: f64| vec![10.0 * k, (k % 7.0) * 30.0, speed(k), 0.1 * speed(k)];
+    let map = map_of(&table("t_ms,left_pwm,left_rpm,right_current", row));
+    assert_eq!(map, "time=t_ms:ms,duty=left_pwm:255,speed=left_rpm:rpm");
+}
+
+#[test]
+fn what_numbers_the_rows_drives_nothing_and_is_no_column_beside_the_time() {
+    let counts = |k: f64| (7.0 * angle(k)).round();
+    let said = refusal(&table("sample_num,left_count,right_count", |k| vec![k, counts(k), counts(k + 1.0)]))
+        .to_string();
+    assert!(said.contains("no column tells what drove the motor") && !said.contains("=sample_num"), "{said}");
+    let said = refusal(&table(",time,value", |k| vec![k, 1e8 * k + 3e4, counts(k)])).to_string();
+    assert!(said.contains("beside the time there is only \"value\"") && !said.contains("--map"), "{said}");
+}

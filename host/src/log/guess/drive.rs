@@ -2,7 +2,8 @@
 
 use super::columns::{self, Part, Range};
 use super::preview::short;
-use super::{column, options_as_if, words};
+use super::{column, options_as_if, sides, words};
+use crate::log::numbered::numbers_rows;
 use crate::log::sample::Sample;
 use crate::log::units::Quantity;
 
@@ -95,14 +96,31 @@ pub(super) fn motion_alone(output: &Sample, parts: &[Part]) -> Option<(Part, Str
 
 /// What is asked of a table of which only the drive or only the motion is recognised, or that has no room for both.
 pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
-    use Quantity::{Angle, Duty, Speed, Time, Voltage};
+    use Quantity::{Angle, Current, Duty, Speed, Time, Voltage};
     let parts = columns::parts(&sample.with_units, &sample.rows);
     let of = |quantities: &[Quantity]| parts.iter().find(|part| quantities.contains(&part.quantity));
     let known = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
     let is_target = |k: &usize| words::said(&sample.names[*k]).target;
-    let (targets, others): (Vec<usize>, Vec<usize>) =
-        (0..sample.names.len()).filter(|k| !known(k)).partition(is_target);
+    // What numbers the rows neither drives nor moves.
+    let is_number = |k: &usize| {
+        let values = sample.rows.iter().filter_map(|row| row.get(*k)).copied().filter(|v| v.is_finite());
+        numbers_rows(&sample.names[*k], &values.collect::<Vec<_>>())
+    };
+    let (targets, mut others): (Vec<usize>, Vec<usize>) =
+        (0..sample.names.len()).filter(|k| !known(k) && !is_number(k)).partition(is_target);
     let name = |k: usize| format!("\"{}\"", sample.names[k]);
+    if let Some(own) = of(&[Duty, Voltage]).or(of(&[Angle, Speed])).map(|part| &sample.names[part.index]) {
+        let is_own = |k: &usize| sides::may_be_one(own, &sample.names[*k]);
+        // Beside what somebody wanted of a motor its current one is no current.
+        let is_wanted = |k: usize| words::said(&sample.names[k]).wanted && is_own(&k);
+        let present =
+            |part: &&Part| part.quantity == Current && words::said(&sample.names[part.index]).unit.is_none();
+        if (0..sample.names.len()).any(is_wanted) {
+            others.extend(parts.iter().filter(present).map(|part| part.index));
+        }
+        // What drives one motor turns no other.
+        others.retain(is_own);
+    }
     // The first other column that may be what is absent, and the options for either meaning.
     let meant = |either: &str, or: &str| {
         others.iter().find_map(|&k| {
@@ -110,7 +128,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
             Some((name(k), options(either)?, options(or)?))
         })
     };
-    let mut beside = (0..sample.names.len()).filter(|k| of(&[Time]).is_some_and(|time| time.index != *k));
+    let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);
+    let mut beside = (0..sample.names.len()).filter(beside_time);
     if let (Some(only), None) = (beside.next(), beside.next()) {
         return Some(format!(
             "beside the time there is only {}, and a fit needs two things: what drove the motor (a duty or voltage) and how it moved (an \

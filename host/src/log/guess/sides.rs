@@ -18,9 +18,14 @@ fn side(name: &str) -> Option<String> {
     word.or_else(digits)
 }
 
+/// Whether two columns may be of one motor: neither tells another one than the other does.
+pub(super) fn may_be_one(name: &str, other: &str) -> bool {
+    side(name).zip(side(other)).is_none_or(|(one, other)| one == other)
+}
+
 /// Puts columns of the driven motor in the place of another one's: `among` tells the columns of a quantity, `unit_at` the unit of one.
 pub(super) fn pair(
-    parts: &mut [Part],
+    parts: &mut Vec<Part>,
     names: &[String],
     among: &dyn Fn(Quantity) -> Vec<usize>,
     unit_at: &dyn Fn(Quantity, usize) -> String,
@@ -39,6 +44,8 @@ pub(super) fn pair(
             (part.index, part.unit) = (index, unit_at(part.quantity, index));
         }
     }
+    // Another motor's current tells nothing of this one.
+    parts.retain(|part| part.quantity != Current || side(&names[part.index]).is_none_or(|own| own == driven));
 }
 
 #[cfg(test)]
@@ -51,6 +58,7 @@ mod tests {
         for (table, wanted) in [
             ("time,left_pos,right_pos,right_volts,left_volts", "voltage=right_volts:V,angle=right_pos:rad"),
             ("t,v1,v2,angle2,angle1", "voltage=v1:V,angle=angle1:rad"),
+            ("t,v1,angle1,current2", "voltage=v1:V,angle=angle1:rad"),
             ("time,voltage,left_pos,right_pos", "voltage=voltage:V,angle=left_pos:rad"),
         ] {
             let map = propose(&names(table), &[]).unwrap().map;
