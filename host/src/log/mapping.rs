@@ -45,6 +45,11 @@ impl Mapping {
         self.sources.iter().find(|source| source.quantity == quantity)
     }
 
+    /// All of it.
+    pub(super) fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
     /// The mapping as it is written.
     pub fn written(&self) -> String {
         let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };

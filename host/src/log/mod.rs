@@ -4,6 +4,7 @@
 //! `table` (or the reader of a foreign format; `formats` for those that are no text) turns rows into numbers, `samples` keeps the rows that a fit can
 //! use. What a record says about the motor is judged later, by the verbs that need to.
 
+mod agreement;
 mod apart;
 mod args;
 pub mod bam;
@@ -40,6 +41,7 @@ mod rates;
 mod read;
 mod readings;
 mod record;
+mod refused;
 mod remap;
 mod renewed;
 mod repair;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::guess::Known;
 use super::mapping::Mapping;
+use super::refused::other_than_refused;
 use super::text::cannot_read;
 use super::{Hold, Metadata, Record, apart, bam, formats, preamble, repair, servo, sysid, table, text};
 use crate::error::{BadInput, Error, Result};
@@ -79,7 +80,8 @@ impl ReadOptions {
 /// # Errors
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
-    let mut records: Vec<Record> = tests(path, options)?.into_iter().flat_map(repair::repaired).collect();
+    let tests = tests(path, options).map_err(|error| other_than_refused(error, options.map.as_ref()))?;
+    let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
     servo::close_loops(&mut records);
     Ok(records)
 }

@@ -1,10 +1,10 @@
 //! Speeds that are late, filtered, or blind near zero, and counters that lose edges beside them.
 
 use super::Record;
+use super::agreement::{agreement, counts_of_a_turn};
 use super::motion::{low_pass, peak};
 use super::suspicion::Odd;
 use super::timing::median_interval;
-use super::unit_check::{agreement, counts_of_a_turn};
 
 /// Angle and integrated speed may differ by this share.
 const DRIFT: f64 = 0.02;

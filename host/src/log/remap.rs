@@ -38,6 +38,24 @@ pub fn remapped(record: &Record, changes: &[Change]) -> String {
     format!("--map {}", quoted(&parts.join(",")))
 }
 
+/// `--map ...` that reads the log of `record` as it was read but without its angle or its speed.
+pub(super) fn without(record: &Record, left_out: Quantity) -> String {
+    // A mapping of one motion takes the place of both canonical ones.
+    let kept = if left_out == Quantity::Angle { Quantity::Speed } else { Quantity::Angle };
+    match &record.map {
+        None => {
+            let (column, unit) = native(record, kept);
+            format!("--map {}", quoted(&format!("{kept}={column}:{unit}")))
+        }
+        Some(map) => {
+            let parts = map.sources().iter().filter(|source| source.quantity != left_out);
+            let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };
+            let parts = parts.map(|part| format!("{}={}{}", part.quantity, part.column, unit(&part.written)));
+            format!("--map {}", quoted(&parts.collect::<Vec<_>>().join(",")))
+        }
+    }
+}
+
 fn present(record: &Record, quantity: Quantity) -> bool {
     match quantity {
         Quantity::Angle => record.angle_rad.is_some(),
@@ -111,6 +129,14 @@ mod tests {
             remapped(&record("time=t,voltage=u,speed=w"), &[(Voltage, Duty, "100"), (Time, Time, "ms")]),
             "--map time=t:ms,duty=u:100,speed=w:rad/s"
         );
+    }
+
+    #[test]
+    fn one_of_two_motions_is_left_out_of_a_mapping() {
+        let mapped = record("time=t:ms,duty=pwm:255,angle=my pos:deg,speed=w");
+        assert_eq!(without(&mapped, Speed), "--map \"time=t:ms,duty=pwm:255,angle=my pos:deg\"");
+        assert_eq!(without(&mapped, Angle), "--map time=t:ms,duty=pwm:255,speed=w");
+        assert_eq!(without(&record(""), Speed), "--map angle=angle_rad:rad");
     }
 
     #[test]

@@ -5,13 +5,13 @@
 use std::f64::consts::TAU;
 
 use super::Record;
-use super::motion::{peak, slope, speed};
+use super::agreement::agreement;
+use super::motion::{peak, speed};
 use super::quantum::quantum;
 use super::remap::remapped;
-use super::sysid::TEST_KEY;
 use super::timing::{FASTEST_INTERVAL, SLOWEST_INTERVAL, median_interval, plausible_unit};
 use super::units::Quantity::{Angle, Duty, Speed, Time, Voltage};
-use super::units::{Quantity, Unit};
+use super::units::Unit;
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
@@ -29,7 +29,7 @@ pub fn unit_faults(record: &Record) -> Vec<Fault> {
     checks.iter().filter_map(|check| check(record)).collect()
 }
 
-fn fault(column: &'static str, why: String, fix: impl Into<String>) -> Fault {
+pub(super) fn fault(column: &'static str, why: String, fix: impl Into<String>) -> Fault {
     Fault { name: "wrong_units", column, why, fix: fix.into() }
 }
 
@@ -121,125 +121,6 @@ fn angle(record: &Record) -> Option<Fault> {
     })
 }
 
-/// Angle and speed of one record must be one motion.
-pub(super) fn agreement(record: &Record) -> Option<Fault> {
-    let derived = slope(&record.time_s, record.angle_rad.as_ref()?);
-    let measured = record.speed_rad_s.as_ref()?;
-    let (mut product, mut square, mut energy) = (0.0, 0.0, 0.0);
-    for (derived, measured) in derived.iter().zip(measured) {
-        product += derived * measured;
-        square += derived * derived;
-        energy += measured * measured;
-    }
-    let together = product / (square * energy).sqrt();
-    if together.is_nan() || together <= 0.8 {
-        return None;
-    }
-    let ratio = (energy / square).sqrt();
-    if (0.5..2.0).contains(&ratio) {
-        return None;
-    }
-    if let Some(fix) = counts_of_a_turn(record, ratio) {
-        let why = format!(
-            "the speed is {ratio:.3} times the change of the angle; the counts per turn do not fit it"
-        );
-        return Some(fault("speed_rad_s", why, fix));
-    }
-    let (looks, units) = likely(ratio);
-    let why = format!("the speed is {ratio:.3} times the change of the angle; {looks}");
-    // What was read in other units than the canonical ones looks otherwise.
-    let plain = |quantity| {
-        let source = record.map.as_ref().and_then(|map| map.source(quantity));
-        source.is_none_or(|source| ["", "rad", "rad/s"].contains(&source.written.as_str()))
-    };
-    let is_plain = record.meta.get(TEST_KEY).is_none() && plain(Angle) && plain(Speed);
-    let fix = match units {
-        Some([angle, speed]) if is_plain => {
-            format!("if so, say {}", remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]))
-        }
-        _ => in_agreeing_units(record, ratio).unwrap_or_else(|| {
-            format!(
-                "give the units of both, for example {}",
-                remapped(record, &[(Angle, Angle, "deg"), (Speed, Speed, "rpm")])
-            )
-        }),
-    };
-    Some(fault("speed_rad_s", why, fix))
-}
-
-/// The mapping with another unit of the speed, or of the angle, by which both are one motion though the speed is `ratio` times the change of the
-/// angle as they are mapped.
-fn in_agreeing_units(record: &Record, ratio: f64) -> Option<String> {
-    let map = record.map.as_ref()?;
-    let written = |quantity: Quantity| {
-        map.source(quantity)
-            .map(|source| source.written.as_str())
-            .filter(|unit| !unit.is_empty())
-            .unwrap_or(quantity.si())
-    };
-    let (angle, speed) = (written(Angle), written(Speed));
-    let factor = |quantity: Quantity, unit: &str| {
-        Unit::parse(quantity, unit).ok().filter(|unit| unit.per_turn.is_none()).map(|unit| unit.factor)
-    };
-    let like = |quantity: Quantity, units: &[&'static str], wanted: f64| {
-        let is =
-            |unit: &&&str| factor(quantity, unit).is_some_and(|factor| (factor / wanted - 1.0).abs() < 0.1);
-        units.iter().find(is).copied()
-    };
-    let other_speed = like(Speed, &["rad/s", "deg/s", "rev/s", "rpm"], factor(Speed, speed)? / ratio);
-    let other_angle = like(Angle, &["rad", "deg", "rev"], factor(Angle, angle)? * ratio);
-    let by = |angle: &str, speed: &str| remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]);
-    match (other_speed, other_angle) {
-        (Some(unit), Some(other)) => Some(format!(
-            "if the speed is in {unit}, say {}; if the angle is in {other}, {}",
-            by(angle, unit),
-            by(other, speed)
-        )),
-        (Some(unit), None) => Some(format!("if the speed is in {unit}, say {}", by(angle, unit))),
-        (None, Some(unit)) => Some(format!("if the angle is in {unit}, say {}", by(unit, speed))),
-        (None, None) => None,
-    }
-}
-
-/// What to do about a counted angle beside a speed that is `ratio` times its change: the number of counts is the least sure of all that
-/// was told of them. None where the angle is not in counts.
-pub(super) fn counts_of_a_turn(record: &Record, ratio: f64) -> Option<String> {
-    let angle = record.map.as_ref().and_then(|map| map.source(Angle))?;
-    let told = record.meta.counts_per_rev().filter(|_| angle.written.starts_with("counts"))?;
-    let counts = (told / ratio).round();
-    (counts >= 1.0).then(|| {
-        format!(
-            "if the speed is that of the output shaft and in the unit that it was read in, the encoder makes {counts} counts per turn of it: \
-             --counts-per-rev {counts}"
-        )
-    })
-}
-
-/// What a speed that is so many times the change of the angle looks like, with the units of angle and speed where it tells them.
-fn likely(ratio: f64) -> (&'static str, Option<[&'static str; 2]>) {
-    const RATIOS: [(f64, &str, Option<[&str; 2]>); 10] = [
-        (60.0 / TAU, "the speed looks like rpm", Some(["rad", "rpm"])),
-        (360.0 / TAU, "the speed looks like deg/s", Some(["rad", "deg/s"])),
-        (1.0 / TAU, "the speed looks like turns per second", Some(["rad", "rev/s"])),
-        (TAU / 360.0, "the angle looks like degrees", Some(["deg", "rad/s"])),
-        (TAU, "the angle looks like turns", Some(["rev", "rad/s"])),
-        (60.0, "the angle looks like turns and the speed like rpm", Some(["rev", "rpm"])),
-        (360.0, "the angle looks like turns and the speed like deg/s", Some(["rev", "deg/s"])),
-        (1.0 / 6.0, "the angle looks like degrees and the speed like rpm", Some(["deg", "rpm"])),
-        (1000.0, "the time looks like milliseconds", None),
-        (1e6, "the time looks like microseconds", None),
-    ];
-    let off = |row: &(f64, &str, Option<[&str; 2]>)| (ratio / row.0 - 1.0).abs();
-    RATIOS
-        .into_iter()
-        .filter(|row| off(row) < 0.1)
-        .min_by(|one, other| off(one).total_cmp(&off(other)))
-        .map_or(
-            ("one of them is in another unit, or on the other side of the gears", None),
-            |(_, text, units)| (text, units),
-        )
-}
-
 fn shaft_speed(record: &Record) -> Option<Fault> {
     let fast = top_speed(record) * record.meta.gear_ratio().unwrap_or(1.0);
     (fast > FASTEST_SHAFT).then(|| {
@@ -314,22 +195,12 @@ fn top_speed(record: &Record) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::motion::slope;
     use crate::log::read_tests::assert_bad;
     use crate::log::usable::{check_usable, tests::motor};
 
     fn scale(column: Option<&mut Vec<f64>>, factor: f64) {
         column.unwrap().iter_mut().for_each(|value| *value *= factor);
-    }
-
-    #[test]
-    fn a_counted_angle_far_off_its_speed_is_given_the_counts_that_the_speed_tells() {
-        let mut record = motor();
-        record.speed_rad_s =
-            Some(slope(&record.time_s, record.angle_rad.as_ref().unwrap()).iter().map(|w| 0.4 * w).collect());
-        record.map = Some("time=t:s,voltage=u:V,angle=enc:counts,speed=w:rad/s".parse().unwrap());
-        record.meta.insert("counts_per_rev", "1000").unwrap();
-        let error = check_usable(&record).unwrap_err();
-        assert_bad(&error, "column speed_rad_s", "0.400 times", "--counts-per-rev 2500");
     }
 
     #[test]
@@ -399,27 +270,6 @@ mod tests {
             let mut record = base.clone();
             edit(&mut record);
             assert_bad(&check_usable(&record).unwrap_err(), place, cause, remedy);
-        }
-    }
-
-    #[test]
-    fn the_remedy_of_mapped_units_is_those_in_which_both_are_one_motion() {
-        let map = |text: &str| Record { map: Some(text.parse().unwrap()), ..Record::default() };
-        for (written, ratio, said) in [
-            (
-                "angle=a:deg,speed=w:rad/s",
-                56.9,
-                "if the speed is in deg/s, say --map angle=a:deg,speed=w:deg/s; if the angle is in rad",
-            ),
-            (
-                "angle=a:rad,speed=w:deg/s",
-                1.0 / 6.0,
-                "if the speed is in rpm, say --map angle=a:rad,speed=w:rpm",
-            ),
-            ("angle=a:deg,speed=w:rpm", 1.0 / 7.0, ""),
-        ] {
-            let fix = in_agreeing_units(&map(written), ratio).unwrap_or_default();
-            assert!(fix.starts_with(said) && said.is_empty() == fix.is_empty(), "{written}: {fix}");
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use super::motion::{peak, span, speed};
 use super::quantum::quantum;
+use super::refused::other_than_refused;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Error, Result};
@@ -80,7 +81,8 @@ fn refusal(record: &Record, fault: Fault) -> crate::error::Error {
     } else {
         format!("{}: {}", record.name, fault.why)
     };
-    BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into()
+    let refused = BadInput::new(&record.path, why, fault.fix).in_column(fault.column).into();
+    other_than_refused(refused, record.map.as_ref())
 }
 
 /// All that is wrong with the content of `record`, the gravest first.

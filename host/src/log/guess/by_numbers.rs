@@ -3,8 +3,9 @@
 //! What rises evenly is the time. Where one column is the change of another, they are speed and angle. What drives the motor has few
 //! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them.
 
-use super::columns::{Part, agree, unit_of};
+use super::columns::{Part, unit_of};
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
+use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;
 use super::{Proposal, Quantity, words, written};
 use crate::log::motion::{peak, span};
@@ -44,6 +45,7 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
     add(Quantity::Speed, found.speed.filter(|_| found.time.is_some() || found.angle.is_none()));
     let said: Vec<words::Said> = columns.iter().map(|_| words::said("")).collect();
     let turn = agree(&mut parts, &said, rows);
+    leave_out_other_motion(&mut parts, rows);
     if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
         angle.turn = turn;
     }
@@ -337,6 +339,14 @@ mod tests {
             "{}",
             proposal.assumptions()
         );
+    }
+
+    #[test]
+    fn a_speed_that_no_unit_makes_that_of_the_angle_is_left_out() {
+        let change = |k: f64| angle(k) - angle((k - 1.0).max(0.0));
+        // Two tests, so that the numbers of the rows are no mere numbers.
+        let map = map(|k| vec![k % 120.0, duty(k), angle(k), change(k)]);
+        assert_eq!(map, "time=0:ms,duty=1:100,angle=2:rad");
     }
 
     #[test]

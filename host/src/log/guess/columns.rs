@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
+use super::one_motion::{NEAR, agree, leave_out_other_motion, pairs_of, ratio};
 use super::turns::Turn;
 use super::{bridge, drive, leads, registers, sides, words};
 use crate::log::direction;
-use crate::log::units::{Quantity, Unit};
+use crate::log::units::Quantity;
 use crate::log::wraps;
 
 /// One column of the proposal.
@@ -184,6 +185,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     }
     add_fractions(&mut parts, names, rows);
     let turn = agree(&mut parts, &said, rows);
+    leave_out_other_motion(&mut parts, rows);
     if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
         angle.turn = turn;
     }
@@ -291,19 +293,6 @@ fn tell_speed_from_voltage(
     }
 }
 
-/// The units of an angle and its speed in which the speed is so many times the change of the angle.
-fn pairs_of(ratio: f64) -> impl Iterator<Item = (&'static str, &'static str)> {
-    // Units of a turn, by the size of one.
-    const ANGLES: [(&str, f64); 3] = [("rad", TAU), ("deg", 360.0), ("rev", 1.0)];
-    let pairs = ANGLES.iter().flat_map(|angle| SPEEDS.iter().map(move |speed| (angle, speed)));
-    pairs
-        .filter(move |((_, angle), (_, speed))| (ratio * angle / speed - 1.0).abs() < NEAR)
-        .map(|((angle, _), (speed, _))| (*angle, *speed))
-}
-
-/// Units of a speed, by the size of a turn a second.
-const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
-
 /// moteus logs turns and turns a second, which nothing but the company of its own names says (github.com/mjbots/moteus, reference).
 fn tell_turns(said: &mut [words::Said], names: &[String]) {
     let has = |own: &str| names.iter().any(|name| words::of(name).join("_").ends_with(own));
@@ -319,74 +308,9 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
     }
 }
 
-/// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
-/// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
-pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<Turn> {
-    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
-    let (angle, speed) = (place(Quantity::Angle)?, place(Quantity::Speed)?);
-    let (ratio, uncertainty) = ratio(parts, rows)?;
-    let is_open = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
-    let (of_angle, of_speed) = (parts[angle].unit.clone(), parts[speed].unit.clone());
-    if of_angle == "counts" {
-        if is_open(&parts[speed]) && (ratio - 1.0).abs() < NEAR {
-            "counts/s".clone_into(&mut parts[speed].unit);
-            parts[speed].guessed = false;
-            return None;
-        }
-        // What reads the speed in a unit that is guessed has to read the angle so that both are one motion.
-        let turn = SPEEDS.iter().find(|(unit, _)| *unit == of_speed).map(|(_, turn)| turn / ratio);
-        let is_known = |turn: &f64| !is_open(&parts[speed]) || *turn >= FEWEST_COUNTS;
-        return turn.filter(is_known).map(|turn| Turn::of(turn, uncertainty));
-    }
-    let mut pairs = pairs_of(ratio).filter(|(of_one, of_other)| {
-        (is_open(&parts[angle]) || *of_one == of_angle) && (is_open(&parts[speed]) || *of_other == of_speed)
-    });
-    // Of equal numbers nothing tells the units.
-    if let (Some((one, other)), None) = (pairs.next(), pairs.next()) {
-        let told = [(angle, one), (speed, other)];
-        for (k, unit) in told {
-            unit.clone_into(&mut parts[k].unit);
-            parts[k].guessed = false;
-        }
-    }
-    None
-}
-
-/// How many times the change of the angle a second the speed is, where they are one motion, and to what share of it that is certain.
-fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
-    let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
-    let time = of(Quantity::Time).filter(|time| time.rest.is_none())?;
-    let (angle, speed) = (of(Quantity::Angle)?.index, of(Quantity::Speed)?.index);
-    let second = Unit::parse(Quantity::Time, &time.unit).ok()?.factor;
-    let at = |row: &[f64], k: usize| row.get(k).copied().unwrap_or(f64::NAN);
-    let whole: Vec<[f64; 3]> = rows
-        .iter()
-        .map(|row| [at(row, time.index) * second, at(row, angle), at(row, speed)])
-        .filter(|row| row.iter().all(|value| value.is_finite()))
-        .collect();
-    let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
-    for rows in whole.windows(3) {
-        let change = (rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
-        if change.is_finite() {
-            let speed = rows[1][2];
-            (product, changes, speeds) =
-                (product + change * speed, changes + change * change, speeds + speed * speed);
-        }
-    }
-    // Readings that jump tell no ratio. Two standard errors of the slope, of which each row has a part in three changes.
-    let together = product / (changes * speeds).sqrt();
-    let own = whole.len() as f64 / 3.0;
-    let uncertainty = 2.0 * ((together.powi(-2) - 1.0).max(0.0) / own).sqrt();
-    (together > ONE_MOTION).then_some((product / changes, uncertainty))
-}
-
-/// Correlation of an angle's change with the speed of the same motion, and how near the ratio of both must come to that of two units: 60 and
-/// 57.3 are 5 % apart.
-const ONE_MOTION: f64 = 0.95;
-const NEAR: f64 = 0.02;
 /// Rows from which a wrap is told, and the counts of the coarsest encoder that tells its angle.
 const NEIGHBOURS: usize = 2000;
-const FEWEST_COUNTS: f64 = 64.0;
+pub(super) const FEWEST_COUNTS: f64 = 64.0;
 /// Whole numbers that span more than two turns in degrees are counts.
 const MOST_DEGREES: f64 = 720.0;
 /// Numbers between which a servo is sent that span more than this are no radians.

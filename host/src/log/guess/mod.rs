@@ -10,6 +10,7 @@ mod columns;
 mod drive;
 mod leads;
 mod look;
+mod one_motion;
 mod preview;
 mod questions;
 mod registers;
