@@ -299,7 +299,9 @@ fn plain(lines: &[&str]) -> Layout {
             && names.iter().zip(&second).all(|(a, b)| is_number(a) && is_number(b) || a == b)
     };
     let is_row = row(first, &separator).is_some() && lines.get(1).is_some_and(stays);
-    if names.iter().all(|name| is_number(name)) || is_row {
+    // Cells that are blank name nothing.
+    let mut filled = names.iter().filter(|name| !name.is_empty()).peekable();
+    if filled.peek().is_some() && filled.all(|name| is_number(name)) || is_row {
         return new(separator);
     }
     let mut names = ending_in_one(names);
@@ -470,6 +472,12 @@ mod tests {
         assert_eq!(layout("1,2\n3,4\n5,6").header, None);
         assert_eq!(layout("1 2\n3 4\n5 6").separator, Separator::Blanks);
         assert_eq!(layout("t,u").header, Some(0));
+        for first in ["12,0.0897,,3.5,", "12.0,-1e-3,,,2", "1,2,,,"] {
+            assert_eq!(layout(&format!("{first}\n12,0.1,3,3,2\n12,0.2,,3,2")).header, None, "{first}");
+        }
+        let found = layout("12,5;;0,3\n12,5;7,5;0,2\n12,5;8,5;0,1");
+        assert_eq!((found.header, found.separator), (None, Separator::Byte(b';')));
+        assert_eq!(layout("t,,u\n1,,2\n2,,3").header, Some(0));
         let found = layout("Setup done\nStarting ...\n1,2,3\n3,4,5\n5,6,7\n7,8,9");
         assert_eq!((found.header, found.names.len(), found.rows), (None, 0, 2));
     }

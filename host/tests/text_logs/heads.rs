@@ -167,3 +167,13 @@ fn a_header_of_more_names_than_fields_shifts_nothing() {
     let noted = rows("time_s,voltage_v,angle_rad,note\n");
     assert_same(&read_bytes(noted.as_bytes(), &ReadOptions::default()).unwrap(), "note", 0);
 }
+
+#[test]
+fn blank_cells_in_a_first_row_of_numbers_make_it_no_header() {
+    let blank = |k: u32| if k == 0 { ",,7.5" } else { ",3," };
+    let text = lines("", |k, t, u, x| format!("{t:.4},{u:.3e},{x:.4}{}", blank(k)));
+    let said = refusal(&text).to_string();
+    assert!(said.contains("the first row holds numbers") && said.contains("--map time=0:s,"), "{said}");
+    let record = read_bytes(text.as_bytes(), &mapped("time=0:s,voltage=1:V,angle=2:rad")).unwrap();
+    assert_eq!(record.len(), ROWS as usize);
+}

@@ -20,6 +20,8 @@ const RISES: f64 = 0.95;
 const EVEN: f64 = 0.8;
 /// What parts a column from one that is made of others, in shares of its span.
 const MADE: f64 = 1e-3;
+/// A column has a number in so many of the rows.
+const FILLED: f64 = 0.8;
 /// The highest voltage of whole numbers, and of any.
 const WHOLE_VOLTS: f64 = 30.0;
 const VOLTS: f64 = 60.0;
@@ -119,13 +121,17 @@ fn no_drive(columns: &[Vec<f64>], time: Option<usize>) -> String {
     )
 }
 
-/// The columns of the rows that are complete.
+/// The columns of the rows that are complete; one that is blank in many of them tells nothing and changes nowhere.
 fn columns(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut widths: Vec<f64> = rows.iter().map(|row| row.len() as f64).collect();
     let width = median(&mut widths) as usize;
-    let complete = |row: &&Vec<f64>| row.len() >= width && row[..width].iter().all(|value| value.is_finite());
+    let value = |row: &Vec<f64>, k: usize| row.get(k).copied().filter(|value| value.is_finite());
+    let told = |k: usize| rows.iter().filter(|row| value(row, k).is_some()).count() as f64;
+    let is_blank: Vec<bool> = (0..width).map(|k| told(k) < FILLED * rows.len() as f64).collect();
+    let complete = |row: &&Vec<f64>| (0..width).all(|k| is_blank[k] || value(row, k).is_some());
     let complete: Vec<&Vec<f64>> = rows.iter().filter(complete).collect();
-    (0..width).map(|k| complete.iter().map(|row| row[k]).collect()).collect()
+    let column = |k: usize| complete.iter().map(|row| if is_blank[k] { 0.0 } else { row[k] }).collect();
+    (0..width).map(column).collect()
 }
 
 /// The places of what is found.
@@ -347,6 +353,13 @@ mod tests {
         // Two tests, so that the numbers of the rows are no mere numbers.
         let map = map(|k| vec![k % 120.0, duty(k), angle(k), change(k)]);
         assert_eq!(map, "time=0:ms,duty=1:100,angle=2:rad");
+    }
+
+    #[test]
+    fn a_column_that_is_blank_in_most_rows_hides_none_of_the_others() {
+        let speed = |k: f64| 50.0 * (angle(k + 1.0) - angle(k - 1.0));
+        let blank = |k: f64| if k == 0.0 { 7.0 } else { f64::NAN };
+        assert_eq!(map(|k| vec![duty(k), blank(k), 0.01 * k, speed(k)]), "time=2:s,duty=0:100,speed=3:rad/s");
     }
 
     #[test]

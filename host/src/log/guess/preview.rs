@@ -64,8 +64,16 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
 
 /// The range of a column that is not used, by its place.
 pub(super) fn range_of(rows: &[Vec<f64>], index: usize) -> String {
-    let range = Range::of(rows.iter().filter_map(|row| row.get(index)).copied().filter(|v| v.is_finite()));
-    format!("{index}: {} .. {}", short(range.low), short(range.high))
+    format!("{index}: {}", range_in(rows, index).unwrap_or_else(|| "no numbers".into()))
+}
+
+/// From where to where a column goes; none where it holds no numbers.
+fn range_in(rows: &[Vec<f64>], index: usize) -> Option<String> {
+    let mut values =
+        rows.iter().filter_map(|row| row.get(index)).copied().filter(|v| v.is_finite()).peekable();
+    values.peek()?;
+    let range = Range::of(values);
+    Some(format!("{} .. {}", short(range.low), short(range.high)))
 }
 
 /// A figure in as many digits as a person reads.
