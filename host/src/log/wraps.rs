@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::motion::ends;
 use super::quantum::quantum;
 use super::repair::far_steps;
+use super::units::{PerTurn, Quantity, Unit};
 use super::{Record, Warning};
 
 /// Readings of a wrapped angle come this near to both ends of its turn, in shares of it,
@@ -97,11 +98,50 @@ pub(super) fn unwrap_angle(record: &mut Record) {
         }
         angle[k] += offset;
     }
+    // In the unit that was mapped; where none was, it may be another one than the radian.
+    let (turn, asked) = match written_turn(record, turn) {
+        Some(told) => (told, ""),
+        None => (format!("{turn:.6} rad"), "; if the unit is not the radian, say so with --map"),
+    };
     record.warnings.push(Warning {
         place: format!("{}, column angle_rad", record.path.display()),
-        what: format!("wrapped_angle: the angle wraps at {turn:.6} rad, {} times, and was unwrapped", far.len()),
-        fix: "log the angle unwrapped, if the motor can make more than half a turn of it between two samples; if the unit is \
-              not the radian, say so with --map"
-            .into(),
+        what: format!("wrapped_angle: the angle wraps at {turn}, {} times, and was unwrapped", far.len()),
+        fix: format!("log the angle unwrapped, if the motor can make more than half a turn of it between two samples{asked}"),
     });
+}
+
+/// So many radians in the unit that the angle of `record` was mapped in.
+fn written_turn(record: &Record, turn: f64) -> Option<String> {
+    let written = &record.map.as_ref()?.source(Quantity::Angle)?.written;
+    let unit = Unit::parse(Quantity::Angle, written).ok().filter(|_| !written.is_empty())?;
+    let per_turn = match unit.per_turn {
+        None => 1.0,
+        Some(PerTurn::Counts) => record.meta.counts_per_rev()?,
+        Some(PerTurn::Metres) => record.meta.metres_per_rev()?,
+    };
+    let number = format!("{:.4}", turn / unit.factor.abs() * per_turn);
+    Some(format!("{} {written}", number.trim_end_matches('0').trim_end_matches('.')))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::repair::tests::{moving, swing};
+    use super::*;
+
+    #[test]
+    fn a_wrap_is_told_in_the_unit_that_the_angle_was_mapped_in() {
+        for (map, told) in [
+            ("", "wraps at 6.283185 rad, "),
+            ("angle=a:deg", "wraps at 360 deg, "),
+            ("angle=a:rev*-1", "wraps at 1 rev*-1, "),
+            ("angle=a:counts", "wraps at 4096 counts, "),
+        ] {
+            let mut record = moving(|t| swing(t).rem_euclid(TAU));
+            record.map = map.parse().ok().filter(|_| !map.is_empty());
+            record.meta.insert("counts_per_rev", "4096").unwrap();
+            unwrap_angle(&mut record);
+            let Warning { what, fix, .. } = &record.warnings[0];
+            assert!(what.contains(told) && fix.contains("radian") == map.is_empty(), "{what} {fix}");
+        }
+    }
 }

@@ -129,3 +129,11 @@ fn what_numbers_the_rows_drives_nothing_and_is_no_column_beside_the_time() {
     let said = refusal(&table(",time,value", |k| vec![k, 1e8 * k + 3e4, counts(k)])).to_string();
     assert!(said.contains("beside the time there is only \"value\"") && !said.contains("--map"), "{said}");
 }
+
+#[test]
+fn columns_that_a_proposal_does_not_use_are_told_with_their_ranges() {
+    let row = |k: f64| vec![0.01 * k, 5.0 * (0.1 * k).sin(), 200.0 * (0.1 * k).cos(), angle(k)];
+    let (_directory, path) = kept(table("t,u,v2x,theta", row).as_bytes());
+    let preview = look(&path).unwrap().proposal.unwrap().preview;
+    assert!(preview.last().unwrap().starts_with("unused   v2x: -200 .. 200"), "{preview:?}");
+}

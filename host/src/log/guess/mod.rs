@@ -8,6 +8,7 @@ pub(super) mod by_numbers;
 mod clocks;
 mod columns;
 mod drive;
+mod example;
 mod leads;
 mod look;
 mod one_motion;
@@ -24,6 +25,7 @@ use std::fmt::Write as _;
 
 pub use columns::{Part, parts};
 pub(super) use drive::half_question;
+pub(super) use example::example;
 pub use look::{Look, look};
 use preview::preview;
 pub(super) use questions::{error_question, levels_question, loop_question, sampled_question};
@@ -167,6 +169,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
     if let (Some(rate), Some(told)) = (&mut proposal.rate, sample.rate) {
         *rate = told.to_string();
     }
+    proposal.preview.extend(preview::unused(&sample.names, &sample.rows, &parts));
     proposal.unknown_units.extend(other_clock(sample, &parts));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| other_rate(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
@@ -311,32 +314,6 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
 
 fn per_turn_of(part: &Part) -> Option<PerTurn> {
     Unit::parse(part.quantity, &part.unit).ok()?.per_turn
-}
-
-/// A mapping of the first columns, for an example where nothing tells what they are.
-pub(super) fn example(names: &[String]) -> String {
-    let part = |(quantity, unit): (Quantity, &str), index: usize| {
-        let told = words::told(&names[index]).filter(|(of, _)| *of == quantity).map(|(_, unit)| unit);
-        format!("{quantity}={}:{}", column(names, index), told.unwrap_or(unit))
-    };
-    let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
-    // The one that is called so, else the next; a column without a name is none, and what somebody wanted comes last.
-    let mut columns: Vec<usize> = (0..names.len()).filter(|k| !names[*k].is_empty()).collect();
-    columns.sort_by_key(|k| words::said(&names[*k]).wanted);
-    let is_called = |k: usize, kind: Quantity| {
-        let said = words::said(&names[k]);
-        !said.wanted && said.quantity.is_some_and(|(of, _)| of == kind)
-    };
-    let named: Vec<Option<usize>> =
-        kinds.iter().map(|(kind, _)| columns.iter().copied().find(|k| is_called(*k, *kind))).collect();
-    columns.retain(|k| !named.contains(&Some(*k)));
-    let mut others = columns.into_iter();
-    let parts: Vec<String> = kinds
-        .into_iter()
-        .zip(named)
-        .filter_map(|(kind, named)| Some(part(kind, named.or_else(|| others.next())?)))
-        .collect();
-    quoted(&parts.join(","))
 }
 
 /// A column as a mapping names it: by its name where a shell and the mapping leave that alone, else by its number.
@@ -566,11 +543,6 @@ mod tests {
         let rows = rows(|k| vec![10.0, (200.0 * (0.1 * k).sin()).round(), (5.0 * (0.1 * k).sin()).round()]);
         let proposal = propose(&names("dt_ms;pwm;delta_ticks"), &rows).unwrap();
         assert_eq!(proposal.map, "interval=dt_ms:ms,duty=pwm:255,speed=delta_ticks:counts/s*100");
-    }
-
-    #[test]
-    fn an_example_keeps_the_units_that_names_tell() {
-        assert_eq!(example(&names("czas_ms;x;y_rpm")), "time=czas_ms:ms,voltage=x:V,speed=y_rpm:rpm");
     }
 
     #[test]

@@ -76,6 +76,21 @@ fn range_in(rows: &[Vec<f64>], index: usize) -> Option<String> {
     Some(format!("{} .. {}", short(range.low), short(range.high)))
 }
 
+/// Columns that are named where they are not used.
+const MOST_UNUSED: usize = 6;
+
+/// A line of the columns with names that are not used, where there are some.
+pub(super) fn unused(names: &[String], rows: &[Vec<f64>], parts: &[Part]) -> Option<String> {
+    let is_used = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
+    let told =
+        |k: usize| Some(format!("{}: {}", names.get(k).filter(|name| !name.is_empty())?, range_in(rows, k)?));
+    let all: Vec<String> = (0..names.len()).filter(|k| !is_used(k)).filter_map(told).collect();
+    let more = all.len().saturating_sub(MOST_UNUSED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!all.is_empty())
+        .then(|| format!("{:<8} {}{more}", "unused", all[..all.len().min(MOST_UNUSED)].join(", ")))
+}
+
 /// A figure in as many digits as a person reads.
 pub(super) fn short(x: f64) -> String {
     let digits = (3.0 - x.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;

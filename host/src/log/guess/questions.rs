@@ -232,7 +232,7 @@ pub(super) fn guessed_unit(name: &str, part: &Part) -> Option<String> {
         (Quantity::Time, "s") => "ms, us or ns (or --rate for it, where it numbers the rows)",
         (Quantity::Time, "ms") => "s, us or ns (or --rate for it, where it numbers the rows)",
         (Quantity::Time, _) => "s or ms (or --rate for it, where it numbers the rows)",
-        _ => "rpm, deg/s, rev/s or counts/s",
+        _ => "rpm, deg/s, rev/s, counts/s or (of a linear axis) m/s",
     };
     let of_motion = matches!(part.quantity, Quantity::Angle | Quantity::Speed | Quantity::Time);
     let asked = part.guessed && of_motion && unknown_unit(name, part).is_none();
