@@ -1,5 +1,7 @@
 //! Passes of candidates through all records: their costs, their errors, and what the neighbours of a point leave.
 
+use std::cell::Cell;
+
 use super::begun::{Begun, beside};
 use super::cost::{Objective, residuals, squares};
 use super::grid::Grid;
@@ -12,18 +14,27 @@ pub type OfRecord<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64]) + 'a;
 /// The same, and what a record's first speed has to do with its cost where it begins in motion.
 pub(super) type OfBegun<'a> = dyn FnMut(&Grid, &[Vec<Block>], &[f64], Option<Begun>) + 'a;
 
-/// Blocks of lanes that are kept from pass to pass: 32 MB.
-const MOST_KEPT: usize = 1 << 19;
+/// Blocks of lanes that are kept from pass to pass: 640 MB, an hour at 1 kHz.
+const MOST_KEPT: usize = 10 << 20;
+
+thread_local! {
+    /// Room for the series of a pass, whatever records it is through: a fresh one is paged in again by every pass, a third of the time of a long fit.
+    static ROOM: Cell<Vec<Vec<Block>>> = const { Cell::new(Vec::new()) };
+}
+
+/// Keeps of `room` for this thread's next pass what is not so large that the memory is wanted elsewhere.
+fn keep(mut room: Vec<Vec<Block>>) {
+    let mut blocks = 0;
+    let mut fits = |series: &&Vec<Block>| {
+        blocks += series.capacity();
+        blocks <= MOST_KEPT
+    };
+    let kept = room.iter().take_while(|series| fits(series)).count();
+    room.truncate(kept);
+    ROOM.set(room);
+}
 
 impl Problem {
-    /// Keeps `room` for the next pass, unless it is so large that the memory is wanted elsewhere.
-    fn keep(&self, room: Vec<Vec<Block>>) {
-        let blocks: usize = room.iter().map(Vec::capacity).sum();
-        if blocks <= MOST_KEPT {
-            self.room.replace(room);
-        }
-    }
-
     /// Counts so many `candidates` that went through all records.
     pub fn count_passes(&self, candidates: usize) {
         self.simulations.set(self.simulations.get() + candidates as u64);
@@ -65,7 +76,7 @@ impl Problem {
     ) -> Vec<f64> {
         let mut sums: Vec<f64> = xs.iter().map(|x| self.prior_cost(layout, x)).collect();
         self.count_passes(xs.len());
-        let mut room = self.room.take();
+        let mut room = ROOM.take();
         room.resize_with(room.len().max(1), Vec::new);
         for (grid, speeds) in self.grids.iter().zip(speeds) {
             let series = &mut room[0];
@@ -74,7 +85,7 @@ impl Problem {
                 *sum += own;
             }
         }
-        self.keep(room);
+        keep(room);
         sums.iter().map(|s| if s.is_finite() { *s } else { f64::MAX }).collect()
     }
 
@@ -130,7 +141,7 @@ impl Problem {
         self.count_passes((points.len() * grids.len()).div_ceil(self.grids.len().max(1)));
         // Room for the neighbour along the first speed, which differs in nothing else.
         points.push(x.to_vec());
-        let mut room = self.room.take();
+        let mut room = ROOM.take();
         room.resize_with(room.len().max(points.len().div_ceil(LANES)), Vec::new);
         for (grid, speed) in grids.iter().zip(speeds) {
             let apart = beside(grid, &self.rig);
@@ -148,6 +159,6 @@ impl Problem {
             let begun = apart.map(|apart| Begun::project_out(&mut room[..blocks], &inverse, apart));
             each(grid, &room[..inverse.len().div_ceil(LANES)], &inverse, begun);
         }
-        self.keep(room);
+        keep(room);
     }
 }

@@ -4,7 +4,7 @@
 //! more pass. So an iteration is two passes, whatever the number of rejected steps. First speeds of records that begin in motion are fitted with
 //! the parameters (`begun`).
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use motorlens_shared::effects::Rig;
@@ -15,7 +15,7 @@ use super::cost::{Objective, accumulate};
 use super::fixed::Fixed;
 use super::grid::Grid;
 use super::layout::{Layout, Prior};
-use super::simulate::{Block, LANES};
+use super::simulate::LANES;
 use crate::stop;
 
 /// Records, rig and beliefs: everything a fit needs but the model.
@@ -33,8 +33,6 @@ pub struct Problem {
     pub hold_s: Option<f64>,
     /// Passes of one candidate through all records, so far.
     pub simulations: Cell<u64>,
-    /// Room for runs, kept from pass to pass.
-    pub(super) room: RefCell<Vec<Vec<Block>>>,
 }
 
 /// A minimum, and the shape of the cost around it.

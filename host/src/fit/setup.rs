@@ -121,7 +121,6 @@ impl Problem {
             fixed: Fixed::default(),
             hold_s: None,
             simulations: std::cell::Cell::new(0),
-            room: std::cell::RefCell::default(),
         }
     }
 
@@ -135,7 +134,6 @@ impl Problem {
             fixed: self.fixed.clone(),
             hold_s: self.hold_s,
             simulations: std::cell::Cell::new(0),
-            room: std::cell::RefCell::default(),
         }
     }
 
