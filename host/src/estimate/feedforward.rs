@@ -50,8 +50,7 @@ pub(crate) fn search(problem: &Problem, records: &[Record]) -> Result<Searched> 
         let path = records.first().map(|r| r.path.clone()).unwrap_or_default();
         let fix = "add records at other voltages, or one in which the motor runs out; or use --method fast";
         // At other voltages it may turn too, and not evenly enough.
-        let all = records.iter().flat_map(driven).collect::<Vec<_>>();
-        let why = if is_one_voltage(all.into_iter()) { ONE_LEVEL } else { ONE_EVEN_LEVEL };
+        let why = if is_one_voltage(records.iter().flat_map(driven)) { ONE_LEVEL } else { ONE_EVEN_LEVEL };
         return Err(BadInput::new(&path, why, fix).into());
     }
     let Some(k) = gains(&rows) else {

@@ -10,8 +10,6 @@ mod linear;
 mod profile;
 mod start;
 
-use std::time::Instant;
-
 use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
@@ -20,6 +18,7 @@ pub use combinations::combinations;
 pub use identifiability::{Answer, Identifiability, Unlock, identifiability};
 pub use profile::{Profile, profiles};
 pub use start::prepare;
+use start::{Prepared, timed};
 
 use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
@@ -123,30 +122,12 @@ pub fn fit(
     progress: &mut dyn FnMut(u32, f64),
 ) -> Result<Fit> {
     check_effects(&options.effects)?;
-    let (problem, base) = start::prepare_for(records, motor, &options.effects)?;
+    let Prepared { problem, base, known } = start::prepare_for(records, motor, &options.effects)?;
     check_all_usable(validation)?;
-    let begun = Instant::now();
-    let searched = match options.method {
-        Method::Fast => fast::search(&problem, &base, &options.effects),
-        Method::Conventional if !options.effects.is_empty() => fast::textbook(&problem, &options.effects),
-        // The linear search takes motors that rest at the start of every record.
-        Method::Ga if !options.effects.is_empty() || !problem.grids.iter().all(Grid::rests) => {
-            genetic::search(&problem, &base, options, progress)
-        }
-        Method::Paper if !options.effects.is_empty() => {
-            let why = "--method paper knows the linear model only";
-            return Err(Error::usage(why, "leave out --effects, or use --method ga"));
-        }
-        Method::Feedforward if !options.effects.is_empty() => {
-            let why = "--method feedforward has friction as its only effect";
-            return Err(Error::usage(why, "leave out --effects, or use --method fast"));
-        }
-        Method::Feedforward => feedforward::search(&problem, records)?,
-        Method::Ga | Method::Conventional | Method::Paper => {
-            linear::search(&problem, records, motor, options, progress)?
-        }
-    };
-    let seconds = begun.elapsed().as_secs_f64();
+    let known = known.filter(|_| options.method == Method::Fast).map(|(searched, s)| (Ok(searched), s));
+    let (searched, seconds) =
+        known.unwrap_or_else(|| timed(|| by_method(&problem, &base, records, motor, options, progress)));
+    let searched = searched?;
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
         records: records.iter().map(|r| r.name.clone()).collect(),
@@ -163,6 +144,37 @@ pub fn fit(
     (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
     fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
     Ok(fit)
+}
+
+/// Searches from `base` as `options` say.
+fn by_method(
+    problem: &Problem,
+    base: &Values,
+    records: &[Record],
+    motor: &MotorFile,
+    options: &Options,
+    progress: &mut dyn FnMut(u32, f64),
+) -> Result<Searched> {
+    Ok(match options.method {
+        Method::Fast => fast::search(problem, base, &options.effects),
+        Method::Conventional if !options.effects.is_empty() => fast::textbook(problem, &options.effects),
+        // The linear search takes motors that rest at the start of every record.
+        Method::Ga if !options.effects.is_empty() || !problem.grids.iter().all(Grid::rests) => {
+            genetic::search(problem, base, options, progress)
+        }
+        Method::Paper if !options.effects.is_empty() => {
+            let why = "--method paper knows the linear model only";
+            return Err(Error::usage(why, "leave out --effects, or use --method ga"));
+        }
+        Method::Feedforward if !options.effects.is_empty() => {
+            let why = "--method feedforward has friction as its only effect";
+            return Err(Error::usage(why, "leave out --effects, or use --method fast"));
+        }
+        Method::Feedforward => feedforward::search(problem, records)?,
+        Method::Ga | Method::Conventional | Method::Paper => {
+            linear::search(problem, records, motor, options, progress)?
+        }
+    })
 }
 
 /// Errors, intervals and combinations of `values` on `problem`.

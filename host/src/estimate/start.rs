@@ -1,8 +1,10 @@
 //! From records to a problem and a first base model.
 
+use std::time::Instant;
+
 use motorlens_shared::effects::Kind;
 
-use super::fast;
+use super::{Searched, fast};
 use crate::error::Result;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -20,18 +22,39 @@ pub fn prepare(records: &[Record], motor: &MotorFile) -> Result<(Problem, Values
     Ok(with_base(setup::problem(records, motor)))
 }
 
+/// Records laid out for a model.
+pub(super) struct Prepared {
+    pub problem: Problem,
+    /// The base model that was fitted to them.
+    pub base: Values,
+    /// What the fast method finds, and in how many seconds, where it was asked on the way.
+    pub known: Option<(Searched, f64)>,
+}
+
 /// The same for a model of `effects`: speeds are read as such a model says.
 ///
 /// # Errors
 /// Records that no fit can use.
-pub fn prepare_for(records: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<(Problem, Values)> {
+pub(super) fn prepare_for(records: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<Prepared> {
     let (problem, base) = prepare(records, motor)?;
-    let otherwise = || problem.read_otherwise(&fast::search(&problem, &base, effects).values);
-    let asks = !effects.is_empty() && problem.speeds().is_some();
-    Ok(match asks.then(otherwise).flatten() {
-        Some(otherwise) => with_base(setup::problem_of(records, motor, Some(otherwise))),
-        None => (problem, base),
+    if effects.is_empty() || problem.speeds().is_none() {
+        return Ok(Prepared { problem, base, known: None });
+    }
+    let known = timed(|| fast::search(&problem, &base, effects));
+    Ok(match problem.read_otherwise(&known.0.values) {
+        Some(otherwise) => {
+            let (problem, base) = with_base(setup::problem_of(records, motor, Some(otherwise)));
+            Prepared { problem, base, known: None }
+        }
+        None => Prepared { problem, base, known: Some(known) },
     })
+}
+
+/// What `search` returns, and the seconds that it took.
+pub(super) fn timed<T>(search: impl FnOnce() -> T) -> (T, f64) {
+    let begun = Instant::now();
+    let found = search();
+    (found, begun.elapsed().as_secs_f64())
 }
 
 fn with_base((mut problem, start): (Problem, Values)) -> (Problem, Values) {

@@ -127,14 +127,7 @@ impl Problem {
     /// The same rig and noise, other records.
     #[must_use]
     pub fn on(&self, grids: Vec<Grid>) -> Self {
-        Self {
-            grids,
-            rig: self.rig,
-            prior: self.prior,
-            fixed: self.fixed.clone(),
-            hold_s: self.hold_s,
-            simulations: std::cell::Cell::new(0),
-        }
+        Self { fixed: self.fixed.clone(), hold_s: self.hold_s, ..Self::new(grids, self.rig, self.prior) }
     }
 
     /// What the speeds are, those of one motor all alike; none where there are angles only.

@@ -11,8 +11,14 @@ use super::units::Quantity::{Angle, Speed, Time};
 use super::units::{Quantity, Unit};
 use super::usable::Fault;
 
-/// Units of a time that were read as seconds, by how many times too fast a speed then looks.
-const TIMES: [(f64, &str); 2] = [(1e3, "ms"), (1e6, "us")];
+/// What else was meant where an angle and a speed are no one motion as they were read.
+#[derive(Clone, Copy)]
+enum Other {
+    /// The units of angle and speed.
+    Motion([&'static str; 2]),
+    /// The unit of the time.
+    Time(&'static str),
+}
 
 /// Angle and speed of one record must be one motion.
 pub(super) fn agreement(record: &Record) -> Option<Fault> {
@@ -38,23 +44,19 @@ pub(super) fn agreement(record: &Record) -> Option<Fault> {
         );
         return Some(fault("speed_rad_s", why, fix));
     }
-    let (looks, units) = likely(ratio);
+    let (looks, other) = likely(ratio);
     let why = format!("the speed is {ratio:.3} times the change of the angle; {looks}");
     // What was read in other units than the canonical ones looks otherwise.
-    let plain = |quantity| {
+    let plain = |quantity: Quantity| {
         let source = record.map.as_ref().and_then(|map| map.source(quantity));
-        source.is_none_or(|source| ["", "rad", "rad/s"].contains(&source.written.as_str()))
+        source.is_none_or(|source| ["", quantity.si()].contains(&source.written.as_str()))
     };
     let is_plain = record.meta.get(TEST_KEY).is_none() && plain(Angle) && plain(Speed);
-    let in_seconds = record.map.as_ref().and_then(|map| map.source(Time));
-    let in_seconds = in_seconds.is_none_or(|source| ["", "s"].contains(&source.written.as_str()));
-    let of_time = TIMES.iter().find(|(times, _)| is_plain && in_seconds && (ratio / times - 1.0).abs() < 0.1);
-    let fix = match units {
-        Some([angle, speed]) if is_plain => {
+    let fix = match other {
+        Some(Other::Motion([angle, speed])) if is_plain => {
             format!("if so, say {}", remapped(record, &[(Angle, Angle, angle), (Speed, Speed, speed)]))
         }
-        _ if of_time.is_some() => {
-            let unit = of_time.map_or(Time.si(), |(_, unit)| unit);
+        Some(Other::Time(unit)) if is_plain && plain(Time) => {
             format!("if so, say {}", remapped(record, &[(Time, Time, unit)]))
         }
         _ => in_agreeing_units(record, ratio).unwrap_or_else(|| {
@@ -116,28 +118,29 @@ pub(super) fn counts_of_a_turn(record: &Record, ratio: f64) -> Option<String> {
     })
 }
 
-/// What a speed that is so many times the change of the angle looks like, with the units of angle and speed where it tells them.
-fn likely(ratio: f64) -> (&'static str, Option<[&'static str; 2]>) {
-    const RATIOS: [(f64, &str, Option<[&str; 2]>); 10] = [
-        (60.0 / TAU, "the speed looks like rpm", Some(["rad", "rpm"])),
-        (360.0 / TAU, "the speed looks like deg/s", Some(["rad", "deg/s"])),
-        (1.0 / TAU, "the speed looks like turns per second", Some(["rad", "rev/s"])),
-        (TAU / 360.0, "the angle looks like degrees", Some(["deg", "rad/s"])),
-        (TAU, "the angle looks like turns", Some(["rev", "rad/s"])),
-        (60.0, "the angle looks like turns and the speed like rpm", Some(["rev", "rpm"])),
-        (360.0, "the angle looks like turns and the speed like deg/s", Some(["rev", "deg/s"])),
-        (1.0 / 6.0, "the angle looks like degrees and the speed like rpm", Some(["deg", "rpm"])),
-        (1000.0, "the time looks like milliseconds", None),
-        (1e6, "the time looks like microseconds", None),
+/// What a speed that is so many times the change of the angle looks like, with the other units where it tells them.
+fn likely(ratio: f64) -> (&'static str, Option<Other>) {
+    use Other::{Motion, Time};
+    const RATIOS: [(f64, &str, Other); 10] = [
+        (60.0 / TAU, "the speed looks like rpm", Motion(["rad", "rpm"])),
+        (360.0 / TAU, "the speed looks like deg/s", Motion(["rad", "deg/s"])),
+        (1.0 / TAU, "the speed looks like turns per second", Motion(["rad", "rev/s"])),
+        (TAU / 360.0, "the angle looks like degrees", Motion(["deg", "rad/s"])),
+        (TAU, "the angle looks like turns", Motion(["rev", "rad/s"])),
+        (60.0, "the angle looks like turns and the speed like rpm", Motion(["rev", "rpm"])),
+        (360.0, "the angle looks like turns and the speed like deg/s", Motion(["rev", "deg/s"])),
+        (1.0 / 6.0, "the angle looks like degrees and the speed like rpm", Motion(["deg", "rpm"])),
+        (1000.0, "the time looks like milliseconds", Time("ms")),
+        (1e6, "the time looks like microseconds", Time("us")),
     ];
-    let off = |row: &(f64, &str, Option<[&str; 2]>)| (ratio / row.0 - 1.0).abs();
+    let off = |row: &(f64, &str, Other)| (ratio / row.0 - 1.0).abs();
     RATIOS
         .into_iter()
         .filter(|row| off(row) < 0.1)
         .min_by(|one, other| off(one).total_cmp(&off(other)))
         .map_or(
             ("one of them is in another unit, or on the other side of the gears", None),
-            |(_, text, units)| (text, units),
+            |(_, text, other)| (text, Some(other)),
         )
 }
 

@@ -3,6 +3,7 @@
 use super::Record;
 use super::motion::{peak, speed};
 use super::suspicion::{Odd, Seen};
+use super::timing::quantile;
 
 /// Share of the highest voltage below which a clip would be told, and how much better it must fit.
 const CLIP_SHARES: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
@@ -64,8 +65,7 @@ fn is_faster_beyond(record: &Record, limit: f64) -> bool {
     let fast = |volts: std::ops::Range<f64>| {
         let of_these = speeds.iter().zip(&record.voltage_v).filter(|(_, v)| volts.contains(&v.abs()));
         let mut sizes: Vec<f64> = of_these.map(|(w, _)| w.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        (sizes.len() >= ENOUGH).then(|| sizes[(MOST * sizes.len() as f64) as usize])
+        (sizes.len() >= ENOUGH).then(|| quantile(&mut sizes, MOST))
     };
     let just_above = limit * (1.0 + 1e-9);
     let (at, beyond) = (fast(AT_THE_LIMIT * limit..just_above), fast(just_above..f64::INFINITY));

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::motion::peak;
 use super::repair::APART;
+use super::timing::quantile;
 
 /// A garbled reading returns within so many samples.
 pub(super) const LONGEST_SPIKE: usize = 3;
@@ -72,9 +73,9 @@ fn dropped_to_zero(values: &[f64], drive: Option<&[f64]>) -> Vec<usize> {
     let ordinary = values.windows(2).filter(|p| p[0] != 0.0 && p[1] != 0.0);
     let mut steps: Vec<f64> = ordinary.map(|p| (p[1] - p[0]).abs()).collect();
     let furthest = peak(&steps);
-    let allowed = usual(&mut steps);
+    let allowed = quantile(&mut steps, USUAL);
     let few_counts = FEW_COUNTS * count_of(values);
-    let fast = FAST * usual(&mut values.iter().map(|value| value.abs()).collect::<Vec<_>>());
+    let fast = FAST * quantile(&mut values.iter().map(|value| value.abs()).collect::<Vec<_>>(), USUAL);
     let runs: Vec<Run> = zeros_between(values).into_iter().filter(|run| run.height > few_counts).collect();
     let is_certain = |run: &&Run| {
         let holds = drive.is_some_and(|drive| holds_on(drive, &run.zeros));
@@ -85,12 +86,6 @@ fn dropped_to_zero(values: &[f64], drive: Option<&[f64]>) -> Vec<usize> {
     let certain = samples(&runs.iter().filter(is_certain).collect::<Vec<_>>());
     // Where some are certain, the others among slower motion are the same.
     if certain.len() > 1 { samples(&runs.iter().collect::<Vec<_>>()) } else { certain }
-}
-
-/// What all but the largest of these stay below.
-fn usual(sizes: &mut [f64]) -> f64 {
-    sizes.sort_by(f64::total_cmp);
-    sizes.get((USUAL * sizes.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
 /// A short run of zeros between readings of one sign.

@@ -37,6 +37,11 @@ pub(super) fn garbled_behind_edges(speed: &[f64], volts: &[f64]) -> Vec<usize> {
 
 /// Whether `run` is none of the motion from `before` on to the speed that `later` readings settle at.
 fn is_garbled(before: f64, run: &[f64], later: &[f64]) -> bool {
+    // Few runs are beyond all of what follows, and the rest need no more than this.
+    let beyond = |of: fn(&f64, &f64) -> bool| run.iter().all(|one| later.iter().all(|other| of(one, other)));
+    if !beyond(|one, other| one > other) && !beyond(|one, other| one < other) {
+        return false;
+    }
     let settled = median(&mut later[later.len() / 2..].to_vec());
     // Shares of the way that the motion goes.
     let share = |w: &f64| (w - before) / (settled - before);

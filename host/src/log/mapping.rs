@@ -50,6 +50,12 @@ impl Mapping {
         &self.sources
     }
 
+    /// The same without one quantity.
+    pub(super) fn without(&self, quantity: Quantity) -> Self {
+        let kept = |source: &&Source| source.quantity != quantity;
+        Self { sources: self.sources.iter().filter(kept).cloned().collect() }
+    }
+
     /// The mapping as it is written.
     pub fn written(&self) -> String {
         let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };

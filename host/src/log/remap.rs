@@ -47,12 +47,7 @@ pub(super) fn without(record: &Record, left_out: Quantity) -> String {
             let (column, unit) = native(record, kept);
             format!("--map {}", quoted(&format!("{kept}={column}:{unit}")))
         }
-        Some(map) => {
-            let parts = map.sources().iter().filter(|source| source.quantity != left_out);
-            let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };
-            let parts = parts.map(|part| format!("{}={}{}", part.quantity, part.column, unit(&part.written)));
-            format!("--map {}", quoted(&parts.collect::<Vec<_>>().join(",")))
-        }
+        Some(map) => format!("--map {}", quoted(&map.without(left_out).written())),
     }
 }
 

@@ -123,12 +123,17 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     Ok(sample)
 }
 
+/// The numbers of a column, as far as its rows have them.
+pub(super) fn numbers(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> + Clone {
+    rows.iter().filter_map(move |row| row.get(column)).copied().filter(|value| value.is_finite())
+}
+
 /// Gives columns of whole numbers the signs that their type took away, and tells which, and the width of the type.
 fn give_signs(rows: &mut [Vec<f64>]) -> Vec<(usize, f64)> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let mut signed = Vec::new();
     for column in 0..columns {
-        let values = rows.iter().filter_map(|row| row.get(column)).copied().filter(|value| value.is_finite());
+        let values = numbers(rows, column);
         let Some(width) = unsigned::width_of(values) else { continue };
         for value in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
             *value = unsigned::signed(*value, width);

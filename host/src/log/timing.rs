@@ -51,11 +51,16 @@ pub fn jitter(time_s: &[f64]) -> f64 {
 
 /// The middle one of `values`, the upper of two; 0 of none.
 pub fn median(values: &mut [f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The first of `values` that is no smaller than this share of them, which is below 1; 0 of none.
+pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    let place = (share * values.len() as f64) as usize;
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -45,6 +45,8 @@ pub struct Fitted {
     scored: Scored,
     /// Logarithms of its cross-validated simulation errors, record by record, once they were asked for.
     crossed: OnceLock<Vec<f64>>,
+    /// Its simulation error on all records of the fit, once it was asked for.
+    simulated: OnceLock<f64>,
 }
 
 impl Fitted {
@@ -75,7 +77,7 @@ impl Fitted {
         data.train.count_passes_of(&problem);
         let score = scored.under(&noise).iter().sum();
         let speeds = problem.first_speeds();
-        Self { layout, x, speeds, noise, score, scored, crossed: OnceLock::new() }
+        Self { layout, x, speeds, noise, score, scored, crossed: OnceLock::new(), simulated: OnceLock::new() }
     }
 
     /// Fits the model `values`.
@@ -212,7 +214,8 @@ impl Fitted {
     /// Whether it simulates the records that it was fitted to clearly worse than `other` does. Fits hold the phase of what repeats with the angle at
     /// the measured angle; a model that only runs so is of no use.
     pub fn strays(&self, other: &Self, data: &Evidence) -> bool {
-        let error = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);
+        let run = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);
+        let error = |model: &Self| *model.simulated.get_or_init(|| run(model));
         error(self) > STRAYS * error(other)
     }
 

@@ -201,7 +201,7 @@ fn simpler(data: &Evidence, model: Fitted, least: f64, base: &Fitted) -> Fitted 
             let poor = Fitted::of(data, &without.with(part, vec![parameters[at]]), SETTLED.0, SETTLED.1);
             let is_enough =
                 || may_be_nothing(&spread, *rich, Some(at)) || poor.is_as_good_as(&model, data, base);
-            if poor.score() > least && is_enough() && !poor.strays(&model, data) {
+            if poor.score() > least && !poor.strays(&model, data) && is_enough() {
                 return simpler(data, poor, least, base);
             }
         }
@@ -239,7 +239,7 @@ fn pruned(data: &Evidence, model: Fitted, given: &[Kind], least: f64, base: &Fit
         let fewer = Fitted::of(data, &values.without(kind), 2, 8);
         let is_nothing = || may_be_nothing(&Spread::of(&data.train, &values), kind, None);
         let is_enough = || is_nothing() || fewer.is_as_good_as(&model, data, base);
-        if fewer.score() > least && is_enough() && !fewer.strays(&model, data) {
+        if fewer.score() > least && !fewer.strays(&model, data) && is_enough() {
             model = fewer;
         }
     }

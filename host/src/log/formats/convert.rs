@@ -27,6 +27,7 @@ const fn named_by(name: &'static str, extension: &'static str, remedy: &'static 
 }
 
 const UNPACK: &str = "unpack it and give the log that is in it";
+const WEB: &str = "export the table as CSV, or save the page's data and not the page";
 const IMAGE: &str = "give the log itself, not a picture of it";
 const MCAP: &str = "convert it with the MCAP command line tool: mcap convert OLD NEW.mcap";
 const PANDAS: &str =
@@ -40,16 +41,8 @@ const YAML: &str = "write it as JSON, which is read (python -m pip install pyyam
 
 const FOREIGN: [Foreign; 33] = [
     content("XML", b"<?xml", "export the table as CSV from the program that made it"),
-    content(
-        "a page of the web",
-        b"<!DOCTYPE",
-        "export the table as CSV, or save the page's data and not the page",
-    ),
-    content(
-        "a page of the web",
-        b"<html",
-        "export the table as CSV, or save the page's data and not the page",
-    ),
+    content("a page of the web", b"<!DOCTYPE", WEB),
+    content("a page of the web", b"<html", WEB),
     content("a ROS 1 bag", b"#ROSBAG V", MCAP),
     content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
     content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),

@@ -7,6 +7,7 @@ use super::one_motion::{NEAR, agree, leave_out_other_motion, pairs_of, ratio};
 use super::turns::Turn;
 use super::{bridge, drive, leads, registers, sides, words};
 use crate::log::direction;
+use crate::log::sample::numbers;
 use crate::log::units::Quantity;
 use crate::log::wraps;
 
@@ -39,8 +40,7 @@ impl Part {
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
     tell_turns(&mut said, names);
-    let values =
-        |index: usize| rows.iter().filter_map(move |row| row.get(index)).copied().filter(|v| v.is_finite());
+    let values = |index: usize| numbers(rows, index);
     // What has fractions counts nothing.
     for (index, said) in said.iter_mut().enumerate().filter(|(_, said)| said.unit == Some("counts")) {
         if values(index).any(|value| value.fract() != 0.0) {

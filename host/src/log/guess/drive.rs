@@ -4,7 +4,7 @@ use super::columns::{self, Part, Range};
 use super::preview::short;
 use super::{column, options_as_if, sides, words};
 use crate::log::numbered::numbers_rows;
-use crate::log::sample::Sample;
+use crate::log::sample::{Sample, numbers};
 use crate::log::units::Quantity;
 
 /// A voltage that changes less than this share of it is as steady as a supply's.
@@ -25,8 +25,7 @@ pub(super) fn are_millivolts(range: &Range) -> bool {
 /// What is said of a voltage that hardly changes, and of whole numbers that may be millivolts or a duty.
 pub(super) fn said_of_drive(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<String> {
     let name = names.get(part.index)?;
-    let range =
-        Range::of(rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()));
+    let range = Range::of(numbers(rows, part.index));
     let own = column(names, part.index);
     let called = words::said(name).quantity.map(|(of, _)| of);
     let is_volts = part.unit == "V" || part.unit == "mV";
@@ -103,7 +102,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let is_target = |k: &usize| words::said(&sample.names[*k]).target;
     // What numbers the rows neither drives nor moves.
     let is_number = |k: &usize| {
-        let values = sample.rows.iter().filter_map(|row| row.get(*k)).copied().filter(|v| v.is_finite());
+        let values = numbers(&sample.rows, *k);
         numbers_rows(&sample.names[*k], &values.collect::<Vec<_>>())
     };
     let (targets, mut others): (Vec<usize>, Vec<usize>) =

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::columns::{Part, Range};
 use super::per_turn_of;
 use crate::log::direction;
+use crate::log::sample::numbers;
 use crate::log::ticks::Ticks;
 use crate::log::timing;
 use crate::log::units::{PerTurn, Quantity, Unit};
@@ -14,8 +15,7 @@ const WIDTH: usize = 32;
 
 /// A line that shows what a column would be read as: its range in its own unit and in SI, and its course.
 pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> String {
-    let mut values: Vec<f64> =
-        rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite()).collect();
+    let mut values: Vec<f64> = numbers(rows, part.index).collect();
     let mut name = names.get(part.index).map_or_else(|| part.index.to_string(), Clone::clone);
     if let Some(rest) = part.rest {
         // A time is shown in the unit of its fraction, as one number.
@@ -69,8 +69,7 @@ pub(super) fn range_of(rows: &[Vec<f64>], index: usize) -> String {
 
 /// From where to where a column goes; none where it holds no numbers.
 fn range_in(rows: &[Vec<f64>], index: usize) -> Option<String> {
-    let mut values =
-        rows.iter().filter_map(|row| row.get(index)).copied().filter(|v| v.is_finite()).peekable();
+    let mut values = numbers(rows, index).peekable();
     values.peek()?;
     let range = Range::of(values);
     Some(format!("{} .. {}", short(range.low), short(range.high)))

@@ -5,7 +5,7 @@ use super::columns::{self, Part, Range};
 use super::preview::short;
 use super::{column, options_as_if, quoted, unit_names, words};
 use crate::log::motion;
-use crate::log::sample::Sample;
+use crate::log::sample::{Sample, numbers};
 use crate::log::timing;
 use crate::log::units::Quantity;
 use crate::log::unsigned;
@@ -28,7 +28,7 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
 /// What is asked of a duty, a voltage or a speed that may be one of 8 bits without its sign.
 pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
     let has_sign = [Quantity::Duty, Quantity::Voltage, Quantity::Speed].contains(&part.quantity);
-    let values = sample.rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite());
+    let values = numbers(&sample.rows, part.index);
     let name = sample.names.get(part.index)?;
     (has_sign && unsigned::may_be_bytes(values)).then(|| {
         format!(
@@ -149,9 +149,7 @@ pub(super) fn taken_for(names: &[String], part: &Part, parts: &[Part], rows: &[V
 
 /// What is asked of a table whose only motion is the levels of an encoder's channels.
 pub(in crate::log) fn levels_question(sample: &Sample) -> Option<String> {
-    let values = |k: usize| {
-        sample.rows.iter().filter_map(move |row| row.get(k)).copied().filter(|value| value.is_finite())
-    };
+    let values = |k: usize| numbers(&sample.rows, k);
     let is_level = |k: &usize| {
         words::said(&sample.with_units[*k]).unit == Some("counts")
             && columns::is_level(sample.rows.len(), &Range::of(values(*k)))
@@ -209,7 +207,7 @@ pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
 pub(super) fn other_rate(sample: &Sample, part: &Part) -> Option<String> {
     let said = words::said(sample.with_units.get(part.index)?);
     let told = format!("{}{}", said.unit?, said.scale.unwrap_or_default());
-    let values = sample.rows.iter().filter_map(|row| row.get(part.index)).copied().filter(|v| v.is_finite());
+    let values = numbers(&sample.rows, part.index);
     let values: Vec<f64> = values.collect();
     let taken = clocks::plausible(part.quantity, &told, &values).filter(|unit| *unit == part.unit)?;
     let (_, interval_s) = clocks::interval(part.quantity, &told, &values)?;
