@@ -26,14 +26,14 @@ fn common_effects_are_named_alone_and_explain_unseen_data_to_the_floor() {
     }
 }
 
-/// The bars of the single effects: nine of ten first, no false alarm in forty clean motors.
+/// The bars of the single effects: nine of ten first, no false alarm in twenty clean motors.
 #[test]
 fn every_effect_is_ranked_first_and_clean_motors_stay_clean() {
     if !thorough() {
-        println!("skipped: set MOTORLENS_LONG_TESTS for 103 hidden cases");
+        println!("skipped: set MOTORLENS_LONG_TESTS for 42 hidden cases");
         return;
     }
-    let marks = Marks::new(&answers(Paper { singles: 3, nothing: 40, ..CALM }, &[]));
+    let marks = Marks::new(&answers(Paper { singles: 1, nothing: 20, ..CALM }, &[]));
     println!("{marks:?}");
     assert_eq!(marks.false_alarms.number, 0, "{marks:?}");
     assert!(10 * marks.first.number >= 9 * marks.first.of, "{marks:?}");

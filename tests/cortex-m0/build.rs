@@ -74,6 +74,7 @@ fn main() {
     fs::copy(Path::new(&here).join("memory.x"), out.join("memory.x"))
         .expect("memory.x stands beside build.rs");
     println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rustc-link-arg-bins=-Tlink.x");
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=src/spoil.rs");
 }

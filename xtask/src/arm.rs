@@ -154,12 +154,3 @@ pub fn build_program(target: &'static str, directory: &Path, name: &str) -> Resu
     process::run(compiler.cargo("build", directory).arg("--release"))?;
     Ok(compiler.artifact(name))
 }
-
-/// Builds the crates that run on boards for a core, to show that they need neither std nor an FPU.
-pub fn build_no_std(target: &'static str, packages: &[&str]) -> Result<()> {
-    let compiler = Compiler::find_or_install(target)?;
-    for package in packages {
-        process::run(compiler.cargo("build", &process::root()).args(["--release", "--package", package]))?;
-    }
-    Ok(())
-}

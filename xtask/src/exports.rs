@@ -37,14 +37,11 @@ pub fn tests() -> Result<Count> {
                 // As the host's own tests were built, so that nothing is compiled again.
                 "--workspace",
                 "--test",
-                "export",
-                "--test",
                 "export_tools",
                 "--test",
                 "export_errors",
                 "--locked",
             ])
-            .env("MOTORLENS_LONG_TESTS", "1")
             .env("MOTORLENS_EXPORT_PYTHON", python),
     )
 }

@@ -19,14 +19,11 @@ pub struct Options {
     only: Option<String>,
 }
 
-/// The crates that run on boards.
-const ON_BOARDS: [&str; 3] = ["motorlens-shared", "motorlens-model", "motorlens-firmware"];
-
 /// A part of the run: its name and what it does.
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 21] = [
+const PARTS: [Part; 19] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -53,8 +50,7 @@ const PARTS: [Part; 21] = [
         let test = ["test", "--release", "-p", "motorlens-shared", "--test", "link_any_bytes"];
         process::run_tests(process::cargo().args(test))
     }),
-    ("no_std on Cortex-M4F", || one(arm::build_no_std(arm::CORTEX_M4F, &ON_BOARDS))),
-    ("no_std on Cortex-M0", || one(arm::build_no_std(arm::CORTEX_M0, &ON_BOARDS))),
+    // These also show that what runs on boards needs neither std nor, here, an FPU.
     ("quick fit on an emulated Cortex-M0", || one(cortex_m0::run())),
     ("images of all boards: sizes, stack, no panic in interrupts", || one(sizes::print())),
     ("instructions on the board", || {

@@ -7,6 +7,8 @@ mod spoil;
 
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::{debug, hprintln};
+// Built for this core like the rest of what runs on boards.
+use motorlens_model as _;
 use motorlens_shared::quickfit::{Arithmetic, Fixed, Float, Kept, QuickFit, Request, fit};
 
 /// What the host made of it.

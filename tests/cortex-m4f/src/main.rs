@@ -11,6 +11,8 @@ use core::sync::atomic::AtomicU32;
 use cortex_m::peripheral::{DWT, Peripherals};
 use cortex_m_rt::entry;
 use micromath::F32Ext;
+// Built for this core like the rest of what runs on boards.
+use motorlens_model as _;
 use motorlens_shared::excitation::phase::sine;
 
 /// Phases per loop.
