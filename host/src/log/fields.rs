@@ -248,9 +248,11 @@ impl Hexadecimal {
     }
 }
 
-/// A line without its end and the blanks around it; a tab before it ends a field that is blank.
+/// A line without its end and the blanks around it; a tab before it ends a field that is blank. A semicolon ends it too where there is no
+/// other, as a row of a matrix or a message.
 pub fn trimmed(line: &str) -> &str {
-    line.trim_matches(|c: char| c.is_whitespace() && c != '\t')
+    let line = line.trim_matches(|c: char| c.is_whitespace() && c != '\t');
+    line.strip_suffix(';').filter(|rest| !rest.contains(';')).map_or(line, str::trim_end)
 }
 
 /// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.

@@ -34,6 +34,20 @@ fn milliseconds_apart_and_behind_a_colon_are_read() {
 }
 
 #[test]
+fn a_semicolon_that_ends_each_line_separates_nothing() {
+    let ended = plain().lines().map(|line| format!("{line};\n")).collect::<String>();
+    assert_same(&read_bytes(ended.as_bytes(), &ReadOptions::default()).unwrap(), "ended", 0);
+}
+
+#[test]
+fn fractions_that_are_no_seconds_are_milliseconds_by_their_interval_and_asked_for() {
+    let text = lines("TIMESTAMP,u,theta\n", |k, _, u, x| format!("{},{u},{x}", 0.076 + 2.16 * f64::from(k)));
+    let proposal = refusal(&text).proposal.unwrap();
+    assert_eq!(proposal.map, "time=TIMESTAMP:ms,voltage=u:V,angle=theta:rad");
+    assert!(proposal.assumptions().contains("ms is a guess"), "{}", proposal.assumptions());
+}
+
+#[test]
 fn a_unit_that_no_motor_is_logged_in_gives_way_to_one_it_may_be_and_is_said() {
     for (name, per_s, unit, rate) in [
         ("time_us", 1.0, "s", "1.0e8 samples a second"),

@@ -114,10 +114,42 @@ fn what_drives_one_motor_is_proposed_with_no_motion_of_another() {
     let said = refusal(&text).to_string();
     assert!(said.contains("if \"CURRENT_M1\" is that") && said.contains("speed=CURRENT_M1:rad/s"), "{said}");
     assert!(!said.contains("current=") && !said.contains("=CURRENT_M2"), "{said}");
+    // Nothing tells the unit of the time, which is said where a mapping is.
+    let said = refusal(&table("stamp,PWM_M1,CURRENT_M1,DESIRED_M1", |k| {
+        vec![2.5 * k, (k % 7.0) * 14.0, speed(k), 40.0]
+    }));
+    assert!(
+        said.to_string().contains("time=stamp:ms") && said.to_string().contains("\"stamp\": ms is a guess"),
+        "{said}"
+    );
     // The current of another motor is none of this one.
     let row = |k: f64| vec![10.0 * k, (k % 7.0) * 30.0, speed(k), 0.1 * speed(k)];
     let map = map_of(&table("t_ms,left_pwm,left_rpm,right_current", row));
     assert_eq!(map, "time=t_ms:ms,duty=left_pwm:255,speed=left_rpm:rpm");
+}
+
+#[test]
+fn the_motion_in_another_unit_drives_nothing() {
+    let said =
+        refusal(&table("time,rpm,rpm_rad", |k| vec![0.02 * k, speed(k), 0.10472 * speed(k)])).to_string();
+    assert!(said.contains("no column tells what drove the motor") && !said.contains("=rpm_rad"), "{said}");
+}
+
+#[test]
+fn a_speed_for_each_level_of_the_drive_is_told_from_a_log_without_a_clock() {
+    let level = |k: f64| 5.0 * (k % 40.0) - 100.0;
+    let said = |row: &dyn Fn(f64) -> Vec<f64>| {
+        let text = table("pwm,rpm", row);
+        let rows: Vec<&str> = text.lines().take(61).collect();
+        refusal(&(rows.join("\n") + "\n")).to_string()
+    };
+    let steady = said(&|k| vec![level(k), (3.0 * level(k)).round()]);
+    assert!(
+        steady.contains("these are steady states") && steady.contains("no --rate makes a log of them"),
+        "{steady}"
+    );
+    let log = said(&|k| vec![if k < 20.0 { 0.0 } else { 100.0 }, speed(k)]);
+    assert!(log.contains("--rate 100") && !log.contains("steady states"), "{log}");
 }
 
 #[test]

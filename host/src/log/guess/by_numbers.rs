@@ -3,7 +3,7 @@
 //! What rises evenly is the time. Where one column is the change of another, they are speed and angle. What drives the motor has few
 //! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them.
 
-use super::columns::{Part, unit_of};
+use super::columns::{Part, is_open_time, unit_of};
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
 use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;
@@ -34,10 +34,8 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
     let mut add = |quantity: Quantity, index: Option<usize>| {
         let Some(index) = index else { return };
         let unit = unit_of(quantity, None, &columns[index]);
-        // As where a name leaves it open, times in whole numbers may be of any unit.
-        let whole = || columns[index].iter().all(|value| value.fract() == 0.0);
-        let guessed =
-            [Quantity::Angle, Quantity::Speed].contains(&quantity) || quantity == Quantity::Time && whole();
+        let of_time = || quantity == Quantity::Time && is_open_time(&unit, &columns[index]);
+        let guessed = [Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time();
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     };
     add(Quantity::Time, found.time);
@@ -66,7 +64,8 @@ pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
     proposal.preview.extend(unused.map(|k| format!("{:<8} {}", "unused", range_of(rows, k))));
     proposal.unknown_units.insert(
         0,
-        "the columns have no names, so this is a guess by their numbers alone: compare it below".into(),
+        "no name tells what a column holds, so this is a guess by their numbers alone: compare it below"
+            .into(),
     );
     Some(proposal)
 }
@@ -341,7 +340,7 @@ mod tests {
         let proposal = propose(&rows).unwrap();
         assert_eq!((proposal.rate.as_deref(), proposal.preview.len()), (Some("100"), 6));
         assert!(
-            proposal.assumptions().starts_with("the columns have no names"),
+            proposal.assumptions().starts_with("no name tells what a column holds"),
             "{}",
             proposal.assumptions()
         );

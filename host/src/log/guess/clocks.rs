@@ -122,13 +122,16 @@ pub(super) fn is_below_a_second(unit: Option<&str>, values: impl Iterator<Item =
     second > 1.0 && inside && falls
 }
 
-/// Whole steps are not seconds.
+/// Longer steps are none of seconds: at two readings a second and fewer a motor tells nothing, and two a millisecond are usual.
+const LONG_FOR_SECONDS: f64 = 0.4;
+
+/// Whole steps are not seconds, and long ones neither.
 pub(super) fn time_unit(values: &[f64], range: &Range) -> &'static str {
     let step = timing::median_interval(values);
     let is_date = DATES.iter().any(|dates| dates.contains(&range.low) && dates.contains(&range.high));
     match step {
         _ if is_date && !range.is_whole() && step < SHORT_FOR_SECONDS => DAYS,
-        _ if !range.is_whole() || step < 1.0 => "s",
+        _ if step < if range.is_whole() { 1.0 } else { LONG_FOR_SECONDS } => "s",
         _ if step < 500.0 => "ms",
         _ if step < 200_000.0 => "us",
         _ => "ns",

@@ -2,7 +2,9 @@
 
 use super::columns::{self, Part, Range};
 use super::preview::short;
+use super::questions::guessed_unit;
 use super::{column, options_as_if, sides, words};
+use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::{Sample, numbers};
 use crate::log::units::Quantity;
@@ -15,6 +17,9 @@ pub(super) const MOST_VOLTS: f64 = 1000.0;
 const MOST_OF_A_DUTY: f64 = 4095.0;
 const REGISTERS: [f64; 3] = [10_000.0, 32_767.0, 65_535.0];
 const MOST_MILLIVOLTS: f64 = 60_000.0;
+
+/// Columns of one quantity in two units correlate by more than this.
+const SAME: f64 = 0.9999;
 
 /// Whether whole numbers that nothing tells the unit of are millivolts rather than a duty.
 pub(super) fn are_millivolts(range: &Range) -> bool {
@@ -121,11 +126,16 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
         others.retain(is_own);
     }
     // The first other column that may be what is absent, and the options for either meaning.
-    let meant = |either: &str, or: &str| {
-        others.iter().find_map(|&k| {
+    let meant = |either: &str, or: &str, may_be: &dyn Fn(usize) -> bool| {
+        others.iter().filter(|k| may_be(**k)).find_map(|&k| {
             let options = |as_if: &str| options_as_if(sample, &[(k, as_if)]);
             Some((name(k), options(either)?, options(or)?))
         })
+    };
+    // What a mapping that is proposed assumes of the time.
+    let of_the_clock = || {
+        let guessed = of(&[Time]).and_then(|clock| guessed_unit(&sample.names[clock.index], clock));
+        guessed.map(|said| format!(" ({said})")).unwrap_or_default()
     };
     let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);
     let mut beside = (0..sample.names.len()).filter(beside_time);
@@ -138,6 +148,9 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     }
     match (of(&[Duty, Voltage]), of(&[Angle, Speed])) {
         (None, Some(motion)) => {
+            let meant = |either: &str, or: &str| {
+                meant(either, or, &|k: usize| !is_motion_again(&sample.rows, motion.index, k))
+            };
             let mut text = format!(
                 "{} is the motion, and no column tells what drove the motor: log its duty or voltage in every row",
                 name(motion.index)
@@ -153,6 +166,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 text += &format!(
                     "; if {other} is that, say {volts} where it is volts, {duty} where it is percent"
                 );
+                text += &of_the_clock();
             }
             Some(text)
         }
@@ -161,15 +175,24 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
                 name(drive.index)
             );
-            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
+            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count", &|_| true) {
                 text += &format!(
                     "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
                 );
+                text += &of_the_clock();
             }
             Some(text)
         }
         _ => None,
     }
+}
+
+/// Whether a column is the `motion` in another unit: it goes with it in every row.
+fn is_motion_again(rows: &[Vec<f64>], motion: usize, index: usize) -> bool {
+    let both = |row: &Vec<f64>| Some((*row.get(motion)?, *row.get(index)?));
+    let finite = |(one, other): &(f64, f64)| one.is_finite() && other.is_finite();
+    let (one, other): (Vec<f64>, Vec<f64>) = rows.iter().filter_map(both).filter(finite).unzip();
+    correlation(&one, &other).abs() > SAME
 }
 
 /// Why columns that may look like it do not drive the motor: one is the speed of the motion, one its supply.

@@ -30,7 +30,8 @@ pub use look::{Look, look};
 use preview::preview;
 pub(super) use questions::{error_question, levels_question, loop_question, sampled_question};
 use questions::{
-    given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, taken_for, unknown_unit,
+    given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, steady_states, taken_for,
+    unknown_unit,
 };
 
 use turns::Turn;
@@ -170,6 +171,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
         *rate = told.to_string();
     }
     proposal.preview.extend(preview::unused(&sample.names, &sample.rows, &parts));
+    proposal.unknown_units.extend(steady_states(sample, &parts));
     proposal.unknown_units.extend(other_clock(sample, &parts));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| other_rate(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));

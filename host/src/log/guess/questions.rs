@@ -38,6 +38,35 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
     })
 }
 
+/// A table of steady states has so many rows at most; a log that begins so has more.
+const MOST_STATES: usize = 200;
+/// Share of its rows in which the drive is another than in the row before.
+const STEPS: f64 = 0.9;
+/// What moves goes with what drives it by at least this correlation.
+const GOES_AT_ONCE: f64 = 0.9;
+
+/// What is said of a table without a clock in which the drive is another in each row and the speed goes with it.
+pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
+    let of = |wanted: &[Quantity]| parts.iter().find(|part| wanted.contains(&part.quantity));
+    let drive = of(&[Quantity::Voltage, Quantity::Duty]).filter(|part| part.rest.is_none())?;
+    let speed = of(&[Quantity::Speed])?;
+    let both = |row: &Vec<f64>| Some((*row.get(drive.index)?, *row.get(speed.index)?));
+    let (volts, speeds): (Vec<f64>, Vec<f64>) = sample.rows.iter().filter_map(both).unzip();
+    let steps = volts.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let is_timed = of(&[Quantity::Time, Quantity::Interval]).is_some() || sample.stamped;
+    let is_table = !is_timed && (2..=MOST_STATES).contains(&volts.len());
+    let goes = || motion::correlation(&volts, &speeds).abs() > GOES_AT_ONCE;
+    (is_table && steps as f64 > STEPS * (volts.len() - 1) as f64 && goes()).then(|| {
+        let name = |part: &Part| sample.names.get(part.index).cloned().unwrap_or(part.index.to_string());
+        format!(
+            "\"{}\" is another in every row and \"{}\" goes with it: where each row is the speed that a level settled at, these are steady states, \
+             which tell gain and friction and no time constant, and no --rate makes a log of them; log time, drive and motion while it moves",
+            name(drive),
+            name(speed)
+        )
+    })
+}
+
 /// What is asked of a duty or voltage that is never negative though it goes with the size of an error that changes its sign: what a
 /// controller commanded, without its sign.
 pub(super) fn size_of_an_error(sample: &Sample, part: &Part) -> Option<String> {

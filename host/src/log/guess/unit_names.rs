@@ -35,26 +35,14 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("rads/s", Speed, "rad/s"),
     ("rad s-1", Speed, "rad/s"),
     ("rad_s", Speed, "rad/s"),
-    ("rad_per_s", Speed, "rad/s"),
-    ("rad_per_sec", Speed, "rad/s"),
-    ("rads_per_sec", Speed, "rad/s"),
-    ("radians_per_second", Speed, "rad/s"),
-    ("rad/sec", Speed, "rad/s"),
-    ("rad per sec", Speed, "rad/s"),
     ("rad·s⁻¹", Speed, "rad/s"),
     ("rad*s^-1", Speed, "rad/s"),
     ("radians/s", Speed, "rad/s"),
-    ("radians per second", Speed, "rad/s"),
     ("radps", Speed, "rad/s"),
     ("deg/s", Speed, "deg/s"),
     ("°/s", Speed, "deg/s"),
     ("deg_s", Speed, "deg/s"),
-    ("deg/sec", Speed, "deg/s"),
-    ("deg_per_s", Speed, "deg/s"),
-    ("deg_per_sec", Speed, "deg/s"),
-    ("degrees_per_second", Speed, "deg/s"),
     ("degrees/s", Speed, "deg/s"),
-    ("degrees per second", Speed, "deg/s"),
     ("dps", Speed, "deg/s"),
     ("rpm", Speed, "rpm"),
     ("1/min", Speed, "rpm"),
@@ -76,16 +64,10 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("rev/s", Speed, "rev/s"),
     ("r/s", Speed, "rev/s"),
     ("rot_s", Speed, "rev/s"),
-    ("rot_per_sec", Speed, "rev/s"),
-    ("rotations_per_sec", Speed, "rev/s"),
-    ("rotations_per_second", Speed, "rev/s"),
-    ("meters_per_sec", Speed, "m/s"),
-    ("meters_per_second", Speed, "m/s"),
     ("rot/s", Speed, "rev/s"),
     ("turns_s", Speed, "rev/s"),
     ("turns/s", Speed, "rev/s"),
     ("rotations/s", Speed, "rev/s"),
-    ("rotations per second", Speed, "rev/s"),
     ("krpm", Speed, "rpm*1000"),
     ("mrad/s", Speed, "rad/s*0.001"),
     ("mrad_s", Speed, "rad/s*0.001"),
@@ -94,9 +76,10 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("degs", Speed, "deg/s"),
     ("rev_s", Speed, "rev/s"),
     ("revs_s", Speed, "rev/s"),
-    ("rev_per_s", Speed, "rev/s"),
-    ("rev_per_sec", Speed, "rev/s"),
+    ("revs/s", Speed, "rev/s"),
+    ("revolutions/s", Speed, "rev/s"),
     ("cps", Speed, "counts/s"),
+    ("pps", Speed, "counts/s"),
     ("mm_s", Speed, "mm/s"),
     ("cm_s", Speed, "cm/s"),
     ("m_s", Speed, "m/s"),
@@ -135,7 +118,6 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("50us", Time, "us*50"),
     ("100ns", Time, "ns*100"),
     ("counts/s", Speed, "counts/s"),
-    ("counts/sec", Speed, "counts/s"),
     ("counts_s", Speed, "counts/s"),
     ("counts/ms", Speed, "counts/s*1000"),
     ("counts/10ms", Speed, "counts/s*100"),
@@ -163,6 +145,8 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("counts", Angle, "counts"),
     ("ticks", Angle, "counts"),
     ("m/s", Speed, "m/s"),
+    ("meters/s", Speed, "m/s"),
+    ("metres/s", Speed, "m/s"),
     ("mm/s", Speed, "mm/s"),
     ("cm/s", Speed, "cm/s"),
     ("mm", Angle, "mm"),
@@ -188,17 +172,40 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
 ];
 
 /// What people call the counts of an encoder before a stroke: `ticks/100ms`.
-const COUNTS: [&str; 8] = ["counts/", "ticks/", "pulses/", "edges/", "units/", "inc/", "imp/", "cnt/"];
+const COUNTS: [&str; 13] = [
+    "counts", "count", "cnt", "ticks", "tick", "pulses", "pulse", "edges", "steps", "step", "units", "inc",
+    "imp",
+];
 
 /// The quantity and the unit, as `--map` writes it, that a text such as `ms` or `1/min` names.
 pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
-    let mut lower = text.to_lowercase();
-    let tight = lower.replace(' ', "");
-    if let Some(rest) = COUNTS.iter().find_map(|counts| tight.strip_prefix(counts)) {
-        lower = format!("counts/{rest}");
-    }
-    UNITS.iter().find(|(known, ..)| *known == lower).map(|(_, quantity, unit)| (*quantity, *unit))
+    let lower = text.to_lowercase();
+    let named = with_stroke(&lower).unwrap_or(lower);
+    UNITS.iter().find(|(known, ..)| *known == named).map(|(_, quantity, unit)| (*quantity, *unit))
 }
+
+/// The unit of what changes in a time with a stroke between, and the shortest word for a second: of `deg per sec`, `ticks / 100 ms`.
+fn with_stroke(lower: &str) -> Option<String> {
+    let (of, time) =
+        lower.split_once("_per_").or_else(|| lower.split_once(" per ")).or_else(|| lower.split_once('/'))?;
+    let of = if COUNTS.contains(&of.trim()) { "counts" } else { of.trim() };
+    let time = match time.replace(' ', "").as_str() {
+        "sec" | "secs" | "second" | "seconds" => "s".to_owned(),
+        "minute" | "minutes" => "min".to_owned(),
+        time => time.to_owned(),
+    };
+    Some(format!("{of}/{time}"))
+}
+
+/// The unit of what changes in a time that ends a name in small letters: of `left_counts_per_second`.
+pub(super) fn rate_in(name: &str) -> Option<(Quantity, &'static str)> {
+    let name = name.replace([' ', '-', '.'], "_");
+    let (before, time) = name.rsplit_once(PER)?;
+    unit_named(&format!("{}/{time}", before.rsplit('_').next()?))
+}
+
+/// Behind it stands no unit of the column's own.
+pub(super) const PER: &str = "_per_";
 
 /// Whether a text is a unit of anything that a log holds, or a sign that there is none.
 pub fn is_unit(text: &str) -> bool {

@@ -1,7 +1,7 @@
 //! What the names of columns say: a quantity, a unit, or that the column is a command and no measurement.
 
 use super::super::units::Quantity;
-use super::unit_names::{UNITS, unit_named};
+use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
     ACTION, CLOCKS, COMMANDED, EFFORTS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES, TARGETS,
     TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
@@ -54,7 +54,7 @@ pub fn said(name: &str) -> Said {
     let words = of(&bare);
     // `PositionRotations`, `velocityRadPerSec`.
     let snake = words.join("_");
-    let unit = bracket.as_deref().and_then(unit_named).or_else(|| {
+    let unit = bracket.as_deref().and_then(unit_named).or_else(|| rate_in(&lower)).or_else(|| rate_in(&snake)).or_else(|| {
         // The longest unit that ends the name behind an underscore or a blank.
         let ends = UNITS.iter().filter(|(text, ..)| {
             // `theta_m` is a motor's angle, `position_m` a way.
@@ -66,7 +66,7 @@ pub fn said(name: &str) -> Said {
                     let ends = |before: &str| {
                         before.is_empty() && text.chars().count() > 1 || before.ends_with(['_', ' ', '-', '.'])
                     };
-                    name.strip_suffix(text).is_some_and(ends)
+                    name.strip_suffix(text).is_some_and(|before| ends(before) && !before.ends_with(PER))
                 })
         });
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
@@ -139,7 +139,8 @@ pub fn said(name: &str) -> Said {
         (Some((Angle | Speed, ..)), Some((Voltage, _))) => None,
         // A current one, in degrees.
         (Some((Current, ..)), Some((Angle | Speed, _))) => None,
-        (Some((Angle, ..)), Some((Speed, _))) => Some((Speed, 5)),
+        // The time of a rate names none: `deg_per_sec`.
+        (Some((Angle | Time, ..)), Some((Speed, _))) => Some((Speed, 5)),
         // The ticks of a clock: `ticks_ms`.
         (Some((Angle, ..)), Some((Time, _))) => Some((Time, 4)),
         (Some((named, plain, _)), Some(_)) => Some((named, plain)),
@@ -285,6 +286,10 @@ mod tests {
             ("speed_rpm_x10", Speed, Some("rpm")),
             ("vel_mm_s", Speed, Some("mm/s")),
             ("speed_rev_s", Speed, Some("rev/s")),
+            ("counts_per_second", Speed, Some("counts/s")),
+            ("Speed (steps/s)", Speed, Some("counts/s")),
+            ("left_deg_per_sec", Speed, Some("deg/s")),
+            ("velocityRadPerSec", Speed, Some("rad/s")),
             ("pos_mrad", Angle, Some("rad*0.001")),
             ("motor speed [deg/s]", Speed, Some("deg/s")),
             ("ticks", Angle, Some("counts")),
