@@ -146,8 +146,11 @@ impl Findings {
             left: Some(found.adequacy),
             suggested,
             doubted: None,
+            // A base parameter that is open makes a model of no use as much as a rival does.
             experiment: next_experiment.is_some()
-                && (found.effects.is_empty() || !found.selected.rivals.is_empty()),
+                && (found.effects.is_empty()
+                    || !found.selected.rivals.is_empty()
+                    || shown_by_fit::too_little_excitation(&parameters).is_some()),
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
         });
