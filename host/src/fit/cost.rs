@@ -15,7 +15,7 @@ use motorlens_shared::lanes::Lanes;
 pub enum Objective {
     /// Increments over 50 ms, robust: for finding effects.
     Increments,
-    /// The error of the free run, its mean removed for angles: for final parameters.
+    /// The error of the free run, less what its mean may be off for angles: for final parameters.
     Position,
     /// The error of the free run by time scale ([`super::scales`]), each weighted by its own noise, robust.
     Scales,
@@ -90,7 +90,8 @@ impl<'a> Misfit<'a> {
                     mean[l] += error[l] / (predictions.len() - grid.skip) as f64;
                 }
             }
-            misfit.mean = mean;
+            let most = grid.offset() * misfit.scale;
+            misfit.mean = mean.map(|mean| bounded(mean, most));
         }
         misfit
     }
@@ -152,7 +153,8 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     series.truncate(n);
 }
 
-/// The plain error, an angle's about its mean, since an encoder starts anywhere; behind it the error by time scale ([`super::scales`]),
+/// The plain error, an angle's less what its mean may be off, since an encoder starts anywhere within a count: it is the one that a free run has
+/// ([`crate::compare::free_run`]); behind it the error by time scale ([`super::scales`]),
 /// robust and in units of the noise at each scale.
 #[inline(always)]
 fn scaled(grid: &Grid, series: &mut Vec<Block>) {
@@ -165,6 +167,7 @@ fn scaled(grid: &Grid, series: &mut Vec<Block>) {
     append_coefficients(series);
     let even = grid.even_weight();
     let mean = if grid.mean_counts() { [0.0; LANES] } else { mean(&series[..samples]) };
+    let mean = mean.map(|mean| bounded(mean, grid.even_offset));
     for e in &mut series[..samples] {
         for l in 0..LANES {
             e.0[l] = (e.0[l] - mean[l]) * even;
@@ -180,9 +183,14 @@ fn scaled(grid: &Grid, series: &mut Vec<Block>) {
         weight = own;
     }
     // The mean is known from the longest scale's noise at best.
-    let mean = if grid.mean_counts() { weight } else { 0.0 };
     if let Some(last) = series.last_mut() {
-        weigh(last, mean);
+        if !grid.mean_counts() {
+            let free = grid.offset() * (samples as f64).sqrt();
+            for l in 0..LANES {
+                last.0[l] -= bounded(last.0[l], free);
+            }
+        }
+        weigh(last, weight);
     }
 }
 
@@ -364,6 +372,26 @@ mod tests {
                 assert!(sums.iter().flatten().all(|sum| sum.is_finite()), "{objective:?} {sums:?}");
             }
         }
+    }
+
+    /// As a free run may be moved by a count and no further, a fit that ends further beside the measurement is wrong by that.
+    #[test]
+    fn what_an_angle_is_off_beyond_a_count_is_an_error() {
+        let times: Vec<f64> = (0..256).map(|k| f64::from(k) * 1e-3).collect();
+        let mut grid = Grid::new(&record(times, vec![1.0; 256]), 0.01);
+        (grid.measured, grid.even, grid.even_offset) = (vec![0.0; 256], 1.0, grid.offset());
+        let off = [0.0, 0.5, 1.0, 3.0, -3.0, 0.0, 0.0, 0.0].map(|counts| 0.01 * counts);
+        let run = vec![Lanes(off); grid.len()];
+        let (sums, count) = squares(&grid, Objective::Position, &mut run.clone());
+        let root = sums.map(|sum| (sum / count as f64).sqrt() * grid.sigma);
+        let beyond: [f64; 5] = [0.0, 0.0, 0.0, 0.02, 0.02];
+        assert!(root.iter().zip(beyond).all(|(root, x)| (root - x).abs() < 1e-9), "{root:?}");
+        let (sums, _) = squares(&grid, Objective::Scales, &mut run.clone());
+        assert!(sums[..3].iter().all(|sum| *sum < 1e-12) && sums[3] > 256.0 * 0.02_f64.powi(2), "{sums:?}");
+        // While effects are chosen a run may be anywhere but for the one coefficient that is its mean.
+        grid.even_offset = f64::INFINITY;
+        let (chosen, _) = squares(&grid, Objective::Scales, &mut run.clone());
+        assert!(((sums[3] - chosen[3]) / (256.0 * 0.02_f64.powi(2)) - 1.0).abs() < 1e-9, "{chosen:?}");
     }
 
     /// With samples that only lead in, at 1 kHz where every second one counts, of an angle and of a speed.

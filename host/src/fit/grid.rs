@@ -91,6 +91,9 @@ pub struct Grid {
     pub scales: Vec<f64>,
     /// Inverse of the simulation error's root mean square; 0 where it is not known yet.
     pub even: f64,
+    /// How far the mean of an angle's error may be off in it at no cost, rad ([`Self::offset`]); while effects are chosen, as far as it likes, since
+    /// a disturbance moves it further than any effect.
+    pub even_offset: f64,
     /// Median time between samples, s.
     pub interval_s: f64,
     /// The first samples only lead in: they are simulated but not judged.
@@ -138,6 +141,7 @@ impl Grid {
             sigma: reading_noise(quantity, column, quantum),
             scales: Vec::new(),
             even: 0.0,
+            even_offset: f64::INFINITY,
             interval_s: renewal.unwrap_or(interval * thin as f64),
             skip: 0,
         };

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use super::cost::{MOST, bounded};
 use super::grid::Grid;
 use super::layout::Layout;
-use super::scales::{append_coefficients, levels};
+use super::scales::{KEEPING, append_coefficients, levels};
 use super::search::Problem;
 use super::simulate::predict_one;
 
@@ -25,7 +25,7 @@ pub struct Coefficients {
     pub octaves: Vec<i32>,
     /// The levels.
     pub levels: Vec<Vec<f32>>,
-    /// Sum of squares of the error itself, an angle's about its mean, and of how many samples.
+    /// Sum of squares of the error itself, an angle's less what its mean may be off at no cost, and of how many samples.
     squares: (f64, usize),
 }
 
@@ -36,7 +36,8 @@ impl Coefficients {
             grid.measured.iter().zip(simulated).map(|(y, p)| bounded(y - p, MOST)).collect();
         let count = series.len();
         let sizes = levels(count);
-        let mean = if grid.mean_counts() { 0.0 } else { series.iter().sum::<f64>() / count.max(1) as f64 };
+        let mean = series.iter().sum::<f64>() / count.max(1) as f64;
+        let mean = if grid.mean_counts() { 0.0 } else { bounded(mean, grid.even_offset) };
         let squares = (series.iter().map(|e| (e - mean).powi(2)).sum(), count);
         append_coefficients(&mut series);
         let mut first = count;
@@ -196,6 +197,7 @@ impl Noise {
             let weight = |j: usize| 1.0 / self.variance(octave(grid.interval_s, j)).sqrt();
             grid.scales = (0..levels(grid.len()).len()).map(weight).collect();
             grid.even = (plain / self.mean()).max(f64::MIN_POSITIVE).sqrt();
+            grid.even_offset = if plain < KEEPING { f64::INFINITY } else { grid.offset() };
         }
     }
 }

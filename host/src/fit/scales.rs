@@ -121,6 +121,11 @@ impl Grid {
         if self.even > 0.0 { self.even } else { CHOOSING.sqrt() / self.sigma }
     }
 
+    /// How far the mean of an angle's error may be from zero at no cost, rad: an encoder begins anywhere within a count.
+    pub fn offset(&self) -> f64 {
+        self.quantum
+    }
+
     /// Whether the mean of the error counts: of an angle it does not, since an encoder starts anywhere.
     pub fn mean_counts(&self) -> bool {
         self.quantity != Quantity::Angle

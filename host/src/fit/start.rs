@@ -37,6 +37,12 @@ impl Grid {
         Start { speed: self.start_speed, angle: self.start_angle }
     }
 
+    /// Begins at `speed`, rad/s, as it turned before.
+    #[cfg(test)]
+    pub fn begin_with_speed(&mut self, speed: f64, rig: &Rig) {
+        self.begin_at(speed, held(rig, speed));
+    }
+
     fn set_start(&mut self, rig: &Rig, start: Start) {
         self.begin_at(start.speed, held(rig, start.speed));
         self.start_angle = start.angle;
@@ -69,10 +75,12 @@ impl Problem {
     pub fn find_moving_starts(&mut self, model: &Values) {
         let layout = self.layout(&model.kinds());
         let x = layout.pack(model);
-        let moving: Vec<bool> = self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
+        let moving: Vec<Option<f64>> =
+            self.grids.iter().map(|g| begins_in_motion(self, &layout, &x, g)).collect();
         for (grid, moving) in self.grids.iter_mut().zip(moving) {
             if grid.quantity == Quantity::Angle {
-                grid.begin_at(if moving { f64::MIN_POSITIVE } else { 0.0 }, 0.0);
+                let speed = moving.unwrap_or(0.0);
+                grid.begin_at(speed, held(&self.rig, speed));
             }
         }
         self.refine_starts(model);
@@ -128,8 +136,10 @@ impl Problem {
     }
 }
 
-fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> bool {
-    let Some(k) = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S) else { return false };
+/// The speed with which a record begins in motion, as its first moments have it, rad/s: near enough for a search among laws that are
+/// straight nowhere near rest. None where it begins at rest.
+fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> Option<f64> {
+    let k = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S)?;
     let mut still = grid.first((2 * k + 1).min(grid.len()));
     still.begin_at(0.0, 0.0);
     let mut series = Vec::new();
@@ -143,7 +153,8 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
     // on, what goes beyond that does so; what falls short of it is a friction's, or a delay's.
     let steady = later.abs() < STEADY * moved.abs()
         || beyond * moved > 0.0 && later_beyond.abs() < STEADY_BEYOND * beyond.abs();
-    steady && beyond.abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs()
+    let moves = steady && beyond.abs() > COUNTS * grid.sigma * 12.0_f64.sqrt() + MODEL_ERROR * expected.abs();
+    moves.then(|| moved / (grid.time_s[k] - grid.time_s[0]))
 }
 
 /// The voltage under which a motor turns at `speed`: most that turn already have done so for a while.

@@ -91,8 +91,8 @@ impl Spread {
             let sizes = levels(grid.len());
             let coarsest = sizes.len().saturating_sub(1);
             for (j, (size, weight)) in sizes.into_iter().zip(grid.weights()).enumerate() {
-                // A speed's mean stands behind them, weighted as the coarsest are.
-                let size = size + usize::from(j == coarsest && grid.mean_counts());
+                // The mean stands behind them, weighted as the coarsest are.
+                let size = size + usize::from(j == coarsest);
                 // The plain error beside the coefficients is one more sum of them, each scale alike.
                 let counts = 1.0 + (grid.even_weight() / weight).powi(2);
                 let is_few = size <= FEW;
