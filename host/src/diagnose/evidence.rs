@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use crate::diagnose::retraced::retraces;
 use crate::estimate::feedforward::Usual;
 use crate::fit::fixed;
 use crate::fit::grid::Grid;
@@ -16,7 +17,7 @@ use crate::log::repeats::find_repeats;
 use crate::motor_file::MotorFile;
 use crate::select::crossed::{Fold, folds};
 use crate::select::fitted::Fitted;
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Search};
 
 /// Records to learn from. Nothing here changes while models are compared.
 #[derive(Debug, Clone)]
@@ -29,6 +30,8 @@ pub struct Evidence {
     pub kept_out: Option<Problem>,
     /// See [`Self::folds`], once they were asked for.
     folds: OnceLock<Vec<Fold>>,
+    /// Whether the shaft comes back to where it was, once that was asked for.
+    retraced: OnceLock<bool>,
     /// Pairs of records that run one programme, by their places.
     pub repeats: Vec<(usize, usize)>,
     /// kS-kV-kA fitted to the records; none where they do not give it.
@@ -49,7 +52,8 @@ impl Evidence {
     pub fn of(whole: Problem, repeats: Vec<(usize, usize)>) -> Self {
         let reading = reading(&whole);
         let train = guided(&whole);
-        Self { whole, train, kept_out: None, folds: OnceLock::new(), repeats, usual: None, reading }
+        let (folds, retraced) = (OnceLock::new(), OnceLock::new());
+        Self { whole, train, kept_out: None, folds, retraced, repeats, usual: None, reading }
     }
 
     /// Records to fit and records to simulate, for the cross-validated simulation error. A plain fit never asks for them, and of a long record
@@ -115,6 +119,11 @@ impl Evidence {
     /// What `model` leaves, in multiples of the noise, every time scale alike.
     pub fn left_over(&self, model: &Fitted) -> f64 {
         model.noise.over(&self.noise_under(model))
+    }
+
+    /// Whether records like these tell `kind` from everything else, as far as its row asks for more than a motion.
+    pub fn may_show(&self, kind: Kind) -> bool {
+        kind.spec().search != Search::Retraced || *self.retraced.get_or_init(|| retraces(&self.train))
     }
 
     /// Candidate passes so far.

@@ -7,6 +7,7 @@ pub mod discover;
 pub mod evidence;
 pub mod ladder;
 pub mod plan;
+pub(crate) mod retraced;
 pub(crate) mod ripple;
 mod starts;
 pub(crate) mod tangent;

@@ -71,7 +71,7 @@ pub fn detection_limits(
     let tangent = Tangent::of(&problem, &model.layout, &found, true, Objective::Scales);
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
-        missing.filter_map(|kind| limit(&problem, model, &tangent, kind, &trial)).collect();
+        missing.filter_map(|kind| limit(data, &problem, model, &tangent, kind, &trial)).collect();
     let hidden = DetectionLimit::hidden(&limits);
     let shown =
         plan::showing(&problem, model, &hidden, reading_noise(&data.train), Limits { volts, seconds: 8.0 });
@@ -128,6 +128,7 @@ impl<'a> Trial<'a> {
 }
 
 fn limit(
+    data: &Evidence,
     problem: &Problem,
     model: &Fitted,
     tangent: &Tangent,
@@ -157,6 +158,16 @@ fn limit(
         };
         layout.pack(&extended(&values, kind, spec.parameters.iter().map(value).collect()))
     };
+    let limit = |smallest| DetectionLimit {
+        effect: kind,
+        parameter: of.name,
+        smallest,
+        unit: of.unit,
+        programme: None,
+    };
+    if !data.may_show(kind) {
+        return Some(limit(None));
+    }
     // No search looks below the row's lowest size.
     let lowest = (of.low / of.typical).max(0.0);
     let halved = (0..SIZES).map(|k| of.high.abs() / of.typical.abs() * 0.5_f64.powi(k as i32));
@@ -181,5 +192,5 @@ fn limit(
         // A trifle is not accepted, however sure.
         if of.unit == "V" { shown.max(KNOWN_VOLTAGE * trial.highest) } else { shown }
     });
-    Some(DetectionLimit { effect: kind, parameter: of.name, smallest, unit: of.unit, programme: None })
+    Some(limit(smallest))
 }

@@ -74,6 +74,8 @@ pub fn run(
     step: &mut dyn FnMut(&Fitted),
 ) -> Selected {
     step(&base);
+    let library: Vec<Kind> = library.iter().copied().filter(|kind| data.may_show(*kind)).collect();
+    let library = library.as_slice();
     let given = base.kinds().to_vec();
     let mut steps = vec![base];
     let mut all: Vec<Vec<Fitted>> = Vec::new();

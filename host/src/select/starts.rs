@@ -38,7 +38,7 @@ fn sizes(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> V
 pub fn places(kind: Kind) -> usize {
     match kind.spec().search {
         Search::Orders => ripple::HIGHEST_ORDER,
-        Search::Probes | Search::Hold(_) | Search::Damped(_) => shapes(kind),
+        Search::Probes | Search::Hold(_) | Search::Retraced | Search::Damped(_) => shapes(kind),
     }
 }
 

@@ -9,6 +9,7 @@ use super::starts::besides;
 use crate::diagnose::discover::{Discovery, Options, discover, prepare, reading_noise};
 use crate::exam::case::{Case, Conditions};
 use crate::log::Record;
+use crate::motor_file::MotorFile;
 
 fn found(case: &Case, validation: &[Record]) -> Discovery {
     let library = vec![Kind::Coulomb, Kind::Gravity, Kind::Delay, Kind::Eccentricity, Kind::QuadraticDrag];
@@ -60,6 +61,24 @@ fn a_model_that_the_usual_one_beats_is_not_explained() {
     assert!(Adequacy::of(&evidence, &base, &base, floor).is_explained());
     evidence.usual.iter_mut().for_each(|usual| usual.rmse = 1e-9);
     assert!(!Adequacy::of(&evidence, &base, &base, floor).is_explained());
+}
+
+#[test]
+fn a_spring_shows_where_the_shaft_comes_back_and_on_no_way_that_is_gone_once() {
+    let times: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    let shown = |angle: fn(f64) -> f64| {
+        let angle_rad = Some(times.iter().map(|t| angle(*t)).collect());
+        let record = Record {
+            time_s: times.clone(),
+            voltage_v: times.iter().map(|t| 6.0 * t.min(1.0)).collect(),
+            angle_rad,
+            ..Record::default()
+        };
+        let (evidence, _) = prepare(&[record], &[], &MotorFile::default()).unwrap();
+        [Kind::Spring, Kind::Gravity, Kind::Coulomb].map(|kind| evidence.may_show(kind))
+    };
+    assert_eq!(shown(|t| 5.0 * t), [false, true, true]);
+    assert_eq!(shown(|t| 5.0 * (2.0 * t).sin()), [true; 3]);
 }
 
 #[test]

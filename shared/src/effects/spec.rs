@@ -112,6 +112,9 @@ pub enum Search {
     Orders,
     /// At the time for which the records show that a reading is held, in this parameter.
     Hold(&'static str),
+    /// Only in records in which the shaft comes back to where it was: a torque that depends on where the shaft is, and does not repeat with
+    /// its turns, is on a way that is gone once and one way the same as one that changes with time.
+    Retraced,
     /// Beside a base with this viscous share, too: where the winding does not brake the motor, friction alone does, and next to a base
     /// without friction the effect looks wrong.
     Damped(f64),

@@ -17,7 +17,7 @@ pub(super) const SPEC: Spec = Spec {
         shape("preload", "V", "torque at the start of the record", Scale::Volt, [-6.0, 0.05, 6.0]),
     ],
     probes: &[&[0.03, 0.0], &[0.15, 0.0], &[0.6, 0.0], &[3.0, 0.0]],
-    search: Search::Probes,
+    search: Search::Retraced,
     laws: TORQUE,
     remembers: false,
     contains: &[("constant_load", "preload")],
