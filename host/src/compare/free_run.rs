@@ -53,26 +53,23 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
     let layout: Layout = problem.layout(&kinds);
     let x = layout.pack(values);
     let plain = layout.all_plain(&x);
-    let run = |grid: &Grid| free_run(grid, predict_one(&kinds, &plain, &problem.rig, grid));
-    let opening: Vec<FreeRun> = problem.grids.iter().map(run).collect();
-    if problem.grids.iter().all(Grid::rests) {
-        return opening;
+    let run = |problem: &Problem, grid: &Grid| free_run(grid, predict_one(&kinds, &plain, &problem.rig, grid));
+    let mut runs: Vec<FreeRun> = problem.grids.iter().map(|grid| run(&problem, grid)).collect();
+    problem.begin_under(&layout, &x);
+    for (opening, grid) in runs.iter_mut().zip(&problem.grids).filter(|(_, grid)| !grid.rests()) {
+        let whole = run(&problem, grid);
+        if whole.measures().rmse < opening.measures().rmse {
+            *opening = whole;
+        }
     }
-    let mut whole = problem.clone();
-    whole.begin_under(&layout, &x);
-    let error = |run: &FreeRun| run.measures().rmse;
-    let nearer = |(opening, grid): (FreeRun, &Grid)| {
-        let whole = run(grid);
-        if error(&whole) < error(&opening) { whole } else { opening }
-    };
-    opening.into_iter().zip(&whole.grids).map(nearer).collect()
+    runs
 }
 
 /// What `simulated` is beside the record of `grid`, an angle moved within a count.
 fn free_run(grid: &Grid, mut simulated: Vec<f64>) -> FreeRun {
     if grid.quantity == Quantity::Angle {
         let errors = grid.measured.iter().zip(&simulated).map(|(y, p)| y - p);
-        let within = within_a_count(errors, grid.quantum);
+        let within = within_a_count(errors, grid.offset());
         simulated.iter_mut().for_each(|p| *p += within);
     }
     let last = grid.cells().len() - 1;

@@ -5,6 +5,7 @@
 
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::search::Problem;
+use crate::log::motion::ends;
 
 /// What goes less than this share of a record's range is noise, and no way back.
 const NOISE: f64 = 0.02;
@@ -18,7 +19,7 @@ pub fn retraces(problem: &Problem) -> bool {
     // Where a record of speeds begins is not known, and no other's place is passed in it.
     let (placed, loose): (Vec<_>, Vec<_>) =
         problem.grids.iter().zip(&angles).partition(|(grid, _)| grid.quantity == Quantity::Angle);
-    let of = |(_, angles): &(&Grid, &Vec<f64>)| range(angles);
+    let of = |(_, angles): &(&Grid, &Vec<f64>)| ends(angles);
     let covered = union(placed.iter().map(of).collect())
         + loose.iter().map(of).map(|(low, high)| high - low).sum::<f64>();
     ways > AGAIN * covered
@@ -39,13 +40,9 @@ fn angles(grid: &Grid) -> Vec<f64> {
         .collect()
 }
 
-fn range(angles: &[f64]) -> (f64, f64) {
-    angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
-}
-
 /// How far the shaft goes, there and back, rad.
 fn way(angles: &[f64]) -> f64 {
-    let (low, high) = range(angles);
+    let (low, high) = ends(angles);
     let (mut at, mut way) = (angles.first().copied().unwrap_or(0.0), 0.0);
     for x in angles {
         if (x - at).abs() > NOISE * (high - low) {

@@ -137,3 +137,9 @@ pub(super) fn time_unit(values: &[f64], range: &Range) -> &'static str {
         _ => "ns",
     }
 }
+
+/// Whether times that are read in `unit`, which nothing tells, may be of any other too: whole numbers may; those with a fraction are of
+/// seconds or of days, or only their interval tells.
+pub(super) fn is_open_time(unit: &str, values: &[f64]) -> bool {
+    !["s", DAYS].contains(&unit) || values.iter().all(|value| value.fract() == 0.0)
+}

@@ -154,7 +154,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let unit = unit + said[index].scale.unwrap_or_default();
         let unit = clocks::plausible(quantity, &unit, &all).map_or(unit, str::to_owned);
         let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
-        let of_time = || quantity == Quantity::Time && is_open_time(&unit, &all);
+        let of_time = || quantity == Quantity::Time && clocks::is_open_time(&unit, &all);
         let guessed = !told && ([Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     }
@@ -229,12 +229,6 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
-}
-
-/// Whether times that are read in `unit`, which nothing tells, may be of any other too: whole numbers may; those with a fraction are of
-/// seconds or of days, or only their interval tells.
-pub(super) fn is_open_time(unit: &str, values: &[f64]) -> bool {
-    !["s", clocks::DAYS].contains(&unit) || values.iter().all(|value| value.fract() == 0.0)
 }
 
 /// Whether values go down on their way.

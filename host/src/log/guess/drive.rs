@@ -113,7 +113,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let (targets, mut others): (Vec<usize>, Vec<usize>) =
         (0..sample.names.len()).filter(|k| !known(k) && !is_number(k)).partition(is_target);
     let name = |k: usize| format!("\"{}\"", sample.names[k]);
-    if let Some(own) = of(&[Duty, Voltage]).or(of(&[Angle, Speed])).map(|part| &sample.names[part.index]) {
+    let (drive, motion) = (of(&[Duty, Voltage]), of(&[Angle, Speed]));
+    if let Some(own) = drive.or(motion).map(|part| &sample.names[part.index]) {
         let is_own = |k: &usize| sides::may_be_one(own, &sample.names[*k]);
         // Beside what somebody wanted of a motor its current one is no current.
         let is_wanted = |k: usize| words::said(&sample.names[k]).wanted && is_own(&k);
@@ -125,9 +126,12 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
         // What drives one motor turns no other.
         others.retain(is_own);
     }
+    if let (None, Some(motion)) = (drive, motion) {
+        others.retain(|k| !is_motion_again(&sample.rows, motion.index, *k));
+    }
     // The first other column that may be what is absent, and the options for either meaning.
-    let meant = |either: &str, or: &str, may_be: &dyn Fn(usize) -> bool| {
-        others.iter().filter(|k| may_be(**k)).find_map(|&k| {
+    let meant = |either: &str, or: &str| {
+        others.iter().find_map(|&k| {
             let options = |as_if: &str| options_as_if(sample, &[(k, as_if)]);
             Some((name(k), options(either)?, options(or)?))
         })
@@ -146,11 +150,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
             name(only)
         ));
     }
-    match (of(&[Duty, Voltage]), of(&[Angle, Speed])) {
+    match (drive, motion) {
         (None, Some(motion)) => {
-            let meant = |either: &str, or: &str| {
-                meant(either, or, &|k: usize| !is_motion_again(&sample.rows, motion.index, k))
-            };
             let mut text = format!(
                 "{} is the motion, and no column tells what drove the motor: log its duty or voltage in every row",
                 name(motion.index)
@@ -175,7 +176,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
                 name(drive.index)
             );
-            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count", &|_| true) {
+            if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
                 text += &format!(
                     "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
                 );

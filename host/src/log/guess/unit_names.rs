@@ -187,7 +187,7 @@ pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
 /// The unit of what changes in a time with a stroke between, and the shortest word for a second: of `deg per sec`, `ticks / 100 ms`.
 fn with_stroke(lower: &str) -> Option<String> {
     let (of, time) =
-        lower.split_once("_per_").or_else(|| lower.split_once(" per ")).or_else(|| lower.split_once('/'))?;
+        lower.split_once(PER).or_else(|| lower.split_once(" per ")).or_else(|| lower.split_once('/'))?;
     let of = if COUNTS.contains(&of.trim()) { "counts" } else { of.trim() };
     let time = match time.replace(' ', "").as_str() {
         "sec" | "secs" | "second" | "seconds" => "s".to_owned(),
