@@ -18,6 +18,7 @@ use crate::fit::cost::Objective;
 use crate::fit::layout::{Layout, Values};
 use crate::fit::noise::{Coefficients, Noise, Response, coefficients};
 use crate::fit::scales::{CHOOSING, KEEPING};
+use crate::fit::uncertainty::Spread;
 
 /// Rounds of weighing of a model that is kept, and steps of each.
 pub const SETTLED: (usize, usize) = (3, 12);
@@ -217,6 +218,13 @@ impl Fitted {
         let run = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);
         let error = |model: &Self| *model.simulated.get_or_init(|| run(model));
         error(self) > STRAYS * error(other)
+    }
+
+    /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
+    /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
+    pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
+        let knows = |model: &Self| Spread::of(&data.train, &model.values()).parameter(0).identifiable;
+        !knows(self) && knows(other)
     }
 
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.

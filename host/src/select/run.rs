@@ -157,7 +157,11 @@ fn believed<'a>(
     let mut settled = Vec::new();
     for candidate in candidates {
         let candidate = candidate.clone().settled(data);
-        if candidate.is_lost(model) || candidate.adds_a_trifle(model, data) || candidate.strays(model, data) {
+        if candidate.is_lost(model)
+            || candidate.adds_a_trifle(model, data)
+            || candidate.strays(model, data)
+            || candidate.opens_the_gain(model, data)
+        {
             continue;
         }
         if candidate.beats_surely(model, data, base) {
