@@ -133,7 +133,8 @@ impl Findings {
         let parameters = estimates(&found.evidence.whole, &values);
         let suggested = own.and_then(|own| found.effects.get(own)).copied();
         let without = |count: usize| count - usize::from(suggested.is_some());
-        let errors = errors_of(&found.ladder[..without(found.ladder.len())], found.noise_floor);
+        let ladder = &found.ladder[..without(found.ladder.len())];
+        let errors = errors_of(ladder, found.baseline.as_ref(), found.noise_floor);
         let in_model = &found.effects[..without(found.effects.len())];
         let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
         let no_experiment = plan.as_ref().and_then(Plan::why_none);
@@ -254,14 +255,15 @@ fn first(ranked: &[Ranked], suggested: Option<Kind>) -> Vec<Ranked> {
 
 /// The verdict on what a discovery found, as [`Findings`] tell it.
 pub fn verdict_of(found: &Discovery) -> Verdict {
-    errors_of(&found.ladder, found.noise_floor).verdict(found.effects.len(), found.adequacy)
+    errors_of(&found.ladder, found.baseline.as_ref(), found.noise_floor)
+        .verdict(found.effects.len(), found.adequacy)
 }
 
-/// The errors of a ladder's first and last model, with the noise level.
-pub fn errors_of(ladder: &[Rung], noise: f64) -> Errors {
+/// The errors of a ladder's first and last model beside the simpler ones and the `usual` one, with the noise level.
+pub fn errors_of(ladder: &[Rung], usual: Option<&Rung>, noise: f64) -> Errors {
     let of = |rung: Option<&Rung>| rung.map_or_else(Measures::default, judged);
     let (base, model) = (of(ladder.first()), of(ladder.last()));
-    Errors::of(&base, &model, noise)
+    Errors { beaten: shown_by_fit::beaten(ladder, usual), ..Errors::of(&base, &model, noise) }
 }
 
 #[cfg(test)]

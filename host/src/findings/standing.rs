@@ -228,7 +228,7 @@ mod tests {
     const ALL: Adequacy = Adequacy::Noise;
 
     fn facts(effects: &[String], model: f64) -> Facts<'_> {
-        let errors = Errors { base: 101.0, model, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 101.0, model, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         Facts {
             errors,
             effects,

@@ -59,12 +59,21 @@ pub struct Errors {
     pub missed: f64,
     /// Share of what the motor does in a second that it misses.
     pub strayed: f64,
+    /// How many times nearer a simpler model comes to them, where one does by much; 1 where none does.
+    pub beaten: f64,
 }
 
 impl Errors {
     /// Of models with the errors `base` and `model` on the same records, which have `noise`.
     pub fn of(base: &Measures, model: &Measures, noise: f64) -> Self {
-        Self { base: base.rmse, model: model.rmse, noise, missed: model.missed(), strayed: model.strayed }
+        Self {
+            base: base.rmse,
+            model: model.rmse,
+            noise,
+            missed: model.missed(),
+            strayed: model.strayed,
+            beaten: 1.0,
+        }
     }
 
     /// Error of the accepted model in multiples of the noise level; none where the readings are too smooth to have one.
@@ -83,6 +92,8 @@ impl Errors {
     pub fn verdict(&self, effects: usize, left: Adequacy) -> Verdict {
         let beside = match left {
             Adequacy::Something => false,
+            // What meets the records that judge worse than something simpler does is no explanation of them, whatever is left.
+            _ if self.beaten > 1.0 => false,
             Adequacy::Noise | Adequacy::Trifle(_) => self.is_close(),
             Adequacy::Disturbance(_) => self.is_few() || self.strayed <= STRAYED,
         };
@@ -139,14 +150,17 @@ impl Errors {
             _ if effects.is_empty() => {
                 format!("No effect of the library helps; what is left is {}{}", self.left(), self.and_yet())
             }
-            _ => self.share_of(effects) + self.and_yet(),
+            _ => self.share_of(effects) + &self.and_yet(),
         }
     }
 
     /// Why so little is not called explained, said where the numbers alone would contradict the verdict.
-    fn and_yet(&self) -> &'static str {
+    fn and_yet(&self) -> String {
+        if self.beaten > 1.0 {
+            return format!(", and a simpler model comes {:.1} times nearer", self.beaten);
+        }
         let little = self.left_over().is_some_and(|n| n <= CLOSE);
-        if little { ", and still shows a pattern" } else { "" }
+        if little { ", and still shows a pattern".to_owned() } else { String::new() }
     }
 
     /// What `effects` explain beside what they leave.
@@ -257,14 +271,14 @@ mod tests {
 
     #[test]
     fn a_hundred_times_the_noise_is_never_called_explained() {
-        let errors = Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.verdict(0, ALL), Verdict::Unexplained);
         assert!(errors.headline::<&str>(&[], Verdict::Unexplained, SOME).ends_with("151 x the noise"));
     }
 
     #[test]
     fn the_share_and_what_is_left_are_in_one_sentence() {
-        let errors = Errors { base: 101.0, model: 4.0, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 101.0, model: 4.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.verdict(1, SOME), Verdict::PartlyExplained);
         let said = errors.headline(&["coulomb"], Verdict::PartlyExplained, SOME);
         assert_eq!(
@@ -275,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_disturbance_that_hides_nothing_is_named_with_its_size() {
-        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         let left = Adequacy::Disturbance(0.05);
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         assert_eq!(errors.verdict(0, left), Verdict::Explained);
@@ -292,7 +306,7 @@ mod tests {
     #[test]
     fn a_disturbance_that_is_half_of_the_motion_is_not_called_explained() {
         let left = Adequacy::Disturbance(0.07);
-        let errors = Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6, strayed: 0.3 };
+        let errors = Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6, strayed: 0.3, beaten: 1.0 };
         assert_eq!(errors.verdict(1, left), Verdict::PartlyExplained);
         assert_eq!(Errors { strayed: 0.05, ..errors }.verdict(1, left), Verdict::Explained);
     }
@@ -301,7 +315,7 @@ mod tests {
     #[test]
     fn a_torque_smaller_than_the_voltage_is_known_is_told_and_not_held_against_the_model() {
         let left = Adequacy::Trifle(0.007);
-        let errors = Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3 };
+        let errors = Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         let told = errors.headline(&["coulomb (74.9 mV)"], Verdict::Explained, left);
         let end = "what is left is 145 x the noise, and comes to a torque of 7 mV, less than a thousandth of the highest voltage";
@@ -312,7 +326,7 @@ mod tests {
 
     #[test]
     fn a_comparison_does_not_call_too_little_what_a_diagnosis_calls_explained() {
-        let errors = Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3 };
+        let errors = Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
         let told = errors.so_far(&["coulomb"], None);
         assert!(told.ends_with("145 x the noise: as close as the equations of a motor come"), "{told}");
         assert!(errors.is_close() && !Errors { strayed: 0.02, ..errors }.is_close());
@@ -320,7 +334,7 @@ mod tests {
 
     #[test]
     fn readings_too_smooth_to_have_a_noise_are_told_by_what_is_missed_of_the_motion() {
-        let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01 };
+        let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.left_over(), None);
         let told = errors.headline(&["coulomb (0.4 V)"], Verdict::PartlyExplained, SOME);
         let said = "explains 94 % of the error; what is left is 4.0 % of the motion (the noise is too small to be known)";
@@ -330,16 +344,27 @@ mod tests {
     /// A page said "explain 100 % ...; what is left is 0.8 x the noise" under "Partly explained", and nothing of why.
     #[test]
     fn where_little_is_left_a_verdict_that_doubts_it_says_why() {
-        let errors = Errors { base: 3.0, model: 0.8, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 3.0, model: 0.8, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, SOME), SOME);
         assert!(told.ends_with("what is left is 0.8 x the noise, and still shows a pattern"), "{told}");
         let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, ALL), ALL);
         assert!(told.ends_with("0.8 x the noise"), "{told}");
     }
 
+    /// A dead zone met the records kept out at 6 times the noise, with two more effects 9 times were "explained".
+    #[test]
+    fn a_model_that_a_simpler_one_beats_on_the_records_that_judge_explains_them_in_part() {
+        let errors = Errors { base: 32.0, model: 8.7, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.4 };
+        assert_eq!(errors.verdict(3, ALL), Verdict::PartlyExplained);
+        let told = errors.headline(&["dead zone", "delay"], Verdict::PartlyExplained, ALL);
+        assert!(told.ends_with("8.7 x the noise, and a simpler model comes 1.4 times nearer"), "{told}");
+        assert_eq!(errors.verdict(3, Adequacy::Disturbance(0.05)), Verdict::PartlyExplained);
+        assert_eq!(Errors { beaten: 1.0, ..errors }.verdict(3, ALL), Verdict::Explained);
+    }
+
     #[test]
     fn a_rise_is_called_a_rise() {
-        let errors = Errors { base: 2.0, model: 3.0, noise: 1.0, missed: 0.01, strayed: 0.01 };
+        let errors = Errors { base: 2.0, model: 3.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.verdict(1, SOME), Verdict::Unexplained);
         assert!(errors.headline(&["delay"], Verdict::Unexplained, SOME).contains("the error rises"));
     }

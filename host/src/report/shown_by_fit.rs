@@ -60,18 +60,38 @@ fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
     })
 }
 
-/// The last model of `ladder`, where a smaller one does much better on the records that judged it.
-pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
+/// How many times nearer than the last model of `ladder` a smaller one, or the `usual` one, comes to the records that judge; 1 where none
+/// comes much nearer.
+pub fn beaten(ladder: &[Rung], usual: Option<&Rung>) -> f64 {
+    let smaller = nearest(ladder).map(|(_, times)| times);
+    let usual = usual_is_nearer(ladder, usual).map(|(_, times)| times);
+    smaller.into_iter().chain(usual).fold(1.0, f64::max)
+}
+
+/// The model of `ladder` that comes nearest to the records kept out, and how many times nearer than the last one; none where not by much.
+fn nearest(ladder: &[Rung]) -> Option<(&Rung, f64)> {
     let error = |rung: &Rung| rung.validation.map(|m| m.rmse);
     let last = ladder.last().and_then(error)?;
     let (best, least) =
         ladder.iter().filter_map(|rung| Some((rung, error(rung)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (last > MUCH_WORSE * least).then(|| Warning {
+    (last > MUCH_WORSE * least).then(|| (best, last / least))
+}
+
+/// The last model of `ladder`, and how many times nearer the `usual` one comes to the records that judge; none where not by much.
+fn usual_is_nearer<'a>(ladder: &'a [Rung], usual: Option<&Rung>) -> Option<(&'a Rung, f64)> {
+    let last = ladder.last()?;
+    let (own, least) = (judged(last).rmse, judged(usual?).rmse);
+    (own > MUCH_WORSE * least).then(|| (last, own / least))
+}
+
+/// The last model of `ladder`, where a smaller one does much better on the records that judged it.
+pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
+    nearest(ladder).map(|(best, times)| Warning {
         place: "validation records".into(),
         what: format!(
             "not_confirmed: the model with {} meets the validation records {:.1} times better than with the effects that came after it",
             names(&best.effects, " and ", "no effects"),
-            last / least
+            times
         ),
         fix: format!(
             "use that model (fit --effects {}), or record more like the validation records to fit to: they choose nothing by themselves",
@@ -82,14 +102,11 @@ pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
 
 /// The last model of `ladder`, to which nothing is to be added, where the `usual` one does much better on the records that judge.
 pub fn worse_than_usual(ladder: &[Rung], usual: Option<&Rung>) -> Option<Warning> {
-    let (last, usual) = (ladder.last()?, usual?);
-    let place = if last.validation.is_some() { "validation records" } else { "all records together" };
-    let (own, least) = (judged(last).rmse, judged(usual).rmse);
-    (own > MUCH_WORSE * least).then(|| Warning {
-        place: place.into(),
+    usual_is_nearer(ladder, usual).map(|(last, times)| Warning {
+        place: if last.validation.is_some() { "validation records" } else { "all records together" }.into(),
         what: format!(
             "usual_is_better: kS-kV-kA, the usual model, meets them {:.1} times better than the model with {}",
-            own / least,
+            times,
             names(&last.effects, " and ", "no effects")
         ),
         fix: "simulate such moves with that one (fit --method feedforward), and do not rely on what is named here: something acts that is \

@@ -62,7 +62,7 @@ impl Scene {
     pub fn standing(&self) -> Standing {
         let diagnosis = self.diagnosis.as_deref();
         Standing::of(&Facts {
-            errors: errors_of(&self.ladder, self.floor),
+            errors: errors_of(&self.ladder, self.baseline.as_ref(), self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
             left: diagnosis.map(|d| d.left),
             suggested: diagnosis.and_then(|d| d.suggested),
