@@ -77,7 +77,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             console.say(prose::next(&write, None, &args.input.logs));
         }
     } else if !console.json() {
-        console.say(prose::next(&findings.next_step, None, &args.input.logs));
+        let first = args.input.logs.first().filter(|_| model.is_some());
+        console.say(prose::next(&findings.next_step, first.map(PathBuf::as_path), &input.logs));
     }
     Ok(())
 }

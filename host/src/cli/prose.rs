@@ -189,13 +189,18 @@ const MODEL: &str = "model.json";
 fn keeping(words: impl Iterator<Item = String>) -> Option<String> {
     let mut all = vec!["motorlens".to_owned()];
     let mut words = words.peekable();
-    let reports = words.peek().is_some_and(|verb| verb == "report");
+    // Where a report or a programme goes is no place for a model, and what a programme may ask of the motor is not asked again.
+    let others: &[&str] = match words.peek().map(String::as_str) {
+        Some("report") => &["-o", "--out"],
+        Some("plan") => &["-o", "--out", "--volts", "--seconds"],
+        _ => &[],
+    };
+    let other = |word: &str| others.contains(&word);
     while let Some(word) = words.next() {
         match word.as_str() {
-            "report" if all.len() == 1 => all.push("discover".into()),
-            // Where a report goes is no place for a model.
-            "-o" | "--out" if reports => drop(words.next()),
-            out if reports && out.starts_with("--out=") => {}
+            "report" | "plan" if all.len() == 1 => all.push("discover".into()),
+            option if other(option) => drop(words.next()),
+            option if option.split_once('=').is_some_and(|(option, _)| other(option)) => {}
             _ => all.push(guess::quoted(&word)),
         }
     }
@@ -287,6 +292,8 @@ mod tests {
         for report in ["report a.csv -o r.html -v b.csv", "report a.csv --out=r.html -v b.csv"] {
             assert_eq!(keep(report), "motorlens discover a.csv -v b.csv --out model.json");
         }
+        let planned = keep("plan a.csv --volts=6 --seconds 4 -o programme.json -v b.csv");
+        assert_eq!(planned, "motorlens discover a.csv -v b.csv --out model.json");
     }
 
     #[test]

@@ -297,9 +297,10 @@ impl Plan {
                 multiple(LEAST_SHOWN)
             ),
             (None, true) => format!(
-                "{name} plays what {} answer differently: even {a} and {b}, the most alike, would differ by {}",
+                "{name} plays what {} answer differently: even {a} and {b}, the most alike, would differ by {}{}",
                 names.join(", "),
-                multiple(self.separation)
+                multiple(self.separation),
+                if self.separation < 1.0 { ", which shows only where it is played several times" } else { "" }
             ),
             (None, false) => format!(
                 "of the programmes known none would tell {a} and {b} apart: in the best of them, {name}, they differ by less \
