@@ -52,7 +52,8 @@ pub struct Wired {
     /// A divider from the supply to the board's supply input, by what it divides (11 for 10 kOhm over 1 kOhm): the supply is measured
     #[arg(long, value_name = "RATIO")]
     pub divider: Option<f32>,
-    /// A current amplifier at the board's current input, in mV per ampere (100 for an ACS712-20A behind no divider): the current is measured
+    /// A current amplifier that rests at half of 3.3 V, at the board's current input, in mV per ampere (100 for an INA240A2 over 2 mOhm; no
+    /// sensor on 5 V, which rests at 2.5 V and would harm the input): the current is measured
     #[arg(long, value_name = "MV_PER_A")]
     pub amplifier: Option<f32>,
 }
