@@ -39,11 +39,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     programme.validate(args.supply).map_err(|error| {
         Error::usage(error.to_string(), "lower --amplitude, or state the --supply there is")
     })?;
+    let divider = wiring::divider(args.wired.divider)?;
     let setup = setup(Setup {
         drive: args.drive.mode(),
-        supply_mv: (args.supply * 1000.0).round() as u16,
+        supply_mv: wiring::supply(args.supply, divider)?,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider: wiring::divider(args.wired.divider)?,
+        divider,
         amplifier: wiring::amplifier(args.wired.amplifier)?,
         ..Setup::default()
     });

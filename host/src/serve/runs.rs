@@ -94,12 +94,15 @@ fn setup(wish: &Wish) -> std::result::Result<Setup, String> {
         other => return Err(format!("{other} is no way to drive a bridge")),
     };
     let wired = |value: f32| (value != 0.0).then_some(value);
+    let divider = wiring::divider(wired(wish.divider)).map_err(|fault| fault.to_string())?;
+    let amplifier = wiring::amplifier(wired(wish.amplifier)).map_err(|fault| fault.to_string())?;
     let setup = Setup {
         drive,
-        divider: wiring::divider(wired(wish.divider)).map_err(|fault| fault.to_string())?,
-        amplifier: wiring::amplifier(wired(wish.amplifier)).map_err(|fault| fault.to_string())?,
-        supply_mv: (wish.supply_v * 1000.0).round() as u16,
-        current_limit_ma: (wish.current_limit_a * 1000.0).round() as u16,
+        divider,
+        amplifier,
+        supply_mv: wiring::supply(wish.supply_v, divider).map_err(|fault| fault.to_string())?,
+        current_limit_ma: wiring::current_limit(wish.current_limit_a, amplifier)
+            .map_err(|fault| fault.to_string())?,
         ..Setup::default()
     };
     // The board checks again, with its own log.
