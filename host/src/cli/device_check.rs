@@ -1,5 +1,6 @@
 //! `device check`: the self-test of the wiring.
 
+use clap::ValueEnum;
 use motorlens_shared::link::Setup;
 use serde_json::json;
 
@@ -7,9 +8,12 @@ use super::Console;
 use super::capture::{Drive, Wired, converse, run_number};
 use super::device::At;
 use super::interrupt::interrupted;
-use crate::device::check::{check, programme, setup};
+use crate::device::check::{Checked, check, programme, setup};
 use crate::device::{Capture, Port, wiring};
 use crate::error::{Error, Result};
+
+/// The supply where none is stated, V: what `capture` takes too.
+const SUPPLY_V: f32 = 12.0;
 
 /// Options of `device check`.
 #[derive(Debug, clap::Args)]
@@ -20,7 +24,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "brake")]
     pub drive: Drive,
     /// Supply of the driver in volts
-    #[arg(long, value_name = "VOLTS", default_value_t = 12.0)]
+    #[arg(long, value_name = "VOLTS", default_value_t = SUPPLY_V)]
     pub supply: f32,
     #[command(flatten)]
     pub wired: Wired,
@@ -73,18 +77,70 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let [forward, backward] =
             checked.breakaway_v.map(|volts| volts.map_or("-".into(), |v| format!("{v:.2} V")));
         lines.push(format!("the motor breaks away at {forward} forward, {backward} backward"));
+        if let Some(volts) = checked.stall_voltage_v {
+            lines.push(format!("--stall-voltage {volts:.1} is clear of both"));
+        }
         lines.join("\n")
     });
-    let stall = checked.stall_voltage_v.map_or(String::new(), |volts| format!(" --stall-voltage {volts:.1}"));
-    let port = &args.at.port;
-    if checked.findings.iter().all(|finding| finding.ok) {
-        let command = format!(
-            "motorlens capture --port {port} --programme default --counts-per-rev COUNTS{stall} --out logs"
-        );
-        console.next("record the default protocol", &command);
-    } else {
-        let command = format!("motorlens device check --port {port}");
-        console.next("mend what is wrong, and look again", &command);
-    }
+    let (what, command) = next(args, &checked);
+    console.next(what, &command);
     Ok(())
+}
+
+/// What to do next, and the command that does it, with what this one was told of driver and wires: without it another kind of driver
+/// would be driven, or another supply.
+fn next(args: &Args, checked: &Checked) -> (&'static str, String) {
+    let drive = args.drive.to_possible_value().filter(|_| args.drive != Drive::Brake);
+    let told = [
+        drive.map(|value| format!(" --drive {}", value.get_name())),
+        (args.supply != SUPPLY_V).then(|| format!(" --supply {}", args.supply)),
+        args.wired.divider.map(|ratio| format!(" --divider {ratio}")),
+        args.wired.amplifier.map(|slope| format!(" --amplifier {slope}")),
+        args.pwm_frequency.map(|frequency| format!(" --pwm-frequency {frequency}")),
+    ];
+    let told: String = told.into_iter().flatten().collect();
+    let port = &args.at.port;
+    if checked.ok {
+        let stall =
+            checked.stall_voltage_v.map_or(String::new(), |volts| format!(" --stall-voltage {volts:.1}"));
+        let command = format!(
+            "motorlens capture --port {port} --programme default --counts-per-rev COUNTS{told}{stall} --out logs"
+        );
+        ("record the default protocol", command)
+    } else {
+        let amplitude = args.amplitude.map_or(String::new(), |volts| format!(" --amplitude {volts}"));
+        let command = format!("motorlens device check --port {port}{told}{amplitude}");
+        ("mend what is wrong, and look again", command)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_command_is_told_of_driver_and_wires_what_this_one_was() {
+        let mut args = Args {
+            at: At { port: "P".into() },
+            drive: Drive::AntiPhase,
+            supply: 24.0,
+            wired: Wired { divider: Some(11.0), amplifier: Some(62.5) },
+            pwm_frequency: Some(5_000),
+            amplitude: Some(3.0),
+        };
+        let right =
+            Checked { ok: true, findings: vec![], breakaway_v: [None, None], stall_voltage_v: Some(1.26) };
+        let wrong = Checked { ok: false, stall_voltage_v: None, ..right.clone() };
+        let told = "--drive anti-phase --supply 24 --divider 11 --amplifier 62.5 --pwm-frequency 5000";
+        assert_eq!(
+            next(&args, &right).1,
+            format!(
+                "motorlens capture --port P --programme default --counts-per-rev COUNTS {told} --stall-voltage 1.3 --out logs"
+            )
+        );
+        assert_eq!(next(&args, &wrong).1, format!("motorlens device check --port P {told} --amplitude 3"));
+        (args.drive, args.supply) = (Drive::Brake, SUPPLY_V);
+        (args.wired, args.pwm_frequency, args.amplitude) = (Wired::default(), None, None);
+        assert_eq!(next(&args, &wrong).1, "motorlens device check --port P");
+    }
 }
