@@ -218,7 +218,8 @@ fn bootloader(at: &At, console: &Console) -> Result<()> {
     let mut port = Port::open(&at.port)?;
     ask(&mut port, Inquiry::new([ToBoard::Bootloader]), console)?;
     console.answer(&json!({ "schema": 1, "bootloader": true }), || {
-        "the chip's boot loader runs; write the image with dfu-util or stm32flash, then reset the board"
+        "the chip's boot loader runs; an STM32: write the image with dfu-util or stm32flash, then reset the board; a Pico: drag its UF2 \
+         file (cargo xtask uf2) onto the drive that appears"
             .to_owned()
     });
     Ok(())
@@ -231,7 +232,7 @@ fn flash(args: &FlashArgs, console: &Console) -> Result<()> {
         return Err(BadInput::new(&args.image, "there is no such image", remedy).into());
     }
     let remedy = "install it with `cargo install probe-rs-tools` and connect the board's debugger; or use \
-                  `motorlens device bootloader` and dfu-util";
+                  `motorlens device bootloader` and dfu-util, or at a Pico its UF2 file (`cargo xtask uf2`)";
     let status = Command::new("probe-rs")
         .args(["download", "--chip", &args.chip])
         .arg(&args.image)
