@@ -53,7 +53,7 @@ pub struct Wired {
     #[arg(long, value_name = "RATIO")]
     pub divider: Option<f32>,
     /// A current amplifier that rests at half of 3.3 V, at the board's current input, in mV per ampere (100 for an INA240A2 over 2 mOhm; no
-    /// sensor on 5 V, which rests at 2.5 V and would harm the input): the current is measured
+    /// sensor on 5 V, which rests at 2.5 V and can harm the input): the current is measured
     #[arg(long, value_name = "MV_PER_A")]
     pub amplifier: Option<f32>,
 }
