@@ -90,9 +90,18 @@ fn a_urdf_keeps_the_level_of_friction_whose_break_away_it_loses() {
     model(here, "m.json", 0.9, stribeck);
     let refused = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1").ends(2);
     assert!(refused.err.contains("its level stays"), "{}", refused.err);
-    run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1 --allow-missing").ends(0);
+    let words = "export m.json -f urdf -o m.urdf --torque-per-volt 0.1 --allow-missing --json";
+    let written = run(here, words).ends(0).json();
     let text = std::fs::read_to_string(here.join("m.urdf")).unwrap();
     assert!(text.contains(r#"friction="0.05"#), "{text}");
+    // What stays costs nothing: the one loss is all but the winding's time constant of what the target costs.
+    let rms = |cost: &serde_json::Value| cost["rms"].as_f64().unwrap();
+    let (one, all) = (rms(&written["cost"]["each"][0]), rms(&written["cost"]["all"]));
+    assert!(one > 0.0 && (one / all - 1.0).abs() < 0.25, "{one} {all}");
+    // Nor does it where a program beside the file applies the rest.
+    let written = run(here, "export m.json -f mujoco -o m.xml --json").ends(0).json();
+    let beside = rms(&written["cost"]["each"][0]);
+    assert!((beside / one - 1.0).abs() < 1e-9, "{beside} {one}");
 }
 
 #[test]

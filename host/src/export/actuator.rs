@@ -2,8 +2,7 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::{Lost, effects};
-use crate::diagnose::contained::parts;
+use super::{Lost, effects, level};
 use crate::fit::layout::Values;
 use crate::model_file::Model;
 
@@ -44,10 +43,10 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
     for (kind, p) in effects(model) {
         if !kinds.contains(&kind) {
             carried = carried.without(kind);
-            let level = parts(kind).find(|(part, _)| *part == Kind::Coulomb && kinds.contains(part));
-            if let Some((_, place)) = level {
-                a.friction += p[place];
-                lost.push(Lost::new(kind, format!("{why}; its level stays as dry friction")));
+            if let Some(level) = level(kind, &p).filter(|_| kinds.contains(&Kind::Coulomb)) {
+                a.friction += level;
+                let why = format!("{why}; its level stays as dry friction");
+                lost.push(Lost::new(kind, why).but_for_its_level());
             } else {
                 lost.push(Lost::new(kind, why));
             }
@@ -74,11 +73,11 @@ pub(super) fn take(model: &Model, kinds: &[Kind], why: &str) -> (Actuator, Vec<L
     (a, lost, carried)
 }
 
-/// Those of `kinds` that the model has, as left to others for the reason that `why` gives.
+/// Those of `kinds` that the model has, as left to others for the reason that `why` gives. A level of friction stays.
 pub(super) fn leave(model: &Model, kinds: &[Kind], why: &str) -> Vec<Lost> {
     let effects = effects(model);
     let there = effects.iter().filter(|(kind, _)| kinds.contains(kind));
-    there.map(|(kind, _)| Lost::new(*kind, why)).collect()
+    there.map(|(kind, _)| Lost::new(*kind, why).but_for_its_level()).collect()
 }
 
 /// What loads are to a joint's actuator.

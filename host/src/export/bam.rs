@@ -26,7 +26,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         take(model, &TAKEN, "BAM models friction and a delay only; a load is its simulator's");
     if a.load != 0.0 {
         let why = "BAM's friction is the same in both directions";
-        lost.push(super::Lost::new(Kind::CoulombAsymmetric, why));
+        lost.push(super::Lost::new(Kind::CoulombAsymmetric, why).but_for_its_level());
         carried = actuator::one_level(carried, a.friction, &[]);
     }
     // BAM's friction by load begins with the load; this model's may begin above a knee, and what that costs is told.

@@ -26,7 +26,7 @@ pub struct Apart {
 pub struct Of {
     /// The effect that is lacking.
     pub effect: Kind,
-    /// The model against itself without it.
+    /// The model against itself without it, or with the level of its dry friction alone where the target keeps that.
     #[serde(flatten)]
     pub apart: Apart,
 }
@@ -105,13 +105,8 @@ pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &Moto
 }
 
 fn each(model: &Model, exported: &Exported, against: &dyn Fn(&Values) -> Result<Apart>) -> Result<Vec<Of>> {
-    let without = |effect: Kind| against(&model.values().without(effect));
-    exported
-        .lost
-        .iter()
-        .chain(&exported.left)
-        .map(|lost| Ok(Of { effect: lost.effect, apart: without(lost.effect)? }))
-        .collect()
+    let lost = exported.lost.iter().chain(&exported.left);
+    lost.map(|lost| Ok(Of { effect: lost.effect, apart: against(&lost.of(&model.values()))? })).collect()
 }
 
 /// What longer steps than a millisecond cost, on the standard programme with a voltage held for each step.

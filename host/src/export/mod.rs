@@ -24,6 +24,7 @@ mod wpilib;
 
 use motorlens_shared::effects::Kind;
 
+use crate::diagnose::contained::parts;
 use crate::error::{Error, Result};
 use crate::fit::layout::Values;
 use crate::model_file::Model;
@@ -115,11 +116,30 @@ pub struct Lost {
     pub effect: Kind,
     /// Why, as a clause.
     pub why: String,
+    /// Whether the target keeps the level of dry friction that the effect contains.
+    #[serde(skip)]
+    pub level_stays: bool,
 }
 
 impl Lost {
     fn new(effect: Kind, why: impl Into<String>) -> Self {
-        Self { effect, why: why.into() }
+        Self { effect, why: why.into(), level_stays: false }
+    }
+
+    /// The same, but for the level of dry friction.
+    fn but_for_its_level(self) -> Self {
+        Self { level_stays: true, ..self }
+    }
+
+    /// What is left of `values`.
+    fn of(&self, values: &Values) -> Values {
+        let lost = values.effects.iter().find(|(kind, _)| *kind == self.effect);
+        let level = lost.filter(|_| self.level_stays).and_then(|(kind, p)| level(*kind, p));
+        let rest = values.without(self.effect);
+        match level {
+            Some(level) => rest.with(Kind::Coulomb, vec![level]),
+            None => rest,
+        }
     }
 }
 
@@ -192,6 +212,12 @@ fn effects(model: &Model) -> Vec<(Kind, Vec<f64>)> {
     let mut effects = model.values().effects;
     effects.sort_by_key(|(kind, _)| *kind);
     effects
+}
+
+/// The level of dry friction that an effect of `kind` contains, V; none where it contains none.
+fn level(kind: Kind, parameters: &[f64]) -> Option<f64> {
+    let (_, place) = parts(kind).find(|(part, _)| *part == Kind::Coulomb)?;
+    parameters.get(place).copied()
 }
 
 /// `text` as the value of an XML attribute.

@@ -10,8 +10,7 @@ use motorlens_shared::effects::{Kind, Port};
 
 use super::hook::{Beside, contact_grid, program};
 use super::two_bodies::{Between, OUTPUT, ROTOR};
-use super::{Exported, Lost, Options, effects, xml};
-use crate::diagnose::contained;
+use super::{Exported, Lost, Options, effects, level, xml};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 use crate::sentence::capital;
@@ -82,16 +81,17 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         );
     }
     // Who has the MJCF alone is to have at least the level of a friction whose course it cannot express.
-    let level = |(kind, p): &(Kind, Vec<f64>)| {
-        contained::parts(*kind).find(|(part, _)| *part == Kind::Coulomb).map(|(_, place)| p[place])
-    };
-    parts.alone = scale * own.iter().filter_map(level).sum::<f64>();
+    parts.alone = scale * own.iter().filter_map(|(kind, p)| level(*kind, p)).sum::<f64>();
     let left: Vec<Lost> = own
         .iter()
-        .map(|effect| {
-            let stays =
-                if level(effect).is_some() { ", without which its level stays as dry friction" } else { "" };
-            Lost::new(effect.0, format!("has no place in MJCF: the Python file beside it applies it{stays}"))
+        .map(|(kind, p)| {
+            let stays = if level(*kind, p).is_some() {
+                ", without which its level stays as dry friction"
+            } else {
+                ""
+            };
+            let why = format!("has no place in MJCF: the Python file beside it applies it{stays}");
+            Lost::new(*kind, why).but_for_its_level()
         })
         .collect();
     let scales = Scales { output, driven, scale, step_s, constant, resistance };
