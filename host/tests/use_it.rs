@@ -117,6 +117,15 @@ fn the_cost_on_a_record_holds_the_errors_against_the_measurement_with_and_withou
     let errors = written["cost"]["errors"].as_array().expect("errors on a record");
     assert!(errors.iter().all(|e| e.as_f64().is_some_and(|e| e > 0.0)), "{written}");
     assert_eq!(written["cost"]["on"], "prbs");
+    // All effects are there, but steps that are too long lose something.
+    for (format, long) in [("c", "0.01"), ("mujoco", "0.001")] {
+        let words = format!("export m.json -f {format} -o out.{format} --on s/prbs.csv --motor s/motor.toml");
+        let usual = run(here, &words).ends(0).err;
+        assert!(usual.contains("Nothing is lost: "), "{usual}");
+        let slow = run(here, &format!("{words} --step {long}")).ends(0).err;
+        let is_said = slow.contains("In its usual steps nothing would be lost: ");
+        assert!(is_said && !slow.contains("Nothing is lost"), "{slow}");
+    }
 }
 
 /// Whatever the target: what it has of the model errs by at most a hundredth more than the model on a validation record, or it is

@@ -8,7 +8,7 @@ use super::{Console, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
-use crate::export::told::{Told, is_simplified, told};
+use crate::export::told::{Told, is_simplified, longer_step_s, told};
 use crate::export::{Format, Lost, Options, export};
 use crate::log::mapping::Mapping;
 use crate::log::roles::Range;
@@ -169,7 +169,13 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let said: String = lacking.iter().chain(&to_know).map(|s| format!("  {s}\n")).collect();
         let kept = match &price {
             Some(price) if !args.on.is_empty() && exported.carried == model.values() => {
-                format!("  Nothing is lost: {}.\n", price.clause())
+                // The price is that of the effects; longer steps have their own.
+                let kept = if longer_step_s(&model, format, &options).is_some() {
+                    "In its usual steps nothing would be lost"
+                } else {
+                    "Nothing is lost"
+                };
+                format!("  {kept}: {}.\n", price.clause())
             }
             _ => String::new(),
         };

@@ -95,7 +95,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         })
         .collect();
     let scales = Scales { output, driven, scale, step_s, constant, resistance };
-    if step_s > between.as_ref().and_then(Between::usual_step_s).unwrap_or(STEP_S) {
+    if step_s > usual_step_s(model) {
         notes.push(format!("With steps of {step_s:e} s MuJoCo may err by more than a hundredth of a good model's error; leave out the step."));
     }
     // For whoever opens the file without having read what was said when it was written.
@@ -117,6 +117,11 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         left,
         carried: model.values(),
     })
+}
+
+/// Step of the simulation that a model has without being asked, unless that is unstable, s.
+pub(super) fn usual_step_s(model: &Model) -> f64 {
+    Between::of(&effects(model)).as_ref().and_then(Between::usual_step_s).unwrap_or(STEP_S)
 }
 
 /// Step of the simulation, s.

@@ -1,7 +1,7 @@
 //! What a target lacks, leaves to others or simplifies, in sentences with the cost in rad.
 
 use super::cost::{Apart, Cost, of_steps};
-use super::{Exported, Format, Options};
+use super::{Exported, Format, Options, mujoco};
 use crate::model_file::Model;
 use crate::sentence::capital;
 
@@ -17,6 +17,16 @@ pub struct Told {
 /// Whether there is anything that a [`Cost`] would tell of.
 pub fn is_simplified(exported: &Exported, model: &Model) -> bool {
     exported.carried != model.values() || !exported.left.is_empty()
+}
+
+/// The step, s, where it is longer than the one that the target has without being asked.
+pub fn longer_step_s(model: &Model, format: Format, options: &Options) -> Option<f64> {
+    let usual_s = match format {
+        Format::Mujoco => mujoco::usual_step_s(model),
+        _ if format.steps() => Options::default().step_s(),
+        _ => return None,
+    };
+    options.step_s.filter(|step_s| *step_s > usual_s)
 }
 
 /// Puts into words what `exported` is beside `model`, at this price where it was worked out.
@@ -46,8 +56,8 @@ pub fn told(
         let cost = costing(left.effect).map_or(String::new(), |cost| format!("; its absence costs {cost}"));
         format!("{} {}{cost}.", capital(left.effect.name()), left.why)
     });
-    let step_s = options.step_s.filter(|step_s| format.steps() && *step_s > 1e-3);
-    let steps = step_s.map(|step_s| {
+    let step_s = longer_step_s(model, format, options);
+    let steps = step_s.filter(|_| format.steps()).map(|step_s| {
         let cost = much(of_steps(model, step_s), "rad");
         format!("Steps of {step_s} s instead of 0.001 s cost {cost} on a standard programme of 8 s.")
     });
