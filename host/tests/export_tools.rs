@@ -178,6 +178,7 @@ subprocess.check_call(['c++', '-std=c++20', '-fsyntax-only', *include, str(sourc
         ("simple", vec![(Kind::Coulomb, &[0.3][..])]),
         ("lift", vec![(Kind::ConstantLoad, &[0.4][..])]),
         ("arm", vec![(Kind::Gravity, &[0.8, 0.5][..])]),
+        ("late", vec![(Kind::Delay, &[0.0061][..])]),
     ] {
         let file = directory.path().join(name);
         std::fs::write(&file, export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().content).unwrap();

@@ -67,6 +67,11 @@ fn what_an_export_leaves_to_its_user_is_told_with_what_its_absence_costs() {
             said.contains(word) && said.contains("its absence costs") && said.contains(" rad (rms"),
             "{said}"
         );
+        // Who pastes from the file is told there too.
+        if format == "wpilib" {
+            let text = std::fs::read_to_string(here.join("out")).unwrap();
+            assert_eq!(text.matches("a command acts 30.000 ms late").count(), 3, "{text}");
+        }
     }
     let slow = run(here, "export m.json -f c -o m.c --step 0.01 --json").ends(0).json();
     let said = slow["left_out"].to_string();

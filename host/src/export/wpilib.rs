@@ -7,9 +7,10 @@
 
 use motorlens_shared::effects::Kind;
 
-use super::Exported;
 use super::actuator::{leave, one_level, take};
+use super::{Exported, Lost};
 use crate::model_file::Model;
+use crate::sentence::capital;
 
 const TAKEN: [Kind; 7] = [
     Kind::Coulomb,
@@ -42,7 +43,8 @@ pub(super) fn export(model: &Model) -> Exported {
             2.0 * speed
         ));
     }
-    let why = format!("of {:.1} ms is for the controller's delay compensation", 1e3 * a.delay_s);
+    let why =
+        format!("is for the controller's delay compensation: a command acts {:.3} ms late", 1e3 * a.delay_s);
     let mut left = leave(model, &[Kind::Delay], &why);
     let (kg, arm) = match a.weight {
         // Forward torque is -(s sin x + c cos x) = -kG cos(x - x0).
@@ -58,7 +60,7 @@ pub(super) fn export(model: &Model) -> Exported {
     }
     let carried = one_level(carried, ks, &[Kind::DeadZone]);
     Exported {
-        content: text([ks, kv, ka, kg], arm, &notes).into_bytes(),
+        content: text([ks, kv, ka, kg], arm, &notes, &left).into_bytes(),
         beside: None,
         notes,
         lost,
@@ -67,7 +69,7 @@ pub(super) fn export(model: &Model) -> Exported {
     }
 }
 
-fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String]) -> String {
+fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String], left: &[Lost]) -> String {
     let turn = std::f64::consts::TAU;
     let kind = match arm {
         Some(_) => "Arm",
@@ -88,6 +90,11 @@ fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String]) -> Strin
         )
     };
     let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
+    // For whoever has the pasted lines alone.
+    let beside = |sign: &str| -> String {
+        left.iter().map(|left| format!("{sign} {} {}.\n", capital(left.effect.name()), left.why)).collect()
+    };
+    let (beside_c, beside_python) = (beside("//"), beside("#"));
     let class = format!("{kind}Feedforward");
     let python_class = if kind == "SimpleMotor" { "SimpleMotorFeedforwardRadians" } else { &class };
     let (cpp_header, cpp_class, cpp_order, cpp_load) = match kind {
@@ -111,7 +118,7 @@ kG = {kg:.9} V
 
 {zero}{notes}
 --- Java (radians)
-  // import edu.wpi.first.math.controller.{class};
+{beside_c}  // import edu.wpi.first.math.controller.{class};
   static final double kS = {ks:.9}; // V
 {gravity}  static final double kV = {kv:.9}; // V s/rad
   static final double kA = {ka:.9}; // V s^2/rad
@@ -122,14 +129,14 @@ kG = {kg:.9} V
 #include <units/angular_acceleration.h>
 #include <units/angular_velocity.h>
 #include <units/voltage.h>
-constexpr auto kS = {ks:.9}_V;
+{beside_c}constexpr auto kS = {ks:.9}_V;
 {gravity_cpp}constexpr auto kV = {kv:.9}_V / 1_rad_per_s;
 constexpr auto kA = {ka:.9}_V / 1_rad_per_s_sq;
 {cpp_load}frc::{cpp_class} feedforward{{{cpp_order}}};
 
 --- Python (radians)
 import wpimath.controller
-kS = {ks:.9}  # V
+{beside_python}kS = {ks:.9}  # V
 {gravity_py}kV = {kv:.9}  # V s/rad
 kA = {ka:.9}  # V s^2/rad
 feedforward = wpimath.controller.{python_class}({order})

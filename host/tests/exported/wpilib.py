@@ -8,6 +8,7 @@ exec(text.split("--- Python (radians)")[1], scope)
 f = scope["feedforward"]
 arm = re.search(r"the log's less (\S+) rad", text)
 late = re.search(r"acts (\S+) ms late", text)
+assert late or "delay" not in text.lower(), text
 delay = float(late.group(1)) * 1e-3 if late else 0.0
 volts = [float(line) for line in sys.stdin]
 PARTS = 20
