@@ -1,4 +1,4 @@
-//! Do two sets of records come from one motor?
+//! Do two sets of records come from one motor? Records can show a difference; that none shows is no proof that there is none.
 //!
 //! One model is fitted to either set and to both together. Where one motor made them, the model of both is as good on each set as
 //! that set's own, and no parameter differs by more than both intervals explain. A parameter's difference is measured in standard
@@ -34,7 +34,7 @@ const HALF_WIDTH: f64 = 1.96;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The model of both is as good as each one's own, and no parameter differs.
+    /// No difference shows: the model of both is as good as each one's own, and no parameter that both sets determine differs.
     Same,
     /// A parameter differs, and the model of both is worse.
     Different,

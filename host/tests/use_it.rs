@@ -291,6 +291,8 @@ fn records_of_one_motor_are_the_same_and_of_another_are_not() {
         run(here, &format!("same --effects coulomb -m a/motor.toml {} -- {}", set("a"), set("b"))).ends(0);
     let all = format!("{}{}", told.out, told.err);
     assert!(all.contains("-m a/motor.toml") && all.contains("\u{b1}"), "{all}");
+    // Two wheels of one robot are alike, and no one motor.
+    assert!(all.contains("No difference shows: one model") && !all.contains("One motor"), "{all}");
     run(here, &format!("same {}", set("a"))).ends(2);
     let misplaced = run(here, &format!("same {} -- {} --motor a/motor.toml", set("a"), set("b"))).ends(2);
     assert!(misplaced.err.contains("before --"), "{}", misplaced.err);

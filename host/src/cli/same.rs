@@ -84,13 +84,19 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 
 fn text(c: &Comparison) -> String {
     let verdict = match c.verdict {
-        Verdict::Same => "One motor",
+        // Two motors that are alike as far as these records tell would show none either.
+        Verdict::Same => "No difference shows",
         Verdict::Different => "Two motors",
         Verdict::Open => "Not settled",
     };
     let names: Vec<&str> = c.effects.iter().map(|k| k.name()).collect();
+    let not_compared = if c.verdict == Verdict::Same && !c.open.is_empty() {
+        format!(" What these records do not compare: {}.", c.open.join(", "))
+    } else {
+        String::new()
+    };
     let mut text = format!(
-        "{verdict}: {}.\n\nModel with {}\n",
+        "{verdict}: {}.{not_compared}\n\nModel with {}\n",
         c.why,
         if names.is_empty() { "no effects".into() } else { names.join(", ") }
     );
@@ -115,7 +121,7 @@ fn text(c: &Comparison) -> String {
             p.deviations
         );
     }
-    if !c.open.is_empty() {
+    if !c.open.is_empty() && not_compared.is_empty() {
         text += &format!("Not determined by both: {}.\n", c.open.join(", "));
     }
     text

@@ -106,7 +106,7 @@ class Addition:
 class Same:
     """Whether two sets of records come from one motor."""
 
-    #: same, different, or open where the records leave it so.
+    #: same (no difference shows), different, or open where the records leave it so.
     verdict: str
     #: Why, in a sentence.
     why: str
@@ -123,7 +123,8 @@ class Same:
         return self.document
 
     def _repr_html_(self) -> str:
-        return as_page(f"{self.verdict}: {self.why}", self.parameters)
+        verdict = "no difference shows" if self.verdict == "same" else self.verdict
+        return as_page(f"{verdict}: {self.why}", self.parameters)
 
 
 @dataclass(frozen=True)
