@@ -19,7 +19,10 @@ impl Model {
         base.into_iter().chain(values.effects.into_iter().flat_map(|(_, p)| p)).collect()
     }
 
-    /// The angle that the sensor shows at every time, rad, from rest at `angle_rad`: what `compare` runs.
+    /// The angle that the sensor shows at every time, rad, from rest at `angle_rad`.
+    ///
+    /// `compare` runs the same, but begins a record that is in motion at a speed that it finds for the model, and moves an angle within
+    /// a count of the encoder.
     ///
     /// `time_s` rises, in s; `voltage_v` is held from each time to the next, in V. Without the sensor's counting.
     ///

@@ -152,7 +152,7 @@ fn on_the_rig(record: &Record, motor: &MotorFile) -> Measured {
     Measured { record: record.clone(), motor: motor.clone(), volts, readings }
 }
 
-/// The model's own error where it is simulated as `compare` does, from sample to sample.
+/// The model's own error where it is simulated from sample to sample, as `compare` does, but from rest and not moved within a count.
 fn error_between_samples(model: &Model, record: &Record) -> f64 {
     let simulated = model.simulate(&record.time_s, &record.voltage_v, 0.0).unwrap();
     let angle = record.angle_rad.as_deref().expect("the rig measures its angle");

@@ -71,7 +71,8 @@ class Model:
         """Angle of the output shaft as the sensor shows it, without its counting.
 
         ``time_s`` (n,) rises, s; ``voltage_v`` (n,) is held from each time to the next, V; the motor rests at ``angle_rad``
-        (rad) at the first time. Returns (n,), rad. As ``motorlens compare`` runs it.
+        (rad) at the first time. Returns (n,), rad. ``motorlens compare`` runs the same, but begins a record that is in motion at a
+        speed that it finds for the model, and moves an angle within a count of the encoder.
         """
         time, volts = as_array(time_s), as_array(voltage_v)
         return np.frombuffer(self._native.simulate(time.tobytes(), volts.tobytes(), float(angle_rad))).copy()
