@@ -68,6 +68,10 @@ fn fit_gives_the_published_document_and_a_model_that_compare_reads() {
         run(directory.path(), &format!("compare m.json {logs} --trace t.csv --json")).ends(0).json();
     assert_has(&compared["pooled"], &MEASURES);
     assert_eq!(compared["records"].as_array().unwrap().len(), 4);
+    // A record that is cut begins in motion, here where the triangle turns the shaft fastest.
+    let cut = run(directory.path(), "compare m.json s/triangle.csv -m s/motor.toml --skip 0..5 --json");
+    let speed = cut.ends(0).json()["records"][0]["first_speed_rad_s"].as_f64().unwrap();
+    assert!((speed - 0.87).abs() < 0.1, "{speed} rad/s");
     let by: Vec<&str> =
         compared["failures"].as_array().unwrap().iter().map(|s| s["by"].as_str().unwrap()).collect();
     for wanted in ["speed", "since_reversal", "standstill", "voltage", "time"] {

@@ -39,6 +39,7 @@ pub(crate) fn compare<'py>(
     let of = |run: &FreeRun| {
         let mut row = json!(run.measures());
         row["record"] = json!(run.record);
+        row["first_speed_rad_s"] = json!(run.first_speed_rad_s);
         row
     };
     let document = json!({

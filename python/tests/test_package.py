@@ -51,6 +51,7 @@ def test_a_model_is_copied_and_sent_to_other_processes(found):
 
 def test_a_model_simulates_as_compare_does_and_steps_as_it_simulates(logs, found):
     run = motorlens.compare(found.model, logs["held_out"], motor=logs["motor"]).runs[0]
+    assert run.first_speed_rad_s == 0.0
     table = columns(logs["held_out"][0])
     angle = found.model.simulate(table["time_s"], table["voltage_v"])
     count = 2 * np.pi / 5000

@@ -47,6 +47,8 @@ struct OfRecord {
     record: String,
     #[serde(flatten)]
     measures: Measures,
+    /// The speed at which the run begins, rad/s.
+    first_speed_rad_s: f64,
 }
 
 /// Runs the model over every log, those of `--validate` too: nothing is fitted here.
@@ -61,7 +63,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let map = failure_map(&runs, &problem.rig);
     let together = pooled(&runs).unwrap_or_default();
-    let of = |run: &FreeRun| OfRecord { record: run.record.clone(), measures: run.measures() };
+    let of = |run: &FreeRun| OfRecord {
+        record: run.record.clone(),
+        measures: run.measures(),
+        first_speed_rad_s: run.first_speed_rad_s,
+    };
     let document = Document {
         schema: 1,
         effects: model.values().kinds(),

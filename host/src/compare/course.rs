@@ -92,6 +92,7 @@ mod tests {
             voltage_v: vec![0.0; 4000],
             time_s,
             quantity: Quantity::Angle,
+            first_speed_rad_s: 0.0,
         };
         let rig = Rig {
             step_s: 1e-3,

@@ -190,7 +190,15 @@ mod tests {
             simulated.push(angle - error);
             voltage_v.push(speed);
         }
-        FreeRun { record: "r".into(), time_s, measured, simulated, voltage_v, quantity: Quantity::Angle }
+        FreeRun {
+            record: "r".into(),
+            time_s,
+            measured,
+            simulated,
+            voltage_v,
+            quantity: Quantity::Angle,
+            first_speed_rad_s: 0.0,
+        }
     }
 
     fn by<'a>(map: &'a FailureMap, name: &str) -> &'a Slice {

@@ -25,6 +25,8 @@ pub struct FreeRun {
     pub voltage_v: Vec<f64>,
     /// What both are.
     pub quantity: Quantity,
+    /// The speed at which the run begins, rad/s: 0 from rest, else found for the model.
+    pub first_speed_rad_s: f64,
 }
 
 impl FreeRun {
@@ -84,6 +86,7 @@ fn free_run(grid: &Grid, mut simulated: Vec<f64>) -> FreeRun {
         voltage_v: (0..grid.len()).map(held).collect(),
         simulated,
         quantity: grid.quantity,
+        first_speed_rad_s: grid.first_speed_rad_s(),
     }
 }
 

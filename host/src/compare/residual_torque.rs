@@ -161,6 +161,7 @@ pub(super) mod testing {
             voltage_v: time_s.iter().map(|t| volts(*t)).collect(),
             time_s,
             quantity: Quantity::Angle,
+            first_speed_rad_s: 0.0,
         }
     }
 }

@@ -74,6 +74,7 @@ mod tests {
             voltage_v: vec![0.0; 1000],
             time_s,
             quantity: Quantity::Speed,
+            first_speed_rad_s: 0.0,
         }
     }
 

@@ -168,6 +168,11 @@ impl Grid {
         self.start_speed == 0.0
     }
 
+    /// Speed at which the record begins, rad/s.
+    pub fn first_speed_rad_s(&self) -> f64 {
+        self.start_speed
+    }
+
     /// Begins at `speed`, rad/s, under `voltage`, V, that a late bridge still brings; a motor at rest had none.
     pub(super) fn begin_at(&mut self, speed: f64, voltage: f64) {
         self.start_speed = speed;

@@ -151,6 +151,7 @@ fn part(run: &FreeRun, window: Option<Window>) -> FreeRun {
         simulated: cut(&run.simulated),
         voltage_v: cut(&run.voltage_v),
         quantity: run.quantity,
+        first_speed_rad_s: run.first_speed_rad_s,
     }
 }
 
@@ -200,6 +201,7 @@ mod tests {
             voltage_v: vec![1.0; time_s.len()],
             time_s,
             quantity: Quantity::Angle,
+            first_speed_rad_s: 0.0,
         };
         Shown { unseen: false, against: "base model".into(), base: run.clone(), model: run }
     }

@@ -103,10 +103,10 @@ def compare(model: Model, records: Iterable[Record], motor: KnownMotor = None) -
     path, text = as_motor(motor)
     document, runs = _native.compare(model._native, as_records(records), path, text)
     found = json.loads(document)
-    arrays = [
-        Run(name, unit, *(np.frombuffer(column).copy() for column in columns))
-        for name, unit, *columns in runs
-    ]
+    arrays = []
+    for (name, unit, *columns), row in zip(runs, found["records"]):
+        time, measured, simulated = (np.frombuffer(column).copy() for column in columns)
+        arrays.append(Run(name, unit, time, measured, simulated, row["first_speed_rad_s"]))
     return Comparison(found["pooled"], as_frame(found["records"]), arrays, found["unit"])
 
 

@@ -20,6 +20,8 @@ class Run:
     time_s: np.ndarray
     measured: np.ndarray
     simulated: np.ndarray
+    #: The speed at which the free run begins, rad/s: 0 from rest, else found for the model.
+    first_speed_rad_s: float
 
     def plot(self, axes: Any = None) -> Any:
         """Measured and simulated over time, and returns the axes. Needs matplotlib."""
@@ -50,7 +52,7 @@ class Comparison:
 
     #: rmse, ae, me, iae, nrmse_fit_percent and samples over all records.
     pooled: dict[str, float]
-    #: The same for each record: a DataFrame.
+    #: The same for each record, and first_speed_rad_s: a DataFrame.
     records: Any
     runs: list[Run]
     unit: str
