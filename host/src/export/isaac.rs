@@ -23,8 +23,12 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let b = &model.base;
     let volts = model.rig.nominal_v;
     let excess = a.stribeck.map_or(0.0, |[excess, ..]| excess);
-    let mut notes = Vec::new();
+    // What the clip makes of a torque is not what the motor makes of a voltage.
+    let voltage = format!(
+        "The motor follows a torque. For a voltage u command effort = saturation_effort * (u / {volts} - speed / velocity_limit)."
+    );
     let mut left = leave(model, &LOADS, OF_THE_ROBOT);
+    let mut notes = vec![voltage.clone()];
     if excess > 0.0 {
         notes.push(
             "The break-away level falls at once when the joint moves, not over a range of speeds.".into(),
@@ -45,6 +49,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
 # Written by motorlens for Isaac Lab 2.3; 3.0 takes it too, and warns that its limits have new names. Torques in N m, speeds in rad/s, of the output shaft at {volts} V.
 from isaaclab.actuators import DCMotorCfg
 
+# {voltage}
 {delay}MOTOR = DCMotorCfg(
     joint_names_expr=[{name:?}],
     saturation_effort={stall:.9},

@@ -20,14 +20,23 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let (a, lost, carried) = take(model, &TAKEN, "a URDF joint has limits, damping and one friction only");
     let b = &model.base;
     let volts = model.rig.nominal_v;
-    let notes = vec![format!(
-        "URDF has no armature: give the link {:.4e} kg m^2 about the joint's axis.",
-        scale * b.tau_m / b.gain
-    )];
+    // At the no-load speed, damping takes what back-EMF leaves.
+    let voltage = format!(
+        "The joint follows a torque. For a voltage u command effort = {scale:.6e} * u - {:.6e} * speed.",
+        scale * b.base().back_emf()
+    );
+    let notes = vec![
+        format!(
+            "URDF has no armature: give the link {:.4e} kg m^2 about the joint's axis.",
+            scale * b.tau_m / b.gain
+        ),
+        voltage.clone(),
+    ];
     let left = leave(model, &LOADS, OF_THE_ROBOT);
     let text = format!(
         r#"<robot name="motorlens">
-  <!-- Written by motorlens. Output shaft at {volts} V; rotor and gear seen there: {armature:.6e} kg m^2. -->
+  <!-- Written by motorlens. Output shaft at {volts} V; rotor and gear seen there: {armature:.6e} kg m^2.
+       {voltage} -->
   <link name="base"/>
   <link name="shaft"/>
   <joint name="{name}" type="continuous">

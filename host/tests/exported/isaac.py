@@ -12,9 +12,12 @@ text = open(sys.argv[1]).read()
 scope = {}
 exec(text, scope)
 c = scope["MOTOR"]
-nominal = float(re.search(r"at (\S+) V\.", text).group(1))
+volts_at = re.search(r"at (\S+) V\.", text).group(1)
+nominal = float(volts_at)
 late = re.search(r"acts (\S+) s late", text)
 delay = float(late.group(1)) if late else 0.0
+# What is done below, the file says.
+assert f"effort = saturation_effort * (u / {volts_at} - speed / velocity_limit)" in text, text
 volts = [float(line) for line in sys.stdin]
 # The robot's own: torques of weight (sine, cosine) and hoist, N m.
 sine, cosine, hoist = map(float, pathlib.Path(sys.argv[1] + ".robot").read_text().split())

@@ -9,8 +9,10 @@ text = open(sys.argv[1]).read()
 nominal = float(re.search(r"shaft at (\S+) V;", text).group(1))
 armature = float(re.search(r"seen there: (\S+) kg", text).group(1))
 stall = float(limit.get("effort"))
-# At the no-load speed, damping takes what back-EMF leaves.
+# At the no-load speed, damping takes what back-EMF leaves; the file says so.
 slope = stall / float(limit.get("velocity")) - float(dynamics.get("damping"))
+per_volt, per_speed = map(float, re.search(r"effort = (\S+) \* u - (\S+) \* speed", text).groups())
+assert math.isclose(per_volt, stall / nominal, rel_tol=1e-5) and math.isclose(per_speed, slope, rel_tol=1e-5), text
 # The robot's own: torques of weight (sine, cosine) and hoist, N m.
 sine, cosine, hoist = map(float, pathlib.Path(sys.argv[1] + ".robot").read_text().split())
 PARTS = 20
