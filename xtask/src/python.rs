@@ -1,9 +1,9 @@
 //! The Python package: its wheel, in a fresh virtual environment, with its tests.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use crate::report::Count;
 use crate::{apt, process};
@@ -36,15 +36,21 @@ pub fn tests() -> Result<Count> {
     // As the host's own tests were built, so that what both depend on is there already.
     process::run(maturin.env("CARGO_TARGET_DIR", process::target()))?;
     let wheel = std::fs::read_dir(&wheels)?.flatten().next().context("maturin made no wheel")?.path();
+    // One wheel for every Python from 3.9 on.
+    ensure!(name(&wheel).contains("-abi3-"), "{} is for one Python alone", name(&wheel));
     process::run(install().arg(format!("{}[tables,plots,test]", wheel.display())))?;
     let output = Command::new(&python)
-        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
+        .args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"])
         .current_dir(directory())
         .output()
         .context("cannot start pytest")?;
     let said = String::from_utf8_lossy(&output.stdout);
     println!("{said}{}", String::from_utf8_lossy(&output.stderr));
     let mut count = counted(said.lines().last().unwrap_or_default());
+    let why: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("SKIPPED ")).collect();
+    if count.skipped > 0 {
+        println!("{} skipped: {}", count.skipped, why.join("; "));
+    }
     if !output.status.success() {
         count.failed = count.failed.max(1);
     }
@@ -61,7 +67,12 @@ fn counted(line: &str) -> Count {
             .and_then(|pair| pair[0].parse().ok())
             .unwrap_or(0)
     };
-    Count { passed: of("passed"), failed: of("failed") + of("error") }
+    Count { passed: of("passed"), failed: of("failed") + of("error"), skipped: of("skipped") }
+}
+
+/// A file's name without its directory.
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]
@@ -71,7 +82,7 @@ mod tests {
     #[test]
     fn pytests_closing_line_is_counted() {
         let count = counted("1 failed, 13 passed, 2 skipped in 9.41s");
-        assert_eq!((count.passed, count.failed), (13, 1));
+        assert_eq!((count.passed, count.failed, count.skipped), (13, 1, 2));
         assert_eq!(counted("no tests ran in 0.01s").passed, 0);
     }
 }

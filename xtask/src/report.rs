@@ -12,11 +12,13 @@ pub struct Count {
     pub passed: u64,
     /// Checks that failed.
     pub failed: u64,
+    /// Checks that said why they cannot run here.
+    pub skipped: u64,
 }
 
 impl Count {
     /// One check that passed.
-    pub const ONE: Count = Count { passed: 1, failed: 0 };
+    pub const ONE: Count = Count { passed: 1, failed: 0, skipped: 0 };
 
     /// What a line such as `test result: ok. 3 passed; 0 failed; ...` reports; nothing for any other line.
     pub fn from_test_line(line: &str) -> Count {
@@ -27,7 +29,7 @@ impl Count {
             let before = rest.split(word).next().unwrap_or_default();
             before.rsplit([' ', ';', '.']).find(|s| !s.is_empty()).and_then(|s| s.parse().ok()).unwrap_or(0)
         };
-        Count { passed: number_before(" passed"), failed: number_before(" failed") }
+        Count { passed: number_before(" passed"), failed: number_before(" failed"), skipped: 0 }
     }
 }
 
@@ -35,6 +37,7 @@ impl AddAssign for Count {
     fn add_assign(&mut self, other: Count) {
         self.passed += other.passed;
         self.failed += other.failed;
+        self.skipped += other.skipped;
     }
 }
 
@@ -51,9 +54,12 @@ impl Report {
         println!("\n==== {name}");
         let start = Instant::now();
         let (count, verdict) = match part() {
+            Ok(count) if count.failed == 0 && count.skipped > 0 => {
+                (count, format!("ok, {} skipped", count.skipped))
+            }
             Ok(count) if count.failed == 0 => (count, "ok".to_owned()),
             Ok(count) => (count, "FAILED".to_owned()),
-            Err(error) => (Count { passed: 0, failed: 1 }, format!("FAILED: {error:#}")),
+            Err(error) => (Count { failed: 1, ..Count::default() }, format!("FAILED: {error:#}")),
         };
         self.total += count;
         let line = format!("{:>8.1} s  {name}: {verdict}", start.elapsed().as_secs_f64());
@@ -81,8 +87,16 @@ mod tests {
     #[test]
     fn counts_come_from_result_lines_only() {
         let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.1s";
-        assert_eq!(Count::from_test_line(line), Count { passed: 12, failed: 3 });
+        assert_eq!(Count::from_test_line(line), Count { passed: 12, failed: 3, skipped: 0 });
         assert_eq!(Count::from_test_line("test a::b ... ok"), Count::default());
+    }
+
+    #[test]
+    fn a_part_tells_how_much_of_it_was_skipped() {
+        let mut report = Report::default();
+        report.part("in part", || Ok(Count { passed: 3, failed: 0, skipped: 1 }));
+        assert!(report.lines[0].ends_with("in part: ok, 1 skipped"), "{}", report.lines[0]);
+        assert!(report.finish());
     }
 
     #[test]
@@ -90,7 +104,7 @@ mod tests {
         let mut report = Report::default();
         report.part("good", || Ok(Count::ONE));
         report.part("no tool", || bail!("not installed"));
-        assert_eq!(report.total, Count { passed: 1, failed: 1 });
+        assert_eq!(report.total, Count { passed: 1, failed: 1, skipped: 0 });
         assert!(!report.finish());
     }
 }
