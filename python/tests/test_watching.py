@@ -27,7 +27,7 @@ def test_answers_show_themselves_in_a_notebook(logs, found):
         assert shown in page and "data:image/png;base64" in page
     fit = motorlens.fit(logs["training"][:1], motor=logs["motor"])
     alike = motorlens.same(logs["training"][:1], logs["training"][:1], logs["motor"], effects="coulomb")
-    assert "tau_m" in fit._repr_html_() and "same: " in alike._repr_html_()
+    assert "tau_m" in fit._repr_html_() and "no difference shows: " in alike._repr_html_()
 
 
 def test_progress_is_a_bar_that_leaves_a_line_for_each_model_and_nothing_else(logs):
