@@ -25,12 +25,16 @@ impl From<&Setup> for Wiring {
 /// So many readings of 12 bits make a sum of 16, so that supply and current are added in one.
 const TOGETHER: usize = 16;
 
+/// Readings that make a mean for a bound: some PWM periods. An interrupt that was held up has the next one close behind it, and what was
+/// converted between the two would be pulses of the bridge.
+const FEWEST: u32 = 50;
+
 /// Means over an interval.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Means {
-    /// The supply, mV, where a divider is wired; 0 where nothing was converted.
+    /// The supply, mV, where a divider is wired; 0 where a sample's interval had no reading.
     pub supply_mv: Option<u16>,
-    /// The motor's current, mA, where an amplifier is wired; the largest where nothing was converted.
+    /// The motor's current, mA, where an amplifier is wired; the largest where a sample's interval had no reading.
     pub current_ma: Option<i16>,
 }
 
@@ -81,16 +85,26 @@ impl Sums {
         }
     }
 
-    /// The mean supply, mV, of what was added after `before`, where anything was: for a bound, to a hundredth, in few steps.
-    pub fn supply_since(&self, before: &Self, divider: u16) -> Option<u16> {
+    /// The means of what was added after `before`, where that is enough for them: for bounds, to a hundredth, in few steps of 32 bits.
+    pub fn since(&self, before: &Self, wiring: Wiring) -> Means {
         let count = self.count.wrapping_sub(before.count);
-        if count == 0 || divider == 0 {
-            return None;
+        if count < FEWEST {
+            return Means::default();
         }
         // Sixteenths of a count, of some hundred readings at most.
-        let mean = 16 * self.supply.wrapping_sub(before.supply) / count;
-        let pin_mv = mean * self.full_mv / (16 * FULL);
-        Some((pin_mv * u32::from(divider) / 100).min(u16::MAX.into()) as u16)
+        let mean = |sum: u32| 16 * sum / count.max(1);
+        let supply_mv = (wiring.divider > 0).then(|| {
+            let pin_mv = mean(self.supply.wrapping_sub(before.supply)) * self.full_mv / (16 * FULL);
+            (pin_mv * u32::from(wiring.divider) / 100).min(u16::MAX.into()) as u16
+        });
+        let current_ma = (wiring.amplifier > 0).then(|| {
+            // Half a count for what the converter cuts off, and the amplifier rests in the middle.
+            let above = mean(self.current.wrapping_sub(before.current)) as i32 + 8 - 8 * FULL as i32;
+            let pin = above * self.full_mv as i32 / FULL as i32; // sixteenths of mV
+            let milliamperes = pin * 625 / i32::from(wiring.amplifier.max(1)); // by tenths of mV/A
+            milliamperes.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+        });
+        Means { supply_mv, current_ma }
     }
 
     /// The means, and begins anew. The converter's own supply is `full_mv`.
@@ -195,19 +209,35 @@ mod tests {
     }
 
     #[test]
-    fn the_supply_of_the_last_readings_alone_is_there_before_the_interval_ends() {
+    fn the_means_of_the_last_readings_alone_are_there_before_the_interval_ends() {
         let mut sums = Sums::new();
         sums.add(40 * counts(12.0 / 11.0, 3.3), 40 * 2048, 40);
         let before = sums;
-        assert_eq!(sums.supply_since(&before, 1100), None);
-        sums.add(30 * counts(19.0 / 11.0, 3.3), 30 * 2048, 30);
-        let supply = sums.supply_since(&before, 1100).unwrap();
-        assert!(supply.abs_diff(19_000) <= 40, "{supply}");
-        assert_eq!(sums.supply_since(&before, 0), None);
-        // Full scale of every part does not overflow.
-        let before = sums;
-        sums.add(800 * 4095, 800 * 4095, 800);
-        assert_eq!(sums.supply_since(&before, u16::MAX), Some(u16::MAX));
+        assert_eq!(sums.since(&before, WIRED), Means::default());
+        for amperes in [-6.0, -0.2, 0.0, 0.2, 6.0] {
+            let before = sums;
+            let current = counts(1.65 + 0.165 * amperes, 3.3);
+            sums.add(49 * counts(19.0 / 11.0, 3.3), 49 * current, 49);
+            assert_eq!(sums.since(&before, WIRED), Means::default(), "too few are pulses of the bridge");
+            sums.add(counts(19.0 / 11.0, 3.3), current, 1);
+            let Means { supply_mv: Some(supply), current_ma: Some(current) } = sums.since(&before, WIRED)
+            else {
+                panic!("both are wired");
+            };
+            assert!(supply.abs_diff(19_000) <= 40, "{supply}");
+            assert!((f64::from(current) - 1000.0 * amperes).abs() <= 5.0, "{amperes} A: {current}");
+            assert_eq!(sums.since(&before, Wiring::default()), Means::default());
+        }
+        // Both ends of the scale of every part do not overflow.
+        for (reading, current_ma) in [(4095, i16::MAX), (0, i16::MIN)] {
+            let before = sums;
+            sums.add(800 * reading, 800 * reading, 800);
+            let means = sums.since(&before, Wiring { divider: u16::MAX, amplifier: 1 });
+            assert_eq!(
+                (means.supply_mv.map(|mv| mv > 0), means.current_ma),
+                (Some(reading > 0), Some(current_ma))
+            );
+        }
     }
 
     #[test]

@@ -5,11 +5,12 @@
 //! interval, when the means of supply and current over it are known.
 
 use crate::analog::{Means, Wiring};
+use crate::beat::split;
 use crate::encoder::Extended;
 use crate::hardware::{Analog, Hardware};
 use crate::log::Log;
 use crate::standing::Wait;
-use crate::supervisor::{Look, Supervisor};
+use crate::supervisor::{Look, Supervisor, Watch};
 use crate::turns::Turns;
 use motorlens_shared::excitation::Player;
 use motorlens_shared::link::{Cause, Reset, RunState, Sample, Scaling, Setup, Status};
@@ -21,6 +22,12 @@ enum Next {
     Duty(i16),
     /// The programme is over.
     End,
+}
+
+/// A supervisor for a run with this setup.
+fn supervisor(setup: &Setup) -> Supervisor {
+    let (_, apart_us) = split(1_000_000 / u32::from(setup.rate_hz.max(1)));
+    Supervisor::new(apart_us)
 }
 
 /// The control of one motor.
@@ -64,7 +71,7 @@ impl<H: Hardware> Control<H> {
             reset,
             player: None,
             encoder: Extended::default(),
-            supervisor: Supervisor::default(),
+            supervisor: supervisor(&setup),
             wait: Wait::new(0, 0),
             turns: Turns::default(),
             origin_us: None,
@@ -114,27 +121,42 @@ impl<H: Hardware> Control<H> {
         self.worst_cycles = self.worst_cycles.max(self.hardware.cycles().wrapping_sub(begin));
     }
 
-    /// An interrupt between two sampling instants.
+    /// An interrupt between two sampling instants: what ends a run and cannot wait for the next one.
     pub fn between(&mut self) {
-        if let Some(cause) = self.pressing() {
+        if self.state != RunState::Running {
+            // Where a run begins before the next interrupt, this is not of its time.
+            let _ = self.hardware.analog().gather();
+            return;
+        }
+        if self.hardware.emergency() {
+            return self.stop(Cause::Emergency);
+        }
+        let recent = self.hardware.analog().gather();
+        if self.is_pumped(&recent) {
+            return self.stop(Cause::Supply);
+        }
+        let now = self.hardware.now_us();
+        if let Some(cause) = self.watch(now, &recent) {
             self.stop(cause);
         }
     }
 
-    /// What cannot wait for the next sampling instant.
-    fn pressing(&mut self) -> Option<Cause> {
-        if self.state == RunState::Running && self.hardware.emergency() {
-            return Some(Cause::Emergency);
-        }
-        self.supply_is_pumped().then_some(Cause::Supply)
-    }
-
     /// Whether the supply since the last interrupt is above its bound. A braking motor charges the capacitors of a supply that cannot
     /// sink its current, which nothing but its end stops; a supply that sinks for some samples is a motor that starts.
-    fn supply_is_pumped(&mut self) -> bool {
-        let supply_mv = self.hardware.analog().gather();
+    fn is_pumped(&self, recent: &Means) -> bool {
         let above = |supply_mv| supply_mv > self.setup.supply_mv && !self.setup.trusts(supply_mv);
-        self.state == RunState::Running && supply_mv.is_some_and(above)
+        recent.supply_mv.is_some_and(above)
+    }
+
+    /// What the supervisor says at each interrupt, of the means since the last one.
+    fn watch(&mut self, now: u32, recent: &Means) -> Option<Cause> {
+        let (elapsed_us, silence_us) = (self.elapsed_us(now), now.wrapping_sub(self.heard_us));
+        self.supervisor.watch(&self.setup, &Watch { elapsed_us, silence_us, current_ma: recent.current_ma })
+    }
+
+    /// Since the run's first sample, us.
+    fn elapsed_us(&self, now: u32) -> u32 {
+        self.origin_us.map_or(0, |origin| now.wrapping_sub(origin))
     }
 
     fn sample(&mut self) {
@@ -150,7 +172,7 @@ impl<H: Hardware> Control<H> {
         if self.hardware.emergency() {
             return self.stop(Cause::Emergency);
         }
-        let elapsed_us = self.origin_us.map_or(0, |origin| now.wrapping_sub(origin));
+        let elapsed_us = self.elapsed_us(now);
         let duty = self.open.map_or(0, |sample| sample.duty);
         let on_time = self.origin_us.is_some() && !self.missed(elapsed_us);
         let applied = match self.planned {
@@ -158,17 +180,19 @@ impl<H: Hardware> Control<H> {
             _ => None,
         };
         // After the duty, for what it takes varies by a round of the converter.
-        if self.supply_is_pumped() {
+        let recent = self.hardware.analog().gather();
+        if self.is_pumped(&recent) {
             return self.stop(Cause::Supply);
         }
         let means = self.close();
+        if let Some(cause) = self.watch(now, &recent) {
+            return self.stop(cause);
+        }
         let look = Look {
             elapsed_us,
-            silence_us: now.wrapping_sub(self.heard_us),
             count,
             voltage_mv: i32::from(duty) * i32::from(self.supply_mv) / i32::from(self.top()),
             supply_good: means.supply_mv.is_none_or(|supply_mv| self.setup.trusts(supply_mv)),
-            current_ma: means.current_ma,
         };
         if let Some(cause) = self.supervisor.check(&self.setup, &look) {
             return self.stop(cause);
@@ -253,7 +277,7 @@ impl<H: Hardware> Control<H> {
     pub fn start(&mut self, run: u32, player: Player) {
         self.log.begin(run, self.scaling());
         self.player = Some(player);
-        self.supervisor = Supervisor::default();
+        self.supervisor = supervisor(&self.setup);
         let now = self.hardware.now_us();
         let count = self.encoder.look(self.hardware.count());
         self.wait = Wait::new(now, count);

@@ -15,9 +15,9 @@ pub trait Analog {
     const CONVERTER: bool;
     /// Says what is wired to it; nothing is, until it is said.
     fn wire(&mut self, wiring: Wiring);
-    /// Adds up what was converted since the last time, and returns the mean supply of that alone, mV, where a divider is wired and
-    /// anything was converted. Called at least every millisecond.
-    fn gather(&mut self) -> Option<u16>;
+    /// Adds up what was converted since the last time, and returns the means of that alone, of what is wired, where enough was converted
+    /// for one. Called at least every millisecond.
+    fn gather(&mut self) -> Means;
     /// The means since the last time that they were asked for.
     fn means(&mut self) -> Means;
 }
@@ -29,8 +29,8 @@ pub struct NoAnalog;
 impl Analog for NoAnalog {
     const CONVERTER: bool = false;
     fn wire(&mut self, _: Wiring) {}
-    fn gather(&mut self) -> Option<u16> {
-        None
+    fn gather(&mut self) -> Means {
+        Means::default()
     }
     fn means(&mut self) -> Means {
         Means::default()

@@ -4,6 +4,7 @@ mod bench;
 mod day;
 
 use bench::{Bench, TOP};
+use motorlens_firmware::beat::split;
 use motorlens_firmware::log::Log;
 use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{
@@ -382,6 +383,100 @@ fn a_supply_that_is_pumped_up_ends_the_run_at_once_and_one_that_sinks_when_it_st
         control.between();
     });
     assert_off(&bench);
+}
+
+/// Runs until the bridge is off, `each` done every 25 us with the time since the first sample, us. Returns that time, of a run that this
+/// cause has ended and whose log is whole.
+fn off_at(setup: Setup, cause: Cause, each: impl Fn(&mut Bench, u32)) -> u32 {
+    const STEP_US: u32 = 25;
+    // The log of the fastest sampling lasts half a second.
+    let setup = Setup { link_timeout_ms: 250, ..setup };
+    let (beats, apart_us) = split(1_000_000 / u32::from(setup.rate_hz));
+    let mut bench = ready(setup, &[]);
+    let rise = Programme::single("rise", Shape::Triangle { amplitude_v: 8.0, period_s: 4.0 }, 20.0);
+    start(&mut bench, &rise, 1);
+    while bench.control(|control| control.hardware_mut().bridge) == Bridge::Floating {
+        bench.pass(1.0 / f64::from(setup.rate_hz));
+    }
+    let ended = (STEP_US..1_000_000).step_by(STEP_US as usize).find(|now| {
+        bench.run_on(STEP_US);
+        each(&mut bench, *now);
+        if now.is_multiple_of(apart_us) {
+            let sampling = now.is_multiple_of(beats * apart_us);
+            assert_eq!(bench.control(|control| control.interrupt(sampling)), None);
+        }
+        bench.poll();
+        bench.control(|control| control.hardware_mut().bridge) == Bridge::Floating
+    });
+    pass_attended(&mut bench, 0.5);
+    let status = status(&mut bench);
+    let ended = ended.expect("something ends the run");
+    assert_eq!((status.state, status.next), (RunState::Stopped(cause), ended.div_ceil(beats * apart_us)));
+    assert_eq!(samples(&bench).len() as u32, status.next, "the log is whole");
+    ended
+}
+
+/// Rates of sampling, and some of the moments, us, at which something may happen there: between two interrupts, and between two samples.
+fn rates_and_moments() -> impl Iterator<Item = (u16, u32)> {
+    [100, 1000, 1250, 1600, 2000].into_iter().flat_map(|rate_hz| {
+        let period_us = 1_000_000 / u32::from(rate_hz);
+        (0..9).map(move |k| (rate_hz, 100_000 + 25 * (k * period_us / 200 + k)))
+    })
+}
+
+/// The bridge has to be off so long after its moment, us.
+const OFF_US: u32 = 2000;
+
+#[test]
+fn a_silent_link_ends_a_run_within_two_milliseconds_at_every_rate() {
+    for (rate_hz, silent_us) in rates_and_moments() {
+        let setup = Setup { rate_hz, ..Setup::default() };
+        let off = off_at(setup, Cause::LinkLoss, |bench, now| {
+            if now <= silent_us {
+                bench.send(ToBoard::KeepAlive);
+            }
+        });
+        let late = off.checked_sub(silent_us + 250_000);
+        assert!(
+            late.is_some_and(|late| late < OFF_US),
+            "{rate_hz} Hz, silent at {silent_us} us: off at {off}"
+        );
+    }
+}
+
+#[test]
+fn over_current_ends_a_run_within_two_milliseconds_at_every_rate() {
+    for (rate_hz, rises_us) in rates_and_moments() {
+        let setup = Setup { rate_hz, current_limit_ma: 2000, amplifier: 1650, ..Setup::default() };
+        let (_, apart_us) = split(1_000_000 / u32::from(rate_hz));
+        let off = off_at(setup, Cause::OverCurrent, |bench, now| {
+            // The mean since the last interrupt, of half an ampere before the moment and a little too much after it.
+            let over_us = now.saturating_sub(rises_us).min(apart_us);
+            let mean_ma = 500 + 1501 * over_us / apart_us;
+            bench.control(|control| control.hardware_mut().short_ma = Some(mean_ma as i16));
+            if now.is_multiple_of(10_000) {
+                bench.send(ToBoard::KeepAlive);
+            }
+        });
+        let late = off.checked_sub(rises_us);
+        assert!(late.is_some_and(|late| late <= OFF_US), "{rate_hz} Hz, over at {rises_us} us: off at {off}");
+    }
+}
+
+#[test]
+fn the_longest_run_ends_within_two_milliseconds_of_its_time_at_every_rate() {
+    for rate_hz in [100, 1000, 1250, 1600, 2000] {
+        for run_limit_ms in [201, 205, 209, 210] {
+            let setup = Setup { rate_hz, run_limit_ms, ..Setup::default() };
+            let off = off_at(setup, Cause::RunLimit, |bench, now| {
+                if now.is_multiple_of(10_000) {
+                    bench.send(ToBoard::KeepAlive);
+                }
+            });
+            let late = off.checked_sub(1000 * run_limit_ms);
+            assert!(late.is_some_and(|late| late < OFF_US), "{rate_hz} Hz, {run_limit_ms} ms: off at {off}");
+        }
+    }
 }
 
 #[test]

@@ -145,18 +145,18 @@ impl Analog for Sense {
         if wiring == Wiring::default() { rest() } else { begin() }
     }
 
-    fn gather(&mut self) -> Option<u16> {
+    fn gather(&mut self) -> Means {
         let before = self.sums;
         // SAFETY: a read of a status register.
         if unsafe { (*pac::ADC::ptr()).fcs().read().over().bit_is_set() } {
             // A reading was lost, and supply and current would change places. What is missing ends a run.
             self.wire(self.wiring);
-            return None;
+            return Means::default();
         }
         let end = under_way();
         self.sums.follow(&RING.0, self.read, end);
         self.read = end;
-        self.sums.supply_since(&before, self.wiring.divider)
+        self.sums.since(&before, self.wiring)
     }
 
     fn means(&mut self) -> Means {

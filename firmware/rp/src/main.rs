@@ -145,7 +145,7 @@ fn main() -> ! {
     }
 }
 
-/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at the supply.
+/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at what cannot wait for one.
 fn sample() {
     let sampling = timers::acknowledge_sampling();
     critical_section::with(|section| {

@@ -173,7 +173,7 @@ impl Analog for Sense {
         set_round(SAMPLINGS.get(ROUND.load(Ordering::Relaxed)).unwrap_or(&SAMPLINGS[0]));
     }
 
-    fn gather(&mut self) -> Option<u16> {
+    fn gather(&mut self) -> Means {
         let before = self.sums;
         // SAFETY: a read of a counter, which runs down and begins anew.
         let left = unsafe { (*pac::DMA2::ptr()).st(STREAM).ndtr().read().bits() } as usize;
@@ -182,7 +182,7 @@ impl Analog for Sense {
         let end = if end >= ROUNDS { 0 } else { end };
         self.sums.follow(&READINGS, self.read, end);
         self.read = end;
-        self.sums.supply_since(&before, self.wiring.divider)
+        self.sums.since(&before, self.wiring)
     }
 
     fn means(&mut self) -> Means {

@@ -135,7 +135,7 @@ fn SysTick() {
     }
 }
 
-/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at the supply.
+/// A sampling instant, or one of the interrupts between two that keep the bridge driven and look at what cannot wait for one.
 #[interrupt]
 fn TIM4() {
     pwm::interrupt_begins();

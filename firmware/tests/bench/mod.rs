@@ -6,6 +6,7 @@ use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use motorlens_firmware::Shared;
 use motorlens_firmware::analog::{Means, Wiring};
+use motorlens_firmware::beat::split;
 use motorlens_firmware::control::Control;
 use motorlens_firmware::hardware::{Analog, Hardware, Pace};
 use motorlens_firmware::log::Log;
@@ -28,6 +29,8 @@ pub struct Rig {
     pub emergency: bool,
     /// What the supply's input reads all through the present interval, mV, where it is not the motor's supply.
     pub floating_mv: Option<u16>,
+    /// The mean of the current's input since the last interrupt, mA, where it is not the motor's current.
+    pub short_ma: Option<i16>,
     pub wiring: Wiring,
 }
 
@@ -42,12 +45,12 @@ impl Analog for Rig {
     fn wire(&mut self, wiring: Wiring) {
         self.wiring = wiring;
     }
-    fn gather(&mut self) -> Option<u16> {
-        (self.wiring.divider > 0).then(|| self.supply_mv())
+    fn gather(&mut self) -> Means {
+        self.means()
     }
     fn means(&mut self) -> Means {
         let supply_mv = self.supply_mv();
-        let current_ma = (self.motor.current_a() * 1000.0) as i16;
+        let current_ma = self.short_ma.unwrap_or((self.motor.current_a() * 1000.0) as i16);
         Means {
             supply_mv: (self.wiring.divider > 0).then_some(supply_mv),
             current_ma: (self.wiring.amplifier > 0).then_some(current_ma),
@@ -187,25 +190,33 @@ impl Bench {
             jammed: false,
             emergency: false,
             floating_mv: None,
+            short_ma: None,
             wiring: Wiring::default(),
         };
         Self::of(rig, log, reset)
     }
 
-    /// Lets time pass: the motor moves, the interrupt comes at its rate, the main loop turns after it.
+    /// Lets time pass: the motor moves, the interrupts come as a board's do, and the main loop turns after each.
     pub fn pass(&mut self, seconds: f64) {
         let rate = self.control(|control| control.setup().rate_hz);
-        let period_us = 1_000_000 / u32::from(rate);
+        let (beats, apart_us) = split(1_000_000 / u32::from(rate));
         for _ in 0..(seconds * f64::from(rate)).round() as u32 {
-            self.control(|control| {
-                let rig = control.hardware_mut();
-                let bridge = rig.bridge;
-                rig.motor.advance(f64::from(period_us) * 1e-6, bridge);
-                rig.now_us = rig.now_us.wrapping_add(period_us);
-                control.tick();
-            });
-            self.poll();
+            for beat in 1..=beats {
+                self.run_on(apart_us);
+                self.control(|control| if beat == beats { control.tick() } else { control.between() });
+                self.poll();
+            }
         }
+    }
+
+    /// The motor runs on under the bridge as it is.
+    pub fn run_on(&mut self, micros: u32) {
+        self.control(|control| {
+            let rig = control.hardware_mut();
+            let bridge = rig.bridge;
+            rig.motor.advance(f64::from(micros) * 1e-6, bridge);
+            rig.now_us = rig.now_us.wrapping_add(micros);
+        });
     }
 }
 
