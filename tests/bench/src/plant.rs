@@ -23,8 +23,9 @@ const PORT_B: usize = 1;
 const TIMER_3: usize = 1;
 /// The outputs of an advanced timer are enabled.
 const MOE: u64 = 1 << 15;
-/// The PWM at port A.
+/// The PWM at port A, and the second one.
 const PWM: u8 = 8;
+const SECOND_PWM: u8 = 9;
 /// Pins of port B.
 const FORWARD: u8 = 0;
 const BACKWARD: u8 = 1;
@@ -43,6 +44,16 @@ const PWM_PERIOD_S: f64 = 50e-6;
 /// Whether a port's pin is given to a peripheral.
 fn alternate(registers: &RegisterFile, pin: u8) -> bool {
     registers.get(PortRegister::Moder) >> (2 * pin) & 3 == 2
+}
+
+/// Whether a pin that is no peripheral's is high: the program drives it so, or pulls it up. Where nothing does, the driver's own pull-down
+/// holds it low.
+fn stands_high(registers: &RegisterFile, pin: u8) -> bool {
+    match registers.get(PortRegister::Moder) >> (2 * pin) & 3 {
+        0 => registers.get(PortRegister::Pupdr) >> (2 * pin) & 3 == 1,
+        1 => registers.get(PortRegister::Odr) >> pin & 1 == 1,
+        _ => false,
+    }
 }
 
 /// What the converter's inputs were shown after a sampling interrupt: sums over looks.
@@ -137,7 +148,7 @@ impl Plant {
         self.enabled
     }
 
-    /// Whether the PWM's pin carries the timer's output: the timer's outputs are enabled and the pin is the timer's.
+    /// Whether a PWM's pin may be high: it is the timer's and the timer's outputs are enabled, or the program holds it high itself.
     pub fn pulses(&self) -> bool {
         self.pulses
     }
@@ -233,6 +244,7 @@ impl Plant {
         let enable = (high(ENABLE), alternate(registers, ENABLE));
         let (_, registers) = machine.mcu.port(PORT_A);
         let pulsed = alternate(registers, PWM);
+        let held = [stands_high(registers, PWM), stands_high(registers, SECOND_PWM)];
         // A pin that is the timer's follows the timer's output, which is there while the timer is clocked.
         let (timer, registers) = machine.mcu.advanced_timer(0);
         let third = Channel::new(3).expect("the timer has four");
@@ -245,9 +257,10 @@ impl Plant {
         }
         let top = registers.get(Register::Arr) as f64 + 1.0;
         self.ticks = top;
-        self.pulses = pulsed && registers.get(Register::Bdtr) & MOE != 0;
-        if !self.pulses {
-            (self.duty, self.second) = (0.0, 0.0);
+        let timed = pulsed && registers.get(Register::Bdtr) & MOE != 0;
+        self.pulses = timed || held.contains(&true);
+        if !timed {
+            (self.duty, self.second) = (f64::from(held[0]), f64::from(held[1]));
         } else if renewed {
             let share = |compare| registers.get(compare) as f64 / top;
             (self.duty, self.second) = (share(Register::Ccr1), share(Register::Ccr2));
