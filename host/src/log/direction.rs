@@ -76,6 +76,11 @@ pub(super) fn named(text: &str) -> Option<f64> {
     }
 }
 
+/// Whether `value` is what a word for a direction is read as.
+pub(super) fn is_word(value: f64) -> bool {
+    value.abs() == FORTH
+}
+
 /// The signs that the values of a column of directions stand for, as far as the whole column tells: with negative values among them
 /// it is their sign, of 0 and 1 the 0 is backwards, of 1 and 2 (with 0 at rest) the 2 is.
 ///

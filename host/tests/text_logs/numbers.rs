@@ -44,6 +44,19 @@ fn values_that_were_not_read_are_blanks_in_any_share_of_the_rows() {
     }
 }
 
+/// A speed is divided by no time in its first row.
+#[test]
+fn one_row_without_a_number_is_left_out_of_a_log_however_short_it_is() {
+    let one = |bad: u32| {
+        let text = lines(HEADER, |k, t, u, x| {
+            format!("{t},{u},{}", if k < bad { "inf".into() } else { x.to_string() })
+        });
+        text.lines().take(25).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(read_with(&one(1), "", "\"inf\"").len(), 23);
+    assert!(refusal(&one(2)).to_string().contains("2 of 24 rows are unreadable"));
+}
+
 /// All rows, those at `places` behind their neighbours.
 fn late(places: &[usize]) -> String {
     let text = lines(HEADER, |_, t, u, x| format!("{t:.4},{u:.4},{x:.4}"));

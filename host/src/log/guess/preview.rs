@@ -69,9 +69,12 @@ pub(super) fn range_of(rows: &[Vec<f64>], index: usize) -> String {
 
 /// From where to where a column goes; none where it holds no numbers.
 fn range_in(rows: &[Vec<f64>], index: usize) -> Option<String> {
-    let mut values = numbers(rows, index).peekable();
-    values.peek()?;
-    let range = Range::of(values);
+    let values: Vec<f64> = numbers(rows, index).collect();
+    values.first()?;
+    if values.iter().all(|value| direction::is_word(*value)) {
+        return Some("words for a direction".into());
+    }
+    let range = Range::of(values.into_iter());
     Some(format!("{} .. {}", short(range.low), short(range.high)))
 }
 
