@@ -15,6 +15,7 @@ use crate::estimate::{Errors, Moved};
 use crate::findings::{Action, NextStep};
 use crate::fit::uncertainty::Estimate;
 use crate::model_file::Model;
+use crate::report::words;
 
 /// Options of `add`.
 #[derive(Debug, clap::Args)]
@@ -93,17 +94,25 @@ fn story(done: &Addition, unit: &str) -> String {
         }
     }
     text += &format!("\n{}\n\n", done.why);
-    for m in &done.moved {
-        text += &format!(
-            "{:<28} {:>11} -> {:<11} {}\n",
-            m.name,
-            prose::figure(m.before),
-            prose::figure(m.after),
-            m.unit
-        );
-    }
+    text += &moved(&done.moved, prose::width());
     let new = &done.parameters[done.moved.len()..];
     text + &prose::parameters(new)
+}
+
+/// The parameters before and after; on a narrow terminal in narrower columns, then below their names.
+fn moved(list: &[Moved], width: usize) -> String {
+    let row = |m: &Moved, [name, number]: [usize; 2], gap: &str| {
+        let (before, after) = (prose::figure(m.before), prose::figure(m.after));
+        let unit = words::unit(&m.unit);
+        let row = format!("{:<name$}{gap}{before:>number$} -> {after:<number$} {unit}", m.name);
+        row.trim_end().to_owned() + "\n"
+    };
+    let longest = list.iter().map(|m| m.name.chars().count()).max().unwrap_or(0);
+    // The line's end takes no column.
+    let fits = |columns: &[usize; 2]| list.iter().all(|m| row(m, *columns, " ").chars().count() <= width + 1);
+    let columns = [[28, 11], [longest, 9]].into_iter().find(fits);
+    let told = |m: &Moved| columns.map_or_else(|| row(m, [0, 0], "\n    "), |columns| row(m, columns, " "));
+    list.iter().map(told).collect()
 }
 
 /// Whether it is worth it, and a rise called a rise.
@@ -123,4 +132,22 @@ fn verdict(done: &Addition) -> String {
         "not worth adding: blocks held out of the records fitted do not confirm it"
     };
     format!("\n{}: {worth}; with it the error on {on} {way}.\n", done.effect)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_keeps_its_unit_at_any_width() {
+        let gain = Moved { name: "gain".into(), unit: "rad/s/V".into(), before: 6.9, after: 6.9 };
+        let share = Moved { name: "viscous_share".into(), unit: "1".into(), before: 0.1, after: 0.07 };
+        for (width, lines) in [(80, 2), (60, 2), (40, 4)] {
+            let told = moved(&[gain.clone(), share.clone()], width);
+            assert!(told.lines().all(|line| line.len() <= width), "{told}");
+            let short = told.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(short.contains("6.900 -> 6.900 rad/s/V") && short.ends_with("0.07000"), "{told}");
+            assert_eq!(told.lines().count(), lines, "{told}");
+        }
+    }
 }

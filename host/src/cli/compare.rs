@@ -113,8 +113,7 @@ fn story(document: &Document, map: &FailureMap, usual: Result<Measures, String>)
         Err(why) => prose::no_usual(&why) + "\n",
     };
     text += "\nwhere it fails, the clearest first, by\n";
-    for slice in map.by_concentration() {
-        text += &format!("  {:<30} {}\n", slice.title, slice.reading);
-    }
-    text
+    let slices = map.by_concentration();
+    let rows: Vec<(&str, &str)> = slices.iter().map(|slice| (slice.title, slice.reading.as_str())).collect();
+    text + &prose::beside(&rows)
 }

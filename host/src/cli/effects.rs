@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::{Kind, Port};
 use serde::Serialize;
 
-use super::Console;
+use super::{Console, prose};
 use crate::atomic_file;
 use crate::book;
 use crate::error::{Error, Result};
@@ -90,7 +90,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         return Ok(());
     }
     console.list(&registry, || {
-        if args.names.is_empty() { base() + &table(&registry.effects) } else { pages(&registry.effects) }
+        let text =
+            if args.names.is_empty() { base() + &table(&registry.effects) } else { pages(&registry.effects) };
+        prose::listed(&text)
     });
     Ok(())
 }

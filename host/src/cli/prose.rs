@@ -12,14 +12,45 @@ use crate::report::words;
 use crate::select::DetectionLimit;
 use crate::sentence::capital;
 
-/// A line of errors.
+/// A line of errors; on a narrow terminal without the largest, on a phone's below its name.
 pub fn measures(name: &str, m: &Measures, unit: &str) -> String {
-    format!(
-        "{name:<24} rmse {:>10} {unit}   largest {:>10} {unit}   fit {:>7.2} %",
-        figure(m.rmse),
-        figure(m.me),
-        m.nrmse_fit_percent
-    )
+    measures_within(name, m, unit, known_width().unwrap_or(usize::MAX))
+}
+
+fn measures_within(name: &str, m: &Measures, unit: &str, width: usize) -> String {
+    let (rmse, fit) = (figure(m.rmse), m.nrmse_fit_percent);
+    let row =
+        |name: &str, largest: &str| format!("{name:<25} rmse {rmse:>9} {unit}{largest}   fit {fit:>7.2} %");
+    let fits = |row: &str| row.chars().count() <= width;
+    // Every row of a table has the same columns: which ones, a row without its name tells.
+    let largest = format!("   largest {:>9} {unit}", figure(m.me));
+    let largest = if fits(&row("", &largest)) { largest } else { String::new() };
+    let (whole, below) = (row(name, &largest), row("", &largest));
+    if fits(&whole) {
+        whole
+    } else if fits(&below) {
+        format!("{name}\n{below}")
+    } else {
+        format!("{name}\n    rmse {rmse} {unit}, fit {fit:.2} %")
+    }
+}
+
+/// Rows of a name and what is said of it, beside it where that fits, else below.
+pub fn beside(rows: &[(&str, &str)]) -> String {
+    beside_within(rows, known_width().unwrap_or(usize::MAX))
+}
+
+fn beside_within(rows: &[(&str, &str)], width: usize) -> String {
+    let row = |(name, said): &(&str, &str)| {
+        let whole = format!("  {name:<30} {said}\n");
+        // The line's end takes no column.
+        if whole.chars().count() <= width.saturating_add(1) {
+            whole
+        } else {
+            format!("  {name}\n    {said}\n")
+        }
+    };
+    rows.iter().map(row).collect()
 }
 
 /// What the usual model leaves, under the errors of a model; one that records do not determine runs away.
@@ -48,23 +79,29 @@ pub fn shown_by_the_fit(findings: &Findings) -> String {
     findings.later_faults().iter().map(|later| format!("\n{}\n", fault(later))).collect()
 }
 
-/// A table of parameters with intervals; on a narrow terminal each takes two lines.
+/// A table of parameters with intervals; on a narrow terminal its columns are narrower, then each parameter takes two lines.
 pub fn parameters(list: &[Estimate]) -> String {
     parameters_within(list, width())
 }
 
 fn parameters_within(list: &[Estimate], width: usize) -> String {
-    let mut text = String::new();
-    for e in list {
-        let value = format!("{} {}", figure(e.value), words::unit(&e.unit));
-        text += &if width < 80 {
-            format!("{} {}\n    {}\n", e.name, value.trim_end(), interval(e))
-        } else {
-            let row = format!("{:<28} {:>11} {:<12}", e.name, figure(e.value), words::unit(&e.unit));
-            format!("{row} {}\n", interval(e))
-        };
+    let value = |e: &Estimate, [name, number]: [usize; 2]| {
+        format!("{:<name$} {:>number$} {}", e.name, figure(e.value), words::unit(&e.unit))
+    };
+    let row = |e: &Estimate, [name, number, unit]: [usize; 3]| {
+        let whole = name + number + unit + 2;
+        format!("{:<whole$} {}", value(e, [name, number]), interval(e))
+    };
+    let name = list.iter().map(|e| e.name.chars().count()).max().unwrap_or(0);
+    let number = list.iter().map(|e| figure(e.value).chars().count()).max().unwrap_or(0);
+    let unit = list.iter().map(|e| words::unit(&e.unit).chars().count()).max().unwrap_or(0);
+    let fits = |text: String| text.chars().count() <= width;
+    let one_line = [[28, 11, 12], [name, number, unit]];
+    if let Some(columns) = one_line.into_iter().find(|columns| list.iter().all(|e| fits(row(e, *columns)))) {
+        return list.iter().map(|e| row(e, columns) + "\n").collect();
     }
-    text
+    let columns = if list.iter().all(|e| fits(value(e, [name, number]))) { [name, number] } else { [0, 0] };
+    list.iter().map(|e| format!("{}\n    {}\n", value(e, columns).trim_end(), interval(e))).collect()
 }
 
 /// The interval of `e`; one that the data leave open has no ends worth reading.
@@ -107,9 +144,18 @@ pub fn width() -> usize {
 
 /// Columns that the prose has: as COLUMNS says, else of the terminal; none where it goes into a file.
 pub fn known_width() -> Option<usize> {
+    width_of(&console::Term::stderr())
+}
+
+/// `text` of a list, which goes to standard output, as wide as the terminal there; as it is where it goes into a file.
+pub fn listed(text: &str) -> String {
+    width_of(&console::Term::stdout()).map_or_else(|| text.to_owned(), |width| wrapped(text, width))
+}
+
+fn width_of(terminal: &console::Term) -> Option<usize> {
     let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
     let told = told.filter(|columns| *columns >= NARROWEST);
-    told.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))
+    told.or_else(|| terminal.size_checked().map(|(_, columns)| usize::from(columns)))
 }
 
 /// A terminal is taken to have this many columns at least.
@@ -129,7 +175,7 @@ pub fn wrapped(text: &str, width: usize) -> String {
         let hanging = (indent + 4).min(width / 3);
         let (mut row, mut long, mut begun) = (" ".repeat(indent), indent, false);
         // Blanks between the columns of a table go with the word after them.
-        for word in words.split_inclusive(' ') {
+        for word in pieces(words) {
             let letters = word.trim_end().chars().count();
             if begun && long + letters > width {
                 lines.push(row.trim_end().to_owned());
@@ -145,6 +191,29 @@ pub fn wrapped(text: &str, width: usize) -> String {
         lines.push(row.trim_end().to_owned());
     }
     lines.join("\n")
+}
+
+/// The words of a line with the blanks after them; a number stays with its unit, and with the other end of its range.
+fn pieces(line: &str) -> Vec<&str> {
+    let mut all = Vec::new();
+    let (mut from, mut to) = (0, 0);
+    let mut words = line.split_inclusive(' ').peekable();
+    while let Some(word) = words.next() {
+        to += word.len();
+        if words.peek().is_none_or(|next| !holds(word, next)) {
+            all.push(&line[from..to]);
+            from = to;
+        }
+    }
+    all
+}
+
+/// Whether no line ends between `word` and `next`.
+fn holds(word: &str, next: &str) -> bool {
+    let number = |word: &str| word.trim_start_matches('(').parse::<f64>().is_ok();
+    let range = |word: &str| matches!(word, ".." | "->");
+    let (word, next) = (word.trim_end(), next.trim_end());
+    !next.is_empty() && (range(word) || number(word) && !number(next))
 }
 
 /// What lines begin with that are for pasting.
@@ -306,11 +375,51 @@ mod tests {
             high: 0.5,
             identifiable: true,
         };
-        let told = parameters_within(std::slice::from_ref(&one), 60);
-        assert!(told.lines().all(|line| line.len() <= 60), "{told}");
-        assert!(told.contains("0.3000 .. 0.5000"), "{told}");
-        let wide = parameters_within(&[one], 80);
-        assert!(wide.lines().all(|line| line.len() <= 80) && wide.lines().count() == 1, "{wide}");
+        let far = Estimate { name: "coulomb_asymmetric.backward".into(), identifiable: false, ..one.clone() };
+        for (width, lines) in [(80, 2), (60, 2), (40, 4)] {
+            let told = parameters_within(&[one.clone(), far.clone()], width);
+            assert!(told.lines().all(|line| line.len() <= width), "{told}");
+            assert!(told.contains("0.4000 V") && told.contains("0.3000 .. 0.5000"), "{told}");
+            assert!(told.lines().count() == lines && told.contains("not determined"), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_row_of_errors_fits_the_terminal() {
+        let m = Measures { rmse: 6.1e-5, me: 1.2e-4, nrmse_fit_percent: 28.71, ..Measures::default() };
+        for (unit, at_60) in [("rad", 1), ("rad/s", 2)] {
+            for (width, lines) in [(90, 1), (80, 1), (60, at_60), (40, 2)] {
+                let told = measures_within("  kS-kV-kA for comparison", &m, unit, width);
+                assert!(told.lines().all(|line| line.len() <= width), "{told}");
+                assert!(told.lines().count() == lines && told.contains("28.71 %"), "{told}");
+                assert_eq!(told.contains("largest"), width == 90, "{told}");
+            }
+        }
+        let long = measures_within("a-record-with-a-name-that-is-as-long-as-some-are", &m, "rad", 80);
+        assert_eq!(long.lines().count(), 2, "{long}");
+    }
+
+    #[test]
+    fn what_is_said_of_a_name_stands_below_it_where_it_would_be_cut() {
+        let rows = [("voltage", "-6 .. -4 V: 45 % of the error is made here, in 12 % of the time")];
+        for (width, lines) in [(120, 1), (80, 2), (60, 3), (40, 3)] {
+            let told = wrapped(&beside_within(&rows, width), width);
+            assert_eq!(told.lines().count(), lines, "{told}");
+            assert!(told.lines().all(|line| line.len() <= width), "{told}");
+            assert!(told.contains("-6 .. -4 V:") && told.contains("45 %") && told.contains("12 %"), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_value_stays_with_its_unit_at_any_width() {
+        let text = "the error on the records fitted falls from 0.02436 rad to 6.13e-5 rad (28.71 % of it)";
+        for width in [40, 60, 80] {
+            let told = wrapped(text, width);
+            for whole in ["0.02436 rad", "6.13e-5 rad", "(28.71 %"] {
+                assert!(told.contains(whole), "{told}");
+            }
+            assert!(told.lines().all(|line| line.len() <= width), "{told}");
+        }
     }
 
     #[test]
