@@ -8,6 +8,7 @@ use crate::compare::measures::Measures;
 use crate::findings::{Findings, NextStep, Standing};
 use crate::fit::uncertainty::Estimate;
 use crate::log::{ReadArgs, Warning, guess};
+use crate::report::figure::in_words;
 use crate::report::words;
 use crate::select::DetectionLimit;
 use crate::sentence::capital;
@@ -121,20 +122,50 @@ pub fn experiments(findings: &Findings) -> String {
 
 /// The smallest sizes of further effects that the records would have shown, and what they cannot show.
 pub fn limits(limits: &[DetectionLimit]) -> String {
-    let size = |limit: &DetectionLimit| {
-        let unit = if limit.unit == "1" { String::new() } else { format!(" {}", limit.unit) };
-        limit.smallest.map(|size| format!("{} {}{unit}", limit.effect, figure(size)))
-    };
-    let shown: Vec<String> = limits.iter().filter_map(size).collect();
+    limits_within(limits, width())
+}
+
+fn limits_within(limits: &[DetectionLimit], width: usize) -> String {
+    let size =
+        |limit: &DetectionLimit| limit.smallest.map(|size| of_size(limit.effect.name(), size, limit.unit));
+    let mut shown: Vec<String> = limits.iter().filter_map(size).collect();
+    shown.sort();
     let hidden: Vec<&str> = DetectionLimit::hidden(limits).iter().map(|kind| kind.name()).collect();
     let mut text = String::new();
     if !shown.is_empty() {
-        text += &format!("These records would have shown further effects from: {}.\n", shown.join(", "));
+        text += "These records would have shown further effects from:\n";
+        text += &filled(&shown, width);
     }
     if !hidden.is_empty() {
         text += &format!("They cannot confirm at any size: {}.\n", hidden.join(", "));
     }
     text
+}
+
+/// An effect with its size.
+fn of_size(effect: &str, size: f64, unit: &str) -> String {
+    // No prefix stands before 1/s.
+    if unit.starts_with('1') {
+        return format!("{effect} {} {}", in_words(size, "1"), words::unit(unit)).trim_end().to_owned();
+    }
+    format!("{effect} {}", in_words(size, unit))
+}
+
+/// `items` in a row with commas between them, set in, and none of them parted by the end of a line.
+fn filled(items: &[String], width: usize) -> String {
+    let mut text = String::from(" ");
+    let mut long = 1;
+    for (k, item) in items.iter().enumerate() {
+        let end = if k + 1 < items.len() { "," } else { "." };
+        let letters = item.chars().count() + 2;
+        if long > 1 && long + letters > width {
+            text += "\n ";
+            long = 1;
+        }
+        text += &format!(" {item}{end}");
+        long += letters;
+    }
+    text + "\n"
 }
 
 /// Columns of the terminal that shows the prose; 80 where it is none.
@@ -333,6 +364,8 @@ pub fn effects<T: std::fmt::Display>(list: &[T]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use motorlens_shared::effects::Kind;
+
     use super::*;
     use crate::findings::Action;
 
@@ -450,6 +483,26 @@ mod tests {
         assert_eq!(lines[1], "      at zero speed, as dry friction");
         assert!(lines[2].ends_with("another-long-name.csv"), "{told}");
         assert_eq!(wrapped("short\n\nlines", 40), "short\n\nlines");
+    }
+
+    #[test]
+    fn the_detection_limits_are_a_short_list_in_which_no_size_is_parted() {
+        let limit = |effect: Kind| {
+            let strength = effect.spec().parameters.iter().find(|p| p.strength);
+            let (parameter, unit) = strength.map_or(("", "1"), |p| (p.name, p.unit));
+            DetectionLimit { effect, parameter, smallest: Some(0.012_34), unit, programme: None }
+        };
+        let all: Vec<DetectionLimit> = Kind::ALL.iter().map(|kind| limit(*kind)).collect();
+        for width in [40, 60, 80] {
+            let told = limits_within(&all, width);
+            assert!(told.lines().skip(1).all(|line| line.len() <= width), "{told}");
+            for whole in ["coulomb 12.3 mV,", "  backlash 12.3 mrad,"] {
+                assert!(told.contains(whole), "{told}");
+            }
+            assert!(width < 80 || told.lines().count() <= 8, "{told}");
+        }
+        assert_eq!(of_size("winding_heating", 0.023_44, "1/s"), "winding_heating 0.0234 1/s");
+        assert_eq!(of_size("coast", 0.1, "1"), "coast 0.1");
     }
 
     #[test]
