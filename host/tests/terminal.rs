@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use motorlens::Model;
 use motorlens::fit::layout::{BaseValues, Prior, Values};
 use motorlens::model_file::Origin;
+use motorlens::{Model, cli};
 use motorlens_shared::effects::{Kind, Rig};
 
 mod program;
@@ -40,7 +40,7 @@ fn said(directory: &Path, words: &str, columns: usize) -> (String, String) {
 }
 
 /// Quick verbs, each with the verb that it names as the next one.
-const VERBS: [(&str, &str); 8] = [
+const VERBS: [(&str, &str); 17] = [
     ("simulate --hidden 5 --rate 100 --out s", "discover"),
     ("reveal s", "report"),
     ("compare model.json s/prbs.csv --motor s/motor.toml", "diagnose"),
@@ -49,7 +49,34 @@ const VERBS: [(&str, &str); 8] = [
     ("exam --singles 0 --nothing 1 --pairs 0 --outside 0 --only coulomb", "exam"),
     ("exam --benches --cases 1 --bench protocol --write cases", "discover"),
     ("same s/triangle.csv --effects none -- s/prbs.csv", ""),
+    ("fit s/triangle.csv --effects coulomb --motor s/motor.toml --out base.json", "diagnose base.json"),
+    ("fit s/triangle.csv --motor s/motor.toml", "diagnose model.json"),
+    ("diagnose base.json s/triangle.csv --motor s/motor.toml", ""),
+    ("add base.json delay s/triangle.csv --motor s/motor.toml --out better.json", "diagnose"),
+    ("discover s/triangle.csv --motor s/motor.toml --out found.json", ""),
+    ("discover s/triangle.csv --motor s/motor.toml", ""),
+    ("plan s/triangle.csv --motor s/motor.toml --out next.json", ""),
+    ("plan base.json s/triangle.csv --motor s/motor.toml", ""),
+    ("report s/triangle.csv --motor s/motor.toml --out r.html", ""),
 ];
+
+/// Panics unless `told` ends with the command that begins with `next`, the program takes it, and no line is too wide.
+fn ends_with_a_command(words: &str, told: &str, next: &str) {
+    let lines: Vec<&str> = told.trim_end().lines().collect();
+    let [.., what, command] = lines.as_slice() else { panic!("{words}: {told}") };
+    assert!(told.contains("next: "), "{words}: {what}");
+    assert!(command.starts_with(&format!("  motorlens {next}")), "{words}: {command}");
+    for line in lines.iter().filter(|line| line.starts_with("  motorlens ")) {
+        // What only the user knows is a number.
+        let line = line.replace("COUNTS", "1200");
+        let parsed = cli::command().try_get_matches_from(line.split_whitespace());
+        assert!(parsed.is_ok(), "{words}: {line}: {}", parsed.unwrap_err());
+    }
+    let wide = lines
+        .iter()
+        .find(|line| line.chars().count() > NARROW && !line.trim_start().starts_with("motorlens "));
+    assert!(wide.is_none(), "{words}: wider than {NARROW} columns: {wide:?}");
+}
 
 #[test]
 fn every_verb_ends_with_the_next_command_and_its_lines_fit() {
@@ -57,14 +84,23 @@ fn every_verb_ends_with_the_next_command_and_its_lines_fit() {
     model(directory.path());
     for (words, next) in VERBS {
         let (_, told) = said(directory.path(), words, NARROW);
-        let lines: Vec<&str> = told.trim_end().lines().collect();
-        let [.., what, command] = lines.as_slice() else { panic!("{words}: {told}") };
-        assert!(told.contains("next: "), "{words}: {what}");
-        assert!(command.starts_with(&format!("  motorlens {next}")), "{words}: {command}");
-        let wide = lines
-            .iter()
-            .find(|line| line.chars().count() > NARROW && !line.trim_start().starts_with("motorlens "));
-        assert!(wide.is_none(), "{words}: wider than {NARROW} columns: {wide:?}");
+        ends_with_a_command(words, &told, next);
+    }
+}
+
+#[test]
+fn the_demo_ends_with_the_next_command_too() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let words = "demo --hidden 3 --out d";
+    ends_with_a_command(words, &said(directory.path(), words, NARROW).1, "");
+}
+
+#[test]
+fn an_effect_is_explained_within_a_narrow_terminal() {
+    for columns in [40, NARROW, 80] {
+        let (told, _) = said(Path::new("."), "effects stribeck", columns);
+        let wide = told.lines().find(|line| line.chars().count() > columns);
+        assert!(wide.is_none() && told.contains("in data: "), "wider than {columns} columns: {wide:?}");
     }
 }
 

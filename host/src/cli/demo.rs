@@ -65,8 +65,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (problem, base) = estimate::prepare(&logs.records, &logs.motor)?;
     let map = failure_map(&free_runs(&problem, &base), &problem.rig);
     console.say("2. The textbook model is fitted. Its error is made here:");
-    for slice in map.slices.iter().filter(|s| s.reading != "evenly spread") {
-        console.say(format!("   {:<30} {}", slice.title, slice.reading));
+    let telling = map.slices.iter().filter(|slice| slice.reading != "evenly spread");
+    let rows: Vec<(&str, &str)> = telling.map(|slice| (slice.title, slice.reading.as_str())).collect();
+    if !rows.is_empty() {
+        console.say(prose::beside(&rows));
     }
 
     console.say("3. Every effect is tried on it; what held-out data confirm is added:");
@@ -88,7 +90,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || {
         let next = prose::next(&findings.next_step, Some(&document.model), &training);
-        format!("report: {}\n{next}or see it live: motorlens serve", report.display())
+        format!("report: {}\n(or see it live: motorlens serve)\n{next}", report.display())
     });
     Ok(())
 }
