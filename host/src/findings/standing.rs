@@ -212,7 +212,11 @@ pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
         let wave = |names: [&str; 2]| Some(of(names[0])?.value.hypot(of(names[1])?.value));
         let length = [["sine", "cosine"], ["sine2", "cosine2"]].into_iter().filter_map(wave).reduce(f64::max);
         let length = length.unwrap_or(first.value.abs());
-        (length > 0.0).then(|| in_words(length, &first.unit))
+        if length > 0.0 {
+            return Some(in_words(length, &first.unit));
+        }
+        // Without its size an effect would be read as one that is there.
+        (!first.identifiable).then(|| "size not determined".to_owned())
     };
     effects
         .iter()
@@ -322,6 +326,9 @@ mod tests {
             [of("coulomb.level", 0.4, "V"), of("gravity.sine", 0.3, "V"), of("gravity.cosine", -0.4, "V")];
         let told = named(&[Kind::Coulomb, Kind::Gravity, Kind::Delay], &all);
         assert_eq!(told, ["coulomb (0.4 V)", "gravity (0.5 V)", "delay"]);
+        let open = Estimate { identifiable: false, ..of("dead_zone.width", 0.0, "V") };
+        assert_eq!(named(&[Kind::DeadZone], &[open]), ["dead zone (size not determined)"]);
+        assert_eq!(named(&[Kind::DeadZone], &[of("dead_zone.width", 0.0, "V")]), ["dead zone"]);
         let names = ["cogging.sine", "cogging.cosine", "cogging.sine2", "cogging.cosine2"];
         let teeth: Vec<Estimate> =
             names.into_iter().zip([0.3, 0.0, 0.0, -1.2]).map(|(name, value)| of(name, value, "V")).collect();

@@ -3,6 +3,7 @@
 use super::figure::{Axis, Curve, Draw, Figure, Numbers, Panel, in_words};
 use super::story::{Shown, Torques};
 use crate::compare::free_run::FreeRun;
+use crate::compare::residual_torque::ResidualTorque;
 use crate::compare::residual_views::{
     Binned, around_reversals, autocorrelation, by_angle, by_speed, by_voltage, orders,
 };
@@ -74,12 +75,7 @@ impl Side {
     /// What the bins of the model say, in one line.
     fn reading(self, base: &Binned, seen: &Binned) -> String {
         if seen.at.is_empty() {
-            return match self {
-                Self::Reversal => {
-                    "The shaft never turns back in these records, so nothing is seen here.".into()
-                }
-                _ => "These records are too short to see anything here.".into(),
-            };
+            return "These records are too short to see anything here.".into();
         }
         let share = 100.0 * seen.explained;
         let (before, after) = (swing(base), swing(seen));
@@ -159,6 +155,19 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
     Panel { y: Axis::titled(title), height: HEIGHT, curves, floor: None }
 }
 
+/// Why nothing is seen around reversals of `records`.
+fn no_reversals(records: &[ResidualTorque]) -> &'static str {
+    let turns_back = |r: &ResidualTorque| {
+        let goes = |sign: f64| r.speed_rad_s.iter().any(|speed| speed * sign > 0.0);
+        goes(1.0) && goes(-1.0)
+    };
+    if records.iter().any(turns_back) {
+        "The shaft turns back too seldom in these records, or hardly moves then, so nothing is seen here."
+    } else {
+        "The shaft never turns back in these records, so nothing is seen here."
+    }
+}
+
 /// Every figure of the step, of records with the residual torques of base model and model.
 pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> Vec<Figure> {
     let against = records.first().map_or("base model", |shown| shown.against.as_str());
@@ -168,7 +177,11 @@ pub fn figures(records: &[&Shown], torques: [&Torques; 2], gear_ratio: f64) -> V
         .filter(|side| geared || *side != Side::MotorAngle)
         .map(|side| {
             let [base, model] = torques.map(|t| side.binned(t, gear_ratio));
-            view(side, side.id(), &base, &model, [against, "model"])
+            let figure = view(side, side.id(), &base, &model, [against, "model"]);
+            if side == Side::Reversal && model.at.is_empty() {
+                return Figure { reading: no_reversals(&torques[1].records).into(), ..figure };
+            }
+            figure
         })
         .collect();
     // The side that accounts for most comes first.
@@ -265,9 +278,12 @@ mod tests {
     }
 
     #[test]
-    fn records_without_a_reversal_say_so() {
-        let nothing = binned(&[], &[], 0.0);
-        assert!(Side::Reversal.reading(&nothing, &nothing).contains("never turns back"));
+    fn only_records_whose_speed_keeps_its_sign_are_said_never_to_turn_back() {
+        let of = |speeds: &[f64]| ResidualTorque { speed_rad_s: speeds.into(), ..ResidualTorque::default() };
+        assert!(no_reversals(&[of(&[0.0, 3.0, 2.0])]).contains("never turns back"));
+        assert!(no_reversals(&[of(&[0.0, 3.0, -0.01])]).contains("too seldom"));
+        // Two records of opposite directions have no reversal either.
+        assert!(no_reversals(&[of(&[3.0]), of(&[-3.0])]).contains("never turns back"));
     }
 
     #[test]

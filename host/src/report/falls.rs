@@ -7,6 +7,7 @@ use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
 use crate::findings::Yardstick;
+use crate::sentence::listed;
 
 /// The error that counts for a model: on validation records where there are any.
 pub fn judged(rung: &Rung) -> Measures {
@@ -90,6 +91,19 @@ impl Ladder<'_> {
         Some(format!("rises on {} around {:.1} s", rise.record, rise.at_s))
     }
 
+    /// The rising steps, those with the same place together.
+    fn rising_by_place(&self) -> Vec<(Option<String>, Vec<usize>)> {
+        let mut all: Vec<(Option<String>, Vec<usize>)> = Vec::new();
+        for k in self.rising() {
+            let place = self.place(k);
+            match all.iter().position(|(known, _)| *known == place) {
+                Some(at) => all[at].1.push(k),
+                None => all.push((place, vec![k])),
+            }
+        }
+        all
+    }
+
     /// The steps as a table; kS-kV-kA stands first.
     pub fn rows(&self) -> Vec<Row> {
         let (yardstick, unit) = (self.yardstick(), self.unit);
@@ -120,9 +134,11 @@ impl Ladder<'_> {
             _ => format!("The error goes from {first} to {last}{on}."),
         };
         let names = steps(self.rungs);
-        for k in self.rising() {
-            let place = self.place(k).map_or(String::new(), |p| format!(": it {p}"));
-            text += &format!(" Step {} raised it{place}.", names[k]);
+        for (place, rising) in self.rising_by_place() {
+            let which: Vec<&str> = rising.iter().map(|k| names[*k].as_str()).collect();
+            let step = if which.len() > 1 { "Steps" } else { "Step" };
+            let place = place.map_or(String::new(), |p| format!(": it {p}"));
+            text += &format!(" {step} {} raised it{place}.", listed(&which));
         }
         if let Some(usual) = self.baseline {
             let left = yardstick.words(judged(usual).rmse);
@@ -156,10 +172,13 @@ impl Ladder<'_> {
                 ..Curve::line("measured", "on the records fitted", 0, train)
             });
         }
+        let names = steps(self.rungs);
         for k in self.rising() {
             columns.push(Numbers::new([(k - 1) as f64, k as f64], 5));
             let rise = Numbers::new([values[k - 1], values[k]], 5);
-            let name = self.place(k).unwrap_or_else(|| "the error rises".into());
+            // Two steps may raise it at one place: no two curves have one name.
+            let place = self.place(k).unwrap_or_else(|| "the error rises".into());
+            let name = format!("{}: {place}", names[k]);
             curves.push(Curve { draw: Draw::Dotted, ..Curve::line("fault", name, columns.len() - 1, rise) });
         }
         if let Some(usual) = self.baseline {
@@ -173,7 +192,7 @@ impl Ladder<'_> {
         let (low, high) = (some().fold(f64::MAX, f64::min), some().fold(0.0, f64::max));
         let range = if high > 0.0 { [0.6 * low, 2.0 * high] } else { [0.5, 2.0] };
         Figure {
-            x: Axis { names: steps(self.rungs), ..Axis::titled("Model (step)") },
+            x: Axis { names, ..Axis::titled("Model (step)") },
             columns,
             panels: vec![Panel {
                 y: Axis { log: true, range: Some(range), ..Axis::titled(yardstick.axis()) },
@@ -231,6 +250,23 @@ mod tests {
         assert_eq!(red.len(), 1);
         let rows = ladder.rows();
         assert!(rows[0].rise.is_none() && rows[1].rise.is_some() && rows[2].rise.is_none());
+    }
+
+    #[test]
+    fn steps_that_raise_the_error_at_one_place_are_named_together() {
+        let rungs = [rung(&[], 0.1), rung(&[Kind::Delay], 0.2), rung(&[Kind::Delay, Kind::Coulomb], 0.3)];
+        let rise = Some(Rise { record: "stairs".into(), at_s: 3.25, times: 2.0 });
+        let rises = [None, rise.clone(), rise];
+        let ladder = Ladder { rungs: &rungs, rises: &rises, baseline: None, noise: 0.001, unit: "rad" };
+        let figure = ladder.figure();
+        let told = "Steps + delay and + coulomb raised it: it rises on stairs around 3.2 s.";
+        assert!(figure.reading.ends_with(told), "{}", figure.reading);
+        let red = figure.panels[0].curves.iter().filter(|c| c.role == "fault");
+        let names: Vec<&str> = red.map(|c| c.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["+ delay: rises on stairs around 3.2 s", "+ coulomb: rises on stairs around 3.2 s"]
+        );
     }
 
     #[test]
