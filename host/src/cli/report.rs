@@ -54,7 +54,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         schema: 1,
         report: args.out.clone(),
         bytes: size.len(),
-        summary: words::summary(&story.ladder, story.floor, story.unit),
+        summary: words::summary(&story.ladder, story.floor, story.unit, &story.standing),
         verdict: findings.verdict,
         effects: found.effects.clone(),
     };

@@ -119,7 +119,7 @@ pub fn html(story: &Story) -> Result<String> {
     let style = [LIBRARY_STYLE, STYLE].concat();
     let content = json!({
         "title": story.title,
-        "summary": words::summary(&story.ladder, story.floor, story.unit),
+        "summary": words::summary(&story.ladder, story.floor, story.unit, &story.standing),
         "standing": story.standing,
         "figures": figures,
         "cards": cards,

@@ -6,7 +6,7 @@ use super::falls::judged;
 use super::figure::in_words;
 use super::story::Story;
 use crate::diagnose::ladder::Rung;
-use crate::findings::Yardstick;
+use crate::findings::{Action, Standing, Yardstick};
 use crate::fit::uncertainty::Estimate;
 use crate::formula;
 use crate::glossary;
@@ -35,8 +35,11 @@ pub struct RecordRow {
     fit_percent: f64,
 }
 
-/// The errors behind the verdict, in the measured unit.
-pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str) -> String {
+/// The errors behind `standing`, in the measured unit.
+pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Standing) -> String {
+    // Beside a headline that doubts the last step, all steps together would praise it.
+    let doubted = standing.next.action == Action::Remove;
+    let ladder = if doubted { &ladder[ladder.len().saturating_sub(2)..] } else { ladder };
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let error = |m: f64| in_words(m, unit);
     let (before, after) = (judged(first).rmse, judged(last).rmse);
@@ -138,4 +141,29 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
         }
     });
     rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlens_shared::effects::Kind;
+
+    use super::*;
+    use crate::compare::measures::Measures;
+    use crate::findings::NextStep;
+
+    #[test]
+    fn a_doubted_step_is_not_praised_with_what_the_steps_before_it_gained() {
+        let rung = |effects: &[Kind], rmse: f64| Rung {
+            effects: effects.to_vec(),
+            train: Measures { rmse, ..Measures::default() },
+            validation: None,
+        };
+        let ladder =
+            [rung(&[], 3.04), rung(&[Kind::Delay], 0.7), rung(&[Kind::Delay, Kind::Stribeck], 0.789)];
+        let plain = Standing::simulated(&ladder[2].train, 0.1, &[]);
+        assert!(summary(&ladder, 0.1, "rad", &plain).contains("fell from 3.04 rad to 0.789 rad"));
+        let next = NextStep::new(Action::Remove, Some(Kind::Stribeck));
+        let doubted = Standing { next, ..plain };
+        assert!(summary(&ladder, 0.1, "rad", &doubted).contains("rose from 0.7 rad to 0.789 rad"));
+    }
 }

@@ -141,12 +141,13 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                     noise: scene.floor,
                     unit: scene.unit,
                 };
+                let standing = scene.standing();
                 json!({
                     "figures": [ladder.figure()],
                     "rows": ladder.rows(),
                     "last_over_floor": ladder.last_over_noise(),
-                    "summary": words::summary(&scene.ladder, scene.floor, scene.unit),
-                    "standing": scene.standing(),
+                    "summary": words::summary(&scene.ladder, scene.floor, scene.unit, &standing),
+                    "standing": standing,
                 })
             }
             "estimates" => {

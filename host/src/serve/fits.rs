@@ -89,10 +89,16 @@ pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
         let library: Vec<Kind> = formula::all().into_iter().filter(|kind| !refused.contains(kind)).collect();
         let Some(found) = tried(job, &work, &library) else { return stopped() };
         let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, work.floor, found);
-        let message = diagnosis.suggested.map_or_else(
-            || "No effect of the library is worth adding to this model.".to_owned(),
-            |effect| format!("An effect is missing; {effect} is the best candidate."),
-        );
+        // The badge doubts the effect that came last and proposes to remove it: the status goes the same way.
+        let doubt = job.app.session().doubt;
+        let message = match (diagnosis.suggested, doubt) {
+            (None, _) => "No effect of the library is worth adding to this model.".to_owned(),
+            (Some(effect), None) => format!("An effect is missing; {effect} is the best candidate."),
+            (Some(_), Some(doubt)) => format!(
+                "No effect is proposed before {} is removed: held-out data do not confirm it.",
+                doubt.effect
+            ),
+        };
         End::Done(message, Box::new(move |session| session.diagnosis = Some(Arc::new(diagnosis))))
     })
 }
