@@ -83,7 +83,7 @@ const BASE: [[&str; 5]; 8] = [
 pub const WORDS: [[&str; 2]; 9] = [
     [
         "noise level",
-        "the rms error that a perfect model would leave: from a repeated record where there is one, else from the encoder's counts",
+        "the rms noise of the readings: from a repeated record where there is one, else from the encoder's counts",
     ],
     ["x the noise", "an error in multiples of the noise level; about 1 x is all that can be had"],
     ["simulation error", "measured minus simulated, where only the start is taken from the measurement"],

@@ -11,7 +11,7 @@ use motorlens_shared::effects::Kind;
 use repository::{files_below, root, text_of};
 
 /// A coined word, and the one to write.
-const COINED: [(&str, &str); 44] = [
+const COINED: [(&str, &str); 50] = [
     ("teeth", "cogging torque, torque ripple; gear contact"),
     ("guided run", "prediction with measured angle"),
     ("guided runs", "prediction with measured angle"),
@@ -56,6 +56,12 @@ const COINED: [(&str, &str); 44] = [
     ("laws", "equations"),
     ("parabola's interval", "quadratic (Wald) interval"),
     ("record stands out", "is an outlier"),
+    ("renewal", "update instant, update"),
+    ("renewals", "update instants, updates"),
+    ("a beat", "an interval, evenly spaced"),
+    ("the beat", "the update rate"),
+    ("odd", "data quality problem"),
+    ("perfect model", "noise level (from a repeated record)"),
 ];
 
 /// What is right all the same: laws with the name of a person, a path in the code, the value of an option.

@@ -91,7 +91,7 @@ impl Logs {
         Self { records, validation, motor, warnings: Vec::new(), faults: OnceCell::new() }
     }
 
-    /// What is odd about the logs; sought once.
+    /// Data quality problems of the logs; sought once.
     pub fn faults(&self) -> &[Warning] {
         self.faults.get_or_init(|| {
             let of_content = log::data_faults(self.records.iter().chain(&self.validation));
@@ -99,7 +99,7 @@ impl Logs {
         })
     }
 
-    /// Tells what is odd about the logs.
+    /// Tells the data quality problems of the logs.
     pub fn warn(&self, console: &Console) {
         for fault in self.faults() {
             console.say(prose::fault(fault));

@@ -49,7 +49,7 @@ pub struct Findings {
     /// What each speed is; none of records of an angle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_reading: Option<String>,
-    /// rms that a perfect model would leave.
+    /// Noise level, rms.
     pub noise_floor_rad: f64,
     /// From the base model on.
     pub ladder: Vec<Rung>,
@@ -64,7 +64,7 @@ pub struct Findings {
     pub no_experiment: Option<String>,
     /// For every effect that was not accepted, the smallest size that these records would have shown.
     pub detection_limits: Vec<DetectionLimit>,
-    /// What is odd about the logs, and what the fit shows of it.
+    /// Data quality problems of the logs, and those that the fit shows.
     pub data_faults: Vec<Warning>,
     #[serde(skip)]
     of_logs: usize,

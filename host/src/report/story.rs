@@ -58,7 +58,7 @@ pub struct Story {
     pub records: Vec<Shown>,
     /// Unit of everything compared.
     pub unit: &'static str,
-    /// Error that a perfect model would leave.
+    /// Noise level, rms.
     pub floor: f64,
     /// From the base model to the accepted one.
     pub ladder: Vec<Rung>,
@@ -74,7 +74,7 @@ pub struct Story {
     pub next: Option<String>,
     /// The verdict and what to do next.
     pub standing: Standing,
-    /// What is odd about the data.
+    /// Data quality problems.
     pub faults: Vec<Warning>,
     /// Parameters of the model.
     pub parameters: Vec<Estimate>,

@@ -79,7 +79,7 @@ pub struct Session {
     pub refused: Vec<Kind>,
     /// What is hidden, where the records are a puzzle's.
     pub puzzle: Option<Puzzle>,
-    /// Noise level: the error that a perfect model would leave.
+    /// Noise level, rms.
     pub floor: f64,
     /// Problems of the data.
     pub faults: Vec<Warning>,
