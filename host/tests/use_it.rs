@@ -203,8 +203,23 @@ fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
             "{margins}"
         );
     }
-    assert!(std::fs::read_to_string(here.join("t.svg")).unwrap().contains("<svg"));
+    // The velocity's PI cancels the pole: the base model settles on the step, and dry friction is what its integral has to find.
+    let steps = tuned["steps"].as_array().unwrap();
+    let of = |of: &str, place: usize| steps.iter().filter(|step| step["of"] == of).nth(place).unwrap();
+    let number = |step: &serde_json::Value, name: &str| step[name].as_f64().unwrap();
+    for name in ["velocity", "position"] {
+        let ideal = of(name, 0);
+        assert!(number(ideal, "left").abs() < 0.02 * number(ideal, "height"), "{ideal}");
+        assert!(number(ideal, "rise_s") > 0.0 && number(ideal, "overshoot") < 0.3, "{ideal}");
+        assert!(number(ideal, "settling_s") >= number(ideal, "rise_s"), "{ideal}");
+    }
+    // PD feedback alone stops where friction and dead zone hold it.
+    let [ideal, real, helped] = [0, 1, 2].map(|place| number(of("position", place), "left").abs());
+    assert!(real > 5.0 * ideal && helped < 0.7 * real, "{ideal} {real} {helped}");
+    let drawn = std::fs::read_to_string(here.join("t.svg")).unwrap();
+    assert!(drawn.contains("<svg") && drawn.contains("step of the velocity"));
     let said = run(here, "tune m.json").ends(0).err;
+    assert!(said.contains("a step of the position by") && said.contains("rise / s"), "{said}");
     assert!(
         said.contains("phase margin 60") && said.contains("kS: ") && said.contains("which pays"),
         "{said}"

@@ -99,6 +99,7 @@ def test_an_export_is_judged_on_records_and_written_whole_or_not_at_all(logs, fo
 def test_gains_follow_from_a_model_and_friction_compensation_pays(found):
     tuned = found.model.tune(period_s=0.01)
     assert tuned.position["kp"] > 0 and tuned.velocity["ki"] > 0
+    assert set(tuned.steps["of"]) == {"position", "velocity"} and (tuned.steps["height"] > 0).all()
     assert tuned.feedforward["ks_v"] == pytest.approx(0.3, abs=0.02)
     errors = tuned.trials.set_index("compensation")["position_rms"]
     assert len(tuned.courses) == len(errors) and errors.iloc[1] > 2 * errors.iloc[-1], errors

@@ -8,7 +8,7 @@ use super::{Console, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::model_file::Model;
-use crate::tune::{Loop, Options, Tuned, plot, tune};
+use crate::tune::{Loop, Options, Step, Tuned, plot, tune};
 
 /// Options of `tune`.
 #[derive(Debug, clap::Args)]
@@ -101,6 +101,24 @@ fn text(tuned: &Tuned, period: f64) -> String {
             prose::figure(t.position.at_the_end),
             prose::figure(t.velocity.rms)
         );
+    }
+    for of in ["position", "velocity"] {
+        let steps: Vec<&Step> = tuned.steps.iter().filter(|step| step.of == of).collect();
+        let Some(first) = steps.first() else { continue };
+        let unit = if of == "velocity" { "rad/s" } else { "rad" };
+        let head = format!("a step of the {of} by {} {unit}", prose::figure(first.height));
+        text += &format!("\n{head:<44} {:>8} {:>8} {:>8} {:>8}\n", "rise / s", "beyond", "settled", "left");
+        let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
+        for step in steps {
+            text += &format!(
+                "{:<44} {:>8} {:>7.0}% {:>8} {:>8}\n",
+                step.compensation,
+                time(step.rise_s),
+                100.0 * step.overshoot,
+                time(step.settling_s),
+                prose::figure(step.left)
+            );
+        }
     }
     text + "\n" + &tuned.advice.join("\n") + "\n"
 }

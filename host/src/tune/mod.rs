@@ -2,12 +2,14 @@
 //!
 //! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
 //! lag of the effects. Then the whole model, effects and encoder included, follows a profile under those gains, with one
-//! compensation after the other added. A torque that depends on the angle is compensated by the effect's own law, at the angle that is
+//! compensation after the other added, and answers steps. A torque that depends on the angle is compensated by the effect's own law, at the angle that is
 //! wanted and at the one that is measured: whichever tracks better stays for what is added next.
 
 mod load;
 mod loops;
 mod plot;
+mod profile;
+mod step;
 mod trial;
 
 use motorlens_shared::effects::Kind;
@@ -16,6 +18,7 @@ use serde::Serialize;
 pub use load::Load;
 pub use loops::{Loop, Margins};
 pub use plot::plot;
+pub use step::Step;
 pub use trial::{Course, Tracking, Trial};
 
 use crate::error::{Error, Result};
@@ -71,6 +74,8 @@ pub struct Tuned {
     pub delay_s: f64,
     /// The profile followed with one compensation after the other.
     pub trials: Vec<Trial>,
+    /// Steps of the position and of the velocity: on the base model, with all effects, and with all compensations.
+    pub steps: Vec<Step>,
     /// Which compensation pays, a sentence each.
     pub advice: Vec<String>,
 }
@@ -106,7 +111,7 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     let position = loops::position(&model.base, delay_s, margin);
     let feedforward = feedforward(model);
     let loads = load::Loads::of(model);
-    let trials = trial::all(model, options, &[velocity, position], &feedforward, &loads);
+    let (trials, steps) = trial::all(model, options, &[velocity, position], &feedforward, &loads);
     let mut advice = trial::advice(&trials);
     let count_v = position.kp * model.rig.count_rad + position.kd * model.rig.count_rad / options.period_s;
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
@@ -116,7 +121,7 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
              phase margin makes it calmer."
         ));
     }
-    Ok(Tuned { velocity, position, feedforward, loads: loads.told, delay_s, trials, advice })
+    Ok(Tuned { velocity, position, feedforward, loads: loads.told, delay_s, trials, steps, advice })
 }
 
 /// Value of a parameter of an effect; 0 where the model has none.

@@ -1,21 +1,21 @@
-//! The position's profile and how each trial followed it, as SVG.
+//! The position's profile and how each trial followed it, and the steps, as SVG.
 
 use plotters::prelude::*;
 
-use super::Tuned;
+use super::{Step, Tuned};
 
 type Failed = Box<dyn std::error::Error>;
 
-/// Two panels: the profile with the first and the best trial, and the errors of all.
+/// Four panels: the profile with each trial, the errors of all, and a step of the position and of the velocity.
 ///
 /// # Errors
 /// A drawing that the backend refuses.
 pub fn plot(tuned: &Tuned) -> Result<String, Failed> {
     let mut text = String::new();
     {
-        let area = SVGBackend::with_string(&mut text, (900, 640)).into_drawing_area();
+        let area = SVGBackend::with_string(&mut text, (900, 960)).into_drawing_area();
         area.fill(&WHITE)?;
-        let panels = area.split_evenly((2, 1));
+        let panels = area.split_evenly((3, 1));
         let Some(first) = tuned.trials.first() else { return Ok(String::new()) };
         let end = first.course.time_s.last().copied().unwrap_or(1.0);
         let wanted: Vec<(f64, f64)> =
@@ -66,7 +66,49 @@ pub fn plot(tuned: &Tuned) -> Result<String, Failed> {
         for (k, error) in errors.into_iter().enumerate() {
             lower.draw_series(LineSeries::new(error, Palette99::pick(k).to_rgba()))?;
         }
+        for (of, panel) in ["position", "velocity"].into_iter().zip(panels[2].split_evenly((1, 2))) {
+            let steps: Vec<&Step> = tuned.steps.iter().filter(|step| step.of == of).collect();
+            draw_steps(of, &steps, &panel)?;
+        }
         area.present()?;
     }
     Ok(text)
+}
+
+/// What the steps of one loop reach.
+fn draw_steps(
+    of: &str,
+    steps: &[&Step],
+    panel: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+) -> Result<(), Failed> {
+    let Some(first) = steps.first() else { return Ok(()) };
+    let unit = if of == "velocity" { "rad/s" } else { "rad" };
+    let end = first.course.time_s.last().copied().unwrap_or(1.0);
+    let reached = steps.iter().flat_map(|step| &step.course.reached);
+    let (low, high) = reached.fold((0.0_f64, first.height), |(low, high), x| (low.min(*x), high.max(*x)));
+    let room = 0.05 * (high - low) + 1e-9;
+    let mut chart = ChartBuilder::on(panel)
+        .margin(10)
+        .caption(format!("step of the {of} / {unit}, over time / s"), ("sans-serif", 16))
+        .x_label_area_size(24)
+        .y_label_area_size(56)
+        .build_cartesian_2d(0.0..end, low - room..high + room)?;
+    chart.configure_mesh().light_line_style(WHITE).draw()?;
+    chart.draw_series(LineSeries::new([(0.0, 0.0), (0.0, first.height), (end, first.height)], BLACK))?;
+    for (k, step) in steps.iter().enumerate() {
+        let colour = Palette99::pick(k).to_rgba();
+        let course = step.course.time_s.iter().copied().zip(step.course.reached.iter().copied());
+        let begun = std::iter::once((0.0, 0.0)).chain(course);
+        chart
+            .draw_series(LineSeries::new(begun, colour))?
+            .label(step.compensation)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::LowerRight)
+        .background_style(WHITE.mix(0.8))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    Ok(())
 }

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::load::Loads;
 use super::loops::Loop;
+use super::profile::{Point, Profile};
+use super::step::Step;
 use super::{Feedforward, Options};
 use crate::model_file::Model;
 use crate::sentence::capital;
@@ -38,20 +40,20 @@ pub struct Trial {
     beside: Option<usize>,
 }
 
-/// A position over time.
+/// What a loop controls, over time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Course {
     /// s.
     pub time_s: Vec<f64>,
-    /// rad.
+    /// rad, of a velocity rad/s.
     pub wanted: Vec<f64>,
-    /// rad.
+    /// rad, of a velocity rad/s.
     pub reached: Vec<f64>,
 }
 
 /// What is commanded beside the feedback.
 #[derive(Debug, Clone, Copy, Default)]
-struct Compensation {
+pub(super) struct Compensation {
     motion: bool,
     load: Option<At>,
     friction: bool,
@@ -65,25 +67,34 @@ enum At {
     Measured,
 }
 
-/// A set point: place, speed, acceleration.
-type Point = [f64; 3];
-
-/// Runs every trial.
+/// Runs every trial, and the steps under feedback alone and with what came of the trials.
 pub(super) fn all(
     model: &Model,
     options: &Options,
     gains: &[Loop; 2],
     feedforward: &Feedforward,
     loads: &Loads,
-) -> Vec<Trial> {
+) -> (Vec<Trial>, Vec<Step>) {
     let plain = Model { effects: Vec::new(), ..model.clone() };
     let none = Compensation::default();
+    let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
+    let [profile, place, speed] = Profile::of(&model.base, limit_v);
+    let [velocity, position] = gains;
+    let run_of = |without_effects: bool, with, profile, gains, is_velocity| Run {
+        model: if without_effects { &plain } else { model },
+        options,
+        feedforward,
+        loads,
+        with,
+        limit_v,
+        profile,
+        gains,
+        is_velocity,
+    };
     let run = |compensation, without_effects: bool, with, beside| {
-        let model = if without_effects { &plain } else { model };
-        let run = Run { model, options, feedforward, loads, with };
-        let (position, course) = run.follow(&gains[1], false);
-        let (velocity, _) = run.follow(&gains[0], true);
-        Trial { compensation, without_effects, position, velocity, course, beside }
+        let (of_position, course) = run_of(without_effects, with, profile, position, false).follow();
+        let (of_velocity, _) = run_of(without_effects, with, profile, velocity, true).follow();
+        Trial { compensation, without_effects, position: of_position, velocity: of_velocity, course, beside }
     };
     let mut best = Compensation { motion: true, ..none };
     let mut trials = vec![
@@ -114,54 +125,41 @@ pub(super) fn all(
         }
     }
     if feedforward.dead_zone_v > 0.0 {
-        let with = Compensation { dead_zone: true, ..best };
-        trials.push(run("with the dead zone's inverse too", false, with, Some(last)));
+        best.dead_zone = true;
+        trials.push(run("with the dead zone's inverse too", false, best, Some(last)));
     }
-    trials
+    let mut steps = Vec::new();
+    for (of, profile, gains) in [("position", place, position), ("velocity", speed, velocity)] {
+        for (compensation, without_effects, with) in [
+            (trials[0].compensation, true, none),
+            (trials[1].compensation, false, none),
+            ("with all compensations", false, best),
+        ] {
+            let run = run_of(without_effects, with, profile, gains, of == "velocity");
+            steps.push(Step::of(&run, of, compensation, without_effects));
+        }
+    }
+    (trials, steps)
 }
 
-struct Run<'a> {
+/// A loop that follows a profile.
+pub(super) struct Run<'a> {
     model: &'a Model,
     options: &'a Options,
     feedforward: &'a Feedforward,
     loads: &'a Loads,
     with: Compensation,
+    limit_v: f64,
+    profile: Profile,
+    gains: &'a Loop,
+    /// Of the velocity, or of the position.
+    is_velocity: bool,
 }
 
 impl Run<'_> {
-    /// The profile: a minimum-jerk move there and back within three tenths of the no-load speed, with rests between.
-    fn wanted(&self, time_s: f64) -> Point {
-        let base = &self.model.base;
-        let length = 12.0 * base.tau_m.max(0.05);
-        let top = 0.3 * base.gain * self.limit_v();
-        // A minimum-jerk move of D in T is fastest at 15/8 D/T.
-        let way = top * length * 8.0 / 15.0;
-        let move_at = |s: f64| -> Point {
-            let s = s.clamp(0.0, 1.0);
-            [
-                way * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
-                way / length * 30.0 * s * s * (1.0 - s).powi(2),
-                way / (length * length) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
-            ]
-        };
-        let phase = time_s / length - 0.25;
-        if phase < 1.5 {
-            return move_at(phase);
-        }
-        let back = move_at(phase - 1.5);
-        [way - back[0], -back[1], -back[2]]
-    }
-
-    fn seconds(&self) -> f64 {
-        3.5 * 12.0 * self.model.base.tau_m.max(0.05)
-    }
-
-    fn limit_v(&self) -> f64 {
-        self.options.limit_v.unwrap_or(self.model.rig.supply_v)
-    }
-
     /// Feedback by what the encoder shows, renewed once a period, and the profile's own command.
-    fn follow(&self, gains: &Loop, velocity: bool) -> (Tracking, Course) {
+    pub(super) fn follow(&self) -> (Tracking, Course) {
+        let (gains, velocity) = (self.gains, self.is_velocity);
         let period = self.options.period_s;
         let parts = (period / 1e-3).ceil().max(1.0);
         let mut motor = self.model.start(period / parts, 0.0);
@@ -169,9 +167,9 @@ impl Run<'_> {
         let shown = |angle: f64| (angle / count).round() * count;
         let (mut last, mut sum, mut kept) = (shown(motor.angle_rad()), 0.0, Vec::new());
         let mut course = Course::default();
-        for k in 0..(self.seconds() / period) as usize {
+        for k in 0..(self.profile.seconds() / period) as usize {
             let time = k as f64 * period;
-            let point @ [place, speed, _] = self.wanted(time);
+            let point @ [place, speed, _] = self.profile.at(time);
             let seen = shown(motor.angle_rad());
             let moving = (seen - last) / period;
             last = seen;
@@ -182,9 +180,9 @@ impl Run<'_> {
             } else {
                 gains.kp * (place - seen) + gains.kd * (if self.with.motion { speed } else { 0.0 } - moving)
             };
-            let moved = self.wanted(time + period)[0] - place;
+            let moved = self.profile.at(time + period)[0] - place;
             let asked = self.command(feedback, point, seen, moved);
-            let limited = asked.clamp(-self.limit_v(), self.limit_v());
+            let limited = asked.clamp(-self.limit_v, self.limit_v);
             if velocity && limited != asked {
                 // No winding up at the limit.
                 sum -= (speed - moving) * period;
@@ -192,11 +190,13 @@ impl Run<'_> {
             for _ in 0..parts as usize {
                 motor.step(limited);
             }
-            let [place, speed, _] = self.wanted(time + period);
-            kept.push(if velocity { speed - motor.speed_rad_s() } else { place - motor.angle_rad() });
+            let [place, speed, _] = self.profile.at(time + period);
+            let (wanted, reached) =
+                if velocity { (speed, motor.speed_rad_s()) } else { (place, motor.angle_rad()) };
+            kept.push(wanted - reached);
             course.time_s.push(time + period);
-            course.wanted.push(place);
-            course.reached.push(motor.angle_rad());
+            course.wanted.push(wanted);
+            course.reached.push(reached);
         }
         (tracking(&kept), course)
     }

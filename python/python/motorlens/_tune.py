@@ -38,6 +38,8 @@ class Tuned:
     loads: list[dict[str, Any]]
     #: Tracking errors, one compensation after the other: a DataFrame.
     trials: Any
+    #: Steps of the position (rad) and of the velocity (rad/s): rise and settling time, overshoot, what is left: a DataFrame.
+    steps: Any
     #: Which compensation pays, a sentence each.
     advice: list[str]
     courses: list[Course] = field(repr=False)
@@ -97,6 +99,7 @@ def tune(
         found["feedforward"],
         found["loads"],
         as_frame(rows),
+        as_frame(found["steps"]),
         found["advice"],
         runs,
         found,
