@@ -183,14 +183,14 @@ pub(super) fn assert_bad(error: &Error, place: &str, cause: &str, remedy: &str) 
 
 #[test]
 fn every_unreadable_file_is_refused_with_place_cause_and_remedy() {
-    let word = canonical(40, |row| (row == 15).then(|| "0.150,ERR,1".into()));
-    let infinite = canonical(40, |row| (row == 15).then(|| "0.150,inf,1".into()));
-    let empty_field = canonical(40, |row| (row == 15).then(|| ",1,1".into()));
+    let word = canonical(40, |row| matches!(row, 15 | 25).then(|| "0.150,ERR,1".into()));
+    let infinite = canonical(40, |row| matches!(row, 15 | 25).then(|| "0.150,inf,1".into()));
+    let empty_field = canonical(40, |row| matches!(row, 15 | 25).then(|| ",1,1".into()));
     let backwards = canonical(40, |row| (row == 15).then(|| "0.020,1,1".into()));
     let frozen = canonical(40, |row| (row >= 15).then(|| "0.140,1,1".into()));
     let one_row = canonical(1, |_| None);
-    let wide = canonical(40, |row| (row == 3).then(|| "0,030,1,5,0,7".into()));
-    let latin: Vec<u8> = [canonical(40, |_| None).as_bytes(), b"0.40,\xB5,1\n"].concat();
+    let wide = canonical(40, |row| matches!(row, 3 | 9).then(|| "0,030,1,5,0,7".into()));
+    let latin: Vec<u8> = [canonical(40, |_| None).as_bytes(), b"0.40,\xB5,1\n0.41,\xB5,1\n"].concat();
     let no_voltage = canonical(40, |_| None).replace("voltage_v", "command");
     let no_angle = canonical(40, |_| None).replace("angle_rad", "y");
     let double = canonical(40, |_| None).replace("voltage_v", "time_s");

@@ -300,8 +300,9 @@ impl Samples {
             );
             return Err(header.map_or(fault.clone(), |place| place.mark(fault)).into());
         }
-        // One is none too many for a short log: a speed that was divided by no time at first.
-        if self.bad_count > 1 && self.bad_count as f64 > BAD_SHARE * self.rows as f64 {
+        // One is none too many for a log that is not too short anyway: a speed that was divided by no time at first.
+        let most = if self.rows >= FEWEST_SAMPLES { 1.0_f64 } else { 0.0 }.max(BAD_SHARE * self.rows as f64);
+        if self.bad_count as f64 > most {
             let first = &self.bad[0];
             let fault = BadInput::new(
                 &self.path,

@@ -53,6 +53,19 @@ fn a_table_without_a_drive_says_so_and_why_no_other_column_is_one() {
     }
 }
 
+/// A robot's speed beside the one that it was to reach is no voltage, and what counts the rows of each run is no clock.
+#[test]
+fn what_is_reached_of_a_set_point_drives_nothing_and_what_numbers_the_rows_of_several_runs_tells_no_time() {
+    let steps = |k: f64| [0.0, 6.0, -4.0, 3.0][(k / 50.0) as usize];
+    let robot = table("t,v_ref,v,omega_L,u_L", |k| {
+        vec![0.01 * k, 0.3, 0.01 * speed(k), speed(k) * 0.1 * steps(k), steps(k)]
+    });
+    assert_eq!(map_of(&robot), "time=t:s,voltage=u_L:V,speed=omega_L:rad/s");
+    let runs = table("0,0,0", |k| vec![k % 50.0, steps(k), 5.0 * steps(k) + 0.1 * (k * k).sin()]);
+    let map = map_of(&runs.replacen("0,0,0\n", "", 1));
+    assert!(!map.contains("time"), "{map}");
+}
+
 #[test]
 fn what_a_proposal_takes_for_the_drive_is_asked_where_it_may_be_another() {
     let steps = |k: f64| [0.0, 12_000.0, 6000.0, 9000.0][(k / 50.0) as usize];

@@ -70,6 +70,18 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             *guess = Some((Quantity::Duty, plain));
             continue;
         }
+        // `v` beside `v_ref` is what was reached of it.
+        let is_of = |target: &str| {
+            let (own, target) = (names[index].to_lowercase(), target.to_lowercase());
+            own.chars().count() == 1
+                && [format!("{own}_"), format!("{own}ref")].iter().any(|of| target.starts_with(of))
+        };
+        if quantity == Quantity::Voltage
+            && names.iter().zip(&said).any(|(name, said)| said.target && is_of(name))
+        {
+            *guess = None;
+            continue;
+        }
         if said[index].unit == Some("counts") && is_level(rows.len(), &range) {
             *guess = None;
             continue;
