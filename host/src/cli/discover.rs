@@ -98,6 +98,7 @@ pub fn story(found: &Discovery, findings: &Findings, records: &[Record]) -> Stri
     text += &prose::parameters(&findings.parameters);
     text += "what voltage and motion alone determine:\n";
     text += &prose::parameters(&findings.combinations);
+    text += &prose::supposed(findings);
     for set in found.open_sets() {
         let names: Vec<&str> = set.iter().map(|k| k.name()).collect();
         text += &format!("\nThese records cannot tell apart: {}.\n", names.join(", "));

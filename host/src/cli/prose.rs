@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::compare::measures::Measures;
-use crate::findings::{Findings, NextStep, Standing};
+use crate::findings::{Findings, MANY, NextStep, Standing, Verdict, multiple};
 use crate::fit::uncertainty::Estimate;
 use crate::log::{ReadArgs, Warning, guess};
 use crate::report::figure::in_words;
@@ -111,6 +111,17 @@ pub fn interval(e: &Estimate) -> String {
         return words::NOT_DETERMINED.to_owned();
     }
     format!("{} .. {}", figure(e.low), figure(e.high))
+}
+
+/// What the intervals of a model that leaves much suppose; empty where it leaves little.
+pub fn supposed(findings: &Findings) -> String {
+    let much = |n: &f64| findings.verdict != Verdict::Explained && *n > MANY;
+    findings.left_over.filter(much).map_or_else(String::new, |n| {
+        format!(
+            "The intervals suppose that the model lacks nothing. It leaves {}: what it lacks may have moved the values further.\n",
+            multiple(n)
+        )
+    })
 }
 
 /// The experiments that `findings` suggest, or why there is none, a line each.

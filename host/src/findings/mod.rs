@@ -25,7 +25,7 @@ use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
-pub use verdict::{Errors, Verdict, multiple};
+pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;
 
 /// Everything found, in the order of the published layout.

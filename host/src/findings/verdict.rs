@@ -12,7 +12,7 @@ use crate::select::adequacy::Adequacy;
 use crate::sentence::{capital, listed};
 
 /// Multiples of the noise level above which nothing is called explained that is not a disturbance by all that these records show.
-const MANY: f64 = 10.0;
+pub const MANY: f64 = 10.0;
 /// ... and above which a fit that nobody has diagnosed is doubted.
 const CLOSE: f64 = 1.5;
 /// What a disturbance may leave of the motion within a second: a model that misses more of it than this explains part of it at most.

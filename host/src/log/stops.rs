@@ -78,6 +78,10 @@ fn stays(
         return None;
     }
     moving.sort_by(f64::total_cmp);
+    // What mostly moves against its voltage has its sign turned round, and where it stands then says nothing.
+    if moving[moving.len() / 2] == 0.0 {
+        return None;
+    }
     let free = moving[moving.len() / 10];
     let at_end = |k: usize| (angle[k] - end).abs() <= near && speed[k].abs() < slow;
     let (mut hardest, mut stay, mut ranges) = (0.0_f64, 0.0, Vec::new());
@@ -148,6 +152,20 @@ mod tests {
         assert_eq!(name, "hard_stop");
         assert!(why.contains("stands at 1.50 rad at up to 6.0 V"), "{why}");
         assert!(fix.contains("--skip \"a run:") || fix.contains("--skip a run:"), "{fix}");
+    }
+
+    /// One pin of its bridge is wired: it answers one polarity only, and its counts fall under it.
+    #[test]
+    fn a_motor_whose_counts_have_the_other_sign_and_that_answers_one_polarity_meets_no_stop() {
+        let mut x = 0.0;
+        let time_s: Vec<f64> = (0..4000).map(|k| f64::from(k) * 0.005).collect();
+        let voltage_v: Vec<f64> = time_s.iter().map(|t| 6.0 * (0.4 * t).sin()).collect();
+        let angles = voltage_v.iter().map(|v| {
+            x -= 0.005 * 2.0 * (v - 0.5).max(0.0);
+            x
+        });
+        let angle_rad = Some(angles.collect());
+        assert_eq!(hard_stop(&Record { time_s, voltage_v, angle_rad, ..bounded(1.0, 0.0) }), None);
     }
 
     #[test]
