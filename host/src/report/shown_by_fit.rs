@@ -63,17 +63,19 @@ fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
 /// How many times nearer than the last model of `ladder` a smaller one, or the `usual` one, comes to the records that judge; 1 where none
 /// comes much nearer.
 pub fn beaten(ladder: &[Rung], usual: Option<&Rung>) -> f64 {
-    let smaller = nearest(ladder).map(|(_, times)| times);
+    let size = ladder.last().map_or(0, |last| last.effects.len());
+    let smaller = nearest(ladder, |rung| rung.effects.len() < size).map(|(_, times)| times);
     let usual = usual_is_nearer(ladder, usual).map(|(_, times)| times);
     smaller.into_iter().chain(usual).fold(1.0, f64::max)
 }
 
-/// The model of `ladder` that comes nearest to the records kept out, and how many times nearer than the last one; none where not by much.
-fn nearest(ladder: &[Rung]) -> Option<(&Rung, f64)> {
+/// The model of `ladder` among those asked for that comes nearest to the records kept out, and how many times nearer than the last one; none
+/// where not by much.
+fn nearest(ladder: &[Rung], among: impl Fn(&Rung) -> bool) -> Option<(&Rung, f64)> {
     let error = |rung: &Rung| rung.validation.map(|m| m.rmse);
     let last = ladder.last().and_then(error)?;
-    let (best, least) =
-        ladder.iter().filter_map(|rung| Some((rung, error(rung)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let known = ladder.iter().filter(|rung| among(rung)).filter_map(|rung| Some((rung, error(rung)?)));
+    let (best, least) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (last > MUCH_WORSE * least).then(|| (best, last / least))
 }
 
@@ -86,7 +88,7 @@ fn usual_is_nearer<'a>(ladder: &'a [Rung], usual: Option<&Rung>) -> Option<(&'a 
 
 /// The last model of `ladder`, where a smaller one does much better on the records that judged it.
 pub fn doubted_by_validation(ladder: &[Rung]) -> Option<Warning> {
-    nearest(ladder).map(|(best, times)| Warning {
+    nearest(ladder, |_| true).map(|(best, times)| Warning {
         place: "validation records".into(),
         what: format!(
             "not_confirmed: the model with {} meets the validation records {:.1} times better than with the effects that came after it",
@@ -217,6 +219,12 @@ mod tests {
         );
         assert!(told.fix.contains("fit --effects coulomb,delay"), "{}", told.fix);
         assert_eq!(doubted_by_validation(&ladder[..2]), None);
+        assert_eq!(beaten(&ladder, None), 1.0, "by a larger one");
+        let [base, both, one] = ladder.clone();
+        assert!(
+            (beaten(&[base, one, Rung { validation: ladder[0].validation, ..both }], None) - 10.0).abs()
+                < 1e-9
+        );
         let alone = ladder.map(|rung| Rung { validation: None, ..rung });
         assert_eq!(doubted_by_validation(&alone), None);
     }
