@@ -55,7 +55,8 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
     let layout: Layout = problem.layout(&kinds);
     let x = layout.pack(values);
     let plain = layout.all_plain(&x);
-    let run = |problem: &Problem, grid: &Grid| free_run(grid, predict_one(&kinds, &plain, &problem.rig, grid));
+    let run =
+        |problem: &Problem, grid: &Grid| free_run(grid, predict_one(&kinds, &plain, &problem.rig, grid));
     let mut runs: Vec<FreeRun> = problem.grids.iter().map(|grid| run(&problem, grid)).collect();
     problem.begin_under(&layout, &x);
     for (opening, grid) in runs.iter_mut().zip(&problem.grids).filter(|(_, grid)| !grid.rests()) {

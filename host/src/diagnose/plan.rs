@@ -300,7 +300,11 @@ impl Plan {
                 "{name} plays what {} answer differently: even {a} and {b}, the most alike, would differ by {}{}",
                 names.join(", "),
                 multiple(self.separation),
-                if self.separation < 1.0 { ", which shows only where it is played several times" } else { "" }
+                if self.separation < 1.0 {
+                    ", which shows only where it is played several times"
+                } else {
+                    ""
+                }
             ),
             (None, false) => format!(
                 "of the programmes known none would tell {a} and {b} apart: in the best of them, {name}, they differ by less \

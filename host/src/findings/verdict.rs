@@ -271,7 +271,8 @@ mod tests {
 
     #[test]
     fn a_hundred_times_the_noise_is_never_called_explained() {
-        let errors = Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors =
+            Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.verdict(0, ALL), Verdict::Unexplained);
         assert!(errors.headline::<&str>(&[], Verdict::Unexplained, SOME).ends_with("151 x the noise"));
     }
@@ -289,7 +290,8 @@ mod tests {
 
     #[test]
     fn a_disturbance_that_hides_nothing_is_named_with_its_size() {
-        let errors = Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors =
+            Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
         let left = Adequacy::Disturbance(0.05);
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         assert_eq!(errors.verdict(0, left), Verdict::Explained);
@@ -306,7 +308,8 @@ mod tests {
     #[test]
     fn a_disturbance_that_is_half_of_the_motion_is_not_called_explained() {
         let left = Adequacy::Disturbance(0.07);
-        let errors = Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6, strayed: 0.3, beaten: 1.0 };
+        let errors =
+            Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6, strayed: 0.3, beaten: 1.0 };
         assert_eq!(errors.verdict(1, left), Verdict::PartlyExplained);
         assert_eq!(Errors { strayed: 0.05, ..errors }.verdict(1, left), Verdict::Explained);
     }
@@ -315,7 +318,8 @@ mod tests {
     #[test]
     fn a_torque_smaller_than_the_voltage_is_known_is_told_and_not_held_against_the_model() {
         let left = Adequacy::Trifle(0.007);
-        let errors = Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
+        let errors =
+            Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         let told = errors.headline(&["coulomb (74.9 mV)"], Verdict::Explained, left);
         let end = "what is left is 145 x the noise, and comes to a torque of 7 mV, less than a thousandth of the highest voltage";
@@ -326,7 +330,8 @@ mod tests {
 
     #[test]
     fn a_comparison_does_not_call_too_little_what_a_diagnosis_calls_explained() {
-        let errors = Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
+        let errors =
+            Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
         let told = errors.so_far(&["coulomb"], None);
         assert!(told.ends_with("145 x the noise: as close as the equations of a motor come"), "{told}");
         assert!(errors.is_close() && !Errors { strayed: 0.02, ..errors }.is_close());
@@ -334,7 +339,8 @@ mod tests {
 
     #[test]
     fn readings_too_smooth_to_have_a_noise_are_told_by_what_is_missed_of_the_motion() {
-        let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01, beaten: 1.0 };
+        let errors =
+            Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01, beaten: 1.0 };
         assert_eq!(errors.left_over(), None);
         let told = errors.headline(&["coulomb (0.4 V)"], Verdict::PartlyExplained, SOME);
         let said = "explains 94 % of the error; what is left is 4.0 % of the motion (the noise is too small to be known)";
