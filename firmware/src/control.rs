@@ -166,6 +166,7 @@ impl<H: Hardware> Control<H> {
         self.ticks = self.ticks.wrapping_add(1);
         if self.state != RunState::Running {
             // What is converted while nothing runs belongs to no sample.
+            let _ = self.hardware.analog().gather();
             let _ = self.hardware.analog().means();
             return;
         }
@@ -179,7 +180,7 @@ impl<H: Hardware> Control<H> {
             Some(Next::Duty(duty)) if on_time => Some(self.hardware.apply(self.setup.drive, duty)),
             _ => None,
         };
-        // After the duty, for what it takes varies by a round of the converter.
+        // After the duty, for what it takes varies by a round of the converter. Here the interval ends: what comes of it may take its time.
         let recent = self.hardware.analog().gather();
         if self.is_pumped(&recent) {
             return self.stop(Cause::Supply);

@@ -18,7 +18,7 @@ pub trait Analog {
     /// Adds up what was converted since the last time, and returns the means of that alone, of what is wired, where enough was converted
     /// for one. Called at least every millisecond.
     fn gather(&mut self) -> Means;
-    /// The means since the last time that they were asked for.
+    /// The means of what was gathered since the last time that they were asked for.
     fn means(&mut self) -> Means;
 }
 

@@ -160,7 +160,6 @@ impl Analog for Sense {
     }
 
     fn means(&mut self) -> Means {
-        self.gather();
         self.sums.take(self.wiring, CALIBRATED_MV)
     }
 }

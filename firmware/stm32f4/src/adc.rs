@@ -186,7 +186,6 @@ impl Analog for Sense {
     }
 
     fn means(&mut self) -> Means {
-        self.gather();
         self.sums.take(self.wiring, FULL_MV.load(Ordering::Relaxed))
     }
 }

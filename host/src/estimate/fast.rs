@@ -10,6 +10,7 @@ use crate::fit::layout::{BaseValues, Values};
 use crate::fit::search::Problem;
 use crate::select;
 use crate::select::fitted::Fitted;
+use crate::stop;
 
 /// Steps of the textbook's search.
 const TEXTBOOK: usize = 60;
@@ -20,7 +21,7 @@ pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Sear
     let evidence = Evidence::of(problem.clone(), Vec::new());
     let plain = select::fitted_from(&evidence, base);
     let found = in_order(&evidence, &plain, effects.iter());
-    let found = if effects.len() > 1 {
+    let found = if effects.len() > 1 && !stop::asked() {
         let reversed = in_order(&evidence, &plain, effects.iter().rev()).values();
         let own = |kind: &Kind| Some((*kind, reversed.parameters(*kind)?.to_vec()));
         let effects = found.kinds().iter().filter_map(own).collect();
@@ -36,14 +37,20 @@ pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Sear
 /// models the one that contains the other is never the worse.
 fn in_order<'a>(evidence: &Evidence, plain: &Fitted, order: impl Iterator<Item = &'a Kind>) -> Fitted {
     let mut chosen = plain.clone();
-    let mut kept = plain.simulating(evidence);
+    // What a stopped search has found is not asked for.
+    let fitted_for_use =
+        |model: &Fitted| if stop::asked() { model.clone() } else { model.simulating(evidence) };
+    let mut kept = fitted_for_use(plain);
     for kind in order {
         let Some(richer) = select::with(evidence, &chosen, *kind) else { continue };
         let nothing = nothing(&richer.values(), *kind);
         let poorer = extended(&kept.values(), *kind, nothing);
-        let again = Fitted::of(evidence, &poorer, 1, 0).simulating(evidence);
-        kept = richer.simulating(evidence).or_better(Some(again));
+        let again = fitted_for_use(&Fitted::of(evidence, &poorer, 1, 0));
+        kept = fitted_for_use(&richer).or_better(Some(again));
         chosen = richer;
+        if stop::asked() {
+            break;
+        }
     }
     kept
 }
