@@ -20,9 +20,10 @@ const TEXTBOOK: usize = 60;
 pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Searched {
     let evidence = Evidence::of(problem.clone(), Vec::new());
     let plain = select::fitted_from(&evidence, base);
-    let found = in_order(&evidence, &plain, effects.iter());
+    let kept = for_use(&evidence, &plain);
+    let found = in_order(&evidence, [&plain, &kept], effects.iter());
     let found = if effects.len() > 1 && !stop::asked() {
-        let reversed = in_order(&evidence, &plain, effects.iter().rev()).values();
+        let reversed = in_order(&evidence, [&plain, &kept], effects.iter().rev()).values();
         let own = |kind: &Kind| Some((*kind, reversed.parameters(*kind)?.to_vec()));
         let effects = found.kinds().iter().filter_map(own).collect();
         let start = Values { base: reversed.base, effects };
@@ -33,26 +34,31 @@ pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Sear
     Searched { values: found.values(), history: Vec::new(), evaluations: evidence.simulations() }
 }
 
-/// `plain` with the effects of `order`, fitted for use. With each it begins once more where it ended without it and the effect is nothing: of two
-/// models the one that contains the other is never the worse.
-fn in_order<'a>(evidence: &Evidence, plain: &Fitted, order: impl Iterator<Item = &'a Kind>) -> Fitted {
-    let mut chosen = plain.clone();
-    // What a stopped search has found is not asked for.
-    let fitted_for_use =
-        |model: &Fitted| if stop::asked() { model.clone() } else { model.simulating(evidence) };
-    let mut kept = fitted_for_use(plain);
+/// A model, as effects are `chosen` by and as it is `kept` for use, with the effects of `order`, fitted for use. With each it begins once more
+/// where it ended without it and the effect is nothing: of two models the one that contains the other is never the worse.
+fn in_order<'a>(
+    evidence: &Evidence,
+    [chosen, kept]: [&Fitted; 2],
+    order: impl Iterator<Item = &'a Kind>,
+) -> Fitted {
+    let (mut chosen, mut kept) = (chosen.clone(), kept.clone());
     for kind in order {
         let Some(richer) = select::with(evidence, &chosen, *kind) else { continue };
         let nothing = nothing(&richer.values(), *kind);
         let poorer = extended(&kept.values(), *kind, nothing);
-        let again = fitted_for_use(&Fitted::of(evidence, &poorer, 1, 0));
-        kept = fitted_for_use(&richer).or_better(Some(again));
+        let again = for_use(evidence, &Fitted::of(evidence, &poorer, 1, 0));
+        kept = for_use(evidence, &richer).or_better(Some(again));
         chosen = richer;
         if stop::asked() {
             break;
         }
     }
     kept
+}
+
+/// `model` fitted for use; as it is where the search is to stop, for then what it has found is not asked for.
+fn for_use(evidence: &Evidence, model: &Fitted) -> Fitted {
+    if stop::asked() { model.clone() } else { model.simulating(evidence) }
 }
 
 /// The parameters of `kind` in `values`, but that it is nothing.
