@@ -1,15 +1,16 @@
 //! The loop compiled for each small set of effects, and the choice among them.
 //!
 //! With the set known to the compiler a step has no branches and the motion stays in registers: 3 to 4 times
-//! faster than a loop that asks each effect for its kind. Sets of three and more take that loop; a delay before and a filter behind the
-//! others do not count, they are there or not while the program runs.
+//! faster than a loop that asks each effect for its kind. Sets of three and more take that loop; what most motors and logs have (a delay,
+//! dry friction, a filter) does not count, it is there or not while the program runs ([`Between`]).
 
 #![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
 
 use core::marker::PhantomData;
 
 use motorlens_shared::base::Base;
-use motorlens_shared::effects::together::{Between, Effects, Nothing, Several, With};
+use motorlens_shared::effects::between::{Between, is_common};
+use motorlens_shared::effects::together::{Effects, Nothing, Several, With};
 use motorlens_shared::effects::{Kind, Named, Rig, Setting, Visit};
 use motorlens_shared::simulator::{Chosen, Prepared, Simulator};
 
@@ -29,11 +30,10 @@ pub fn run_wide(
     assert!(has_wide(), "this processor lacks AVX2 or fused multiply-add");
     // SAFETY: it has them, and everything that is unsafe below is reached from here only.
     let prepared = unsafe { prepare(base, effects, rig) };
-    let (delay, between, lag) = late_apart(effects);
-    let work = Work { prepared, effects, delay, between, lag, course, sink };
-    match between {
-        // A formula reads what a filter has left: its set is none of those compiled.
-        _ if between.iter().any(|(kind, _)| kind.spec().is_late()) => work.run_several(),
+    let (common, between) = common_apart(effects);
+    let work = Work { prepared, effects, common: &common, between: &between, course, sink };
+    match between.as_slice() {
+        _ if common.len() + between.len() < effects.len() => work.run_several(),
         [] => work.run(|_| Nothing),
         [(kind, _)] => kind.with(work),
         [(kind, _), _] => kind.with(First(work)),
@@ -41,19 +41,25 @@ pub fn run_wide(
     }
 }
 
-/// The parameters of what is only late, where it is there.
-type Late<'a> = Option<&'a [Wide]>;
+/// Some effects with their parameters.
+type Set<'a> = Vec<Chosen<'a, Wide>>;
 
-/// The parameters of a delay at the beginning of `effects`, what is between, and those of a filter at their end.
-fn late_apart<'a>(effects: &'a [Chosen<'a, Wide>]) -> (Late<'a>, &'a [Chosen<'a, Wide>], Late<'a>) {
-    let (delay, rest) = match effects {
-        [(Kind::Delay, delay), rest @ ..] => (Some(*delay), rest),
-        rest => (None, rest),
-    };
-    match rest {
-        [between @ .., (Kind::SensorLag, lag)] => (delay, between, Some(*lag)),
-        between => (delay, between, None),
+/// Of `effects` those that are common, and the others. Some are in neither where the order of the registry would be lost: of two frictions, and
+/// where a formula reads what a filter has left.
+fn common_apart<'a>(effects: &[Chosen<'a, Wide>]) -> (Set<'a>, Set<'a>) {
+    let (mut common, mut between) = (Set::new(), Set::new());
+    for (k, chosen) in effects.iter().enumerate() {
+        let (kind, _) = chosen;
+        let of_a_port = |other: &Chosen<Wide>| is_common(other.0) && other.0.spec().port == kind.spec().port;
+        let is_second = common.iter().any(of_a_port);
+        let is_read = *kind == Kind::SensorLag && k + 1 < effects.len();
+        if !is_common(*kind) {
+            between.push(*chosen);
+        } else if !is_second && !is_read {
+            common.push(*chosen);
+        }
     }
+    (common, between)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -62,8 +68,12 @@ fn prepare(base: &Base<Wide>, effects: &[Chosen<Wide>], rig: &Rig) -> Prepared<W
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn late<E: Effects<Wide>>(delay: Late, between: E, lag: Late, setting: &Setting<Wide>) -> Between<Wide, E> {
-    Between::new(delay, between, lag, setting)
+fn with_common<E: Effects<Wide>>(
+    common: &[Chosen<Wide>],
+    between: E,
+    setting: &Setting<Wide>,
+) -> Between<Wide, E> {
+    Between::new(common, between, setting)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -79,10 +89,9 @@ fn run_set<E: Effects<Wide>>(
 struct Work<'a> {
     prepared: Prepared<Wide>,
     effects: &'a [Chosen<'a, Wide>],
-    /// The effects without those that are only late.
+    /// Those that are common, and the others.
+    common: &'a [Chosen<'a, Wide>],
     between: &'a [Chosen<'a, Wide>],
-    delay: Late<'a>,
-    lag: Late<'a>,
     course: &'a Course<'a, Wide>,
     sink: &'a mut dyn Sink<Block>,
 }
@@ -91,11 +100,11 @@ impl Work<'_> {
     fn run<E: Effects<Wide>>(self, between: impl FnOnce(&Self) -> E) {
         let between = between(&self);
         // SAFETY: see run_wide.
-        let effects = unsafe { late(self.delay, between, self.lag, &self.prepared.setting) };
+        let effects = unsafe { with_common(self.common, between, &self.prepared.setting) };
         self.run_all(effects);
     }
 
-    /// Any set, as far as what is only late can be taken apart from it.
+    /// Any set, as far as what is common can be taken apart from it.
     fn run_many(self) {
         self.run(|work| Several::new(work.between, &work.prepared.setting));
     }
@@ -117,7 +126,7 @@ impl Visit<Wide> for Work<'_> {
         self.run_several();
     }
     fn visit<A: Named<Wide>>(self) {
-        if const { A::SPEC.is_late() } {
+        if const { is_common(Kind::ALL[A::INDEX]) } {
             unreachable!("taken apart from the others");
         } else {
             self.run(|work| With(A::named(work.between[0].1, &work.prepared.setting), Nothing));
@@ -136,7 +145,7 @@ impl Visit<Wide> for First<'_> {
         self.0.run_several();
     }
     fn visit<A: Named<Wide>>(self) {
-        if const { A::SPEC.is_late() } {
+        if const { is_common(Kind::ALL[A::INDEX]) } {
             unreachable!("taken apart from the others");
         } else {
             let second = self.0.between[1].0;
@@ -152,7 +161,7 @@ impl<A: Named<Wide>> Visit<Wide> for Second<'_, A> {
     }
     fn visit<B: Named<Wide>>(self) {
         // Half of all pairs need not be compiled.
-        if const { A::INDEX < B::INDEX && !B::SPEC.is_late() } {
+        if const { A::INDEX < B::INDEX && !is_common(Kind::ALL[B::INDEX]) } {
             self.0.run(|work| {
                 let setting = &work.prepared.setting;
                 let second = With(B::named(work.between[1].1, setting), Nothing);
@@ -169,7 +178,6 @@ mod tests {
     use super::*;
     use motorlens_shared::lanes::Lanes;
     use motorlens_shared::step::State;
-    use std::vec::Vec;
 
     use crate::{LANES, Reading};
 
@@ -230,9 +238,8 @@ mod tests {
         let work = Work {
             prepared,
             effects: &effects,
+            common: &[],
             between: &[],
-            delay: None,
-            lag: None,
             course: &course,
             sink: &mut asked,
         };
@@ -245,7 +252,7 @@ mod tests {
         if !has_wide() {
             return;
         }
-        let between: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| !kind.spec().is_late()).collect();
+        let between: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| !is_common(*kind)).collect();
         let mut sets = vec![Vec::new()];
         for (k, one) in between.iter().enumerate() {
             sets.push(vec![*one]);
@@ -253,14 +260,25 @@ mod tests {
                 between[k + 1..].iter().filter(|other| !(one.is_transmission() && other.is_transmission()));
             sets.extend(others.map(|other| vec![*one, *other]));
         }
-        for set in sets {
+        let frictions = [None, Some(Kind::Coulomb), Some(Kind::CoulombAsymmetric)];
+        for (set, friction) in sets.iter().flat_map(|set| frictions.map(|friction| (set, friction))) {
             for (delayed, filtered) in [(false, false), (true, false), (false, true), (true, true)] {
                 let mut kinds = set.clone();
-                kinds.splice(0..0, delayed.then_some(Kind::Delay));
+                kinds.extend(friction);
+                kinds.extend(delayed.then_some(Kind::Delay));
                 kinds.extend(filtered.then_some(Kind::SensorLag));
+                kinds.sort_unstable();
                 let [made, asked] = both(&kinds);
                 assert_eq!(made, asked, "{kinds:?}");
             }
+        }
+    }
+
+    #[test]
+    fn what_would_lose_its_place_in_the_order_is_run_by_the_loop_for_any_set() {
+        if has_wide() {
+            let [made, asked] = both(&[Kind::Coulomb, Kind::CoulombAsymmetric, Kind::Gravity]);
+            assert_eq!(made, asked);
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) const SPEC: Spec = Spec {
 /// Dry friction of size `level`.
 #[derive(Debug, Clone, Copy)]
 pub struct Coulomb<S> {
-    level: S,
+    pub(super) level: S,
 }
 
 impl<S: Scalar> Coulomb<S> {

@@ -1,7 +1,7 @@
 //! Dry friction that differs by direction.
 
 use super::spec::{DRY, Port, Scale, Spec, shape, strength, Search};
-use super::{Effect, Memory, Now, Setting};
+use super::{Coulomb, Effect, Memory, Now, Setting};
 use crate::scalar::Scalar;
 use crate::step::Drive;
 
@@ -35,6 +35,12 @@ impl<S: Scalar> CoulombAsymmetric<S> {
         let (level, difference) = (parameters[0], parameters[1]);
         let zero = S::zero();
         Self { forward: (level + difference).max(zero), backward: (level - difference).max(zero) }
+    }
+}
+
+impl<S: Scalar> From<Coulomb<S>> for CoulombAsymmetric<S> {
+    fn from(same: Coulomb<S>) -> Self {
+        Self { forward: same.level, backward: same.level }
     }
 }
 

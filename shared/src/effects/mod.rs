@@ -9,6 +9,7 @@ use crate::base::Base;
 use crate::scalar::Scalar;
 use crate::step::{Drive, State};
 
+pub mod between;
 mod decay;
 mod formula;
 mod pwm;

@@ -3,7 +3,7 @@
 //! A set that the compiler knows ([`With`] ... [`Nothing`]) leaves no choice to be made in a step and keeps a block of
 //! lanes in registers; [`Several`] holds any set and chooses at every step.
 
-use super::{Active, Delay, Effect, Kind, Memory, Named, Now, Port, SensorLag, Setting, Spec};
+use super::{Active, Effect, Kind, Memory, Named, Now, Port, Setting, Spec};
 use crate::scalar::Scalar;
 use crate::step::{Drive, Laws, State};
 use heapless::Vec;
@@ -103,80 +103,6 @@ impl<S: Scalar, A: Named<S>, R: Effects<S>> Effects<S> for With<A, R> {
     fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S) {
         self.0.read(state, &memories[0], reading);
         self.1.read(state, &memories[1..], reading);
-    }
-}
-
-/// Effects between the two that are only late, at the ends of the way from voltage to reading: nearly every log has one or both. Whether
-/// they are there is known when the program runs, and holds for all of a run: no set has to be compiled with and without them.
-#[derive(Debug, Clone, Copy)]
-pub struct Between<S, E> {
-    delay: Option<Delay<S>>,
-    effects: E,
-    lag: Option<SensorLag<S>>,
-}
-
-/// The memory of what is late, behind those of the effects between.
-const LATE: usize = MAX_EFFECTS - 1;
-
-impl<S: Scalar, E: Effects<S>> Between<S, E> {
-    /// The `effects`, fewer than [`MAX_EFFECTS`], with `delay` and `lag` of these parameters.
-    #[inline(always)]
-    pub fn new(delay: Option<&[S]>, effects: E, lag: Option<&[S]>, setting: &Setting<S>) -> Self {
-        Self {
-            delay: delay.map(|parameters| Delay::named(parameters, setting)),
-            effects,
-            lag: lag.map(|parameters| SensorLag::named(parameters, setting)),
-        }
-    }
-}
-
-impl<S: Scalar, E: Effects<S>> Effects<S> for Between<S, E> {
-    #[inline(always)]
-    fn laws(&self) -> Laws {
-        <Delay<S> as Named<S>>::SPEC.laws.and(self.effects.laws()).and(<SensorLag<S> as Named<S>>::SPEC.laws)
-    }
-    #[inline(always)]
-    fn two_masses(&self) -> bool {
-        self.effects.two_masses()
-    }
-    #[inline(always)]
-    fn drive(&self, now: &Now<S>, memories: &[Memory<S>], drive: &mut Drive<S>) {
-        if let Some(delay) = &self.delay {
-            delay.drive(now, &memories[LATE], drive);
-        }
-        self.effects.drive(now, memories, drive);
-    }
-    #[inline(always)]
-    fn begin(&self, state: &State<S>, memories: &mut [Memory<S>]) {
-        self.effects.begin(state, memories);
-        if let Some(lag) = &self.lag {
-            lag.begin(state, &mut memories[LATE]);
-        }
-    }
-    #[inline(always)]
-    fn settle(&self, now: &Now<S>, after: &State<S>, memories: &mut [Memory<S>]) {
-        self.effects.settle(now, after, memories);
-        if let Some(lag) = &self.lag {
-            let (mut seen, mut seen_after) = (*now, *after);
-            self.effects.show(&mut seen.state);
-            self.effects.show(&mut seen_after);
-            lag.settle(&seen, &seen_after, &mut memories[LATE]);
-        }
-    }
-    #[inline(always)]
-    fn couple(&self, part: S, state: &mut State<S>) {
-        self.effects.couple(part, state);
-    }
-    #[inline(always)]
-    fn show(&self, state: &mut State<S>) {
-        self.effects.show(state);
-    }
-    #[inline(always)]
-    fn read(&self, state: &State<S>, memories: &[Memory<S>], reading: &mut S) {
-        self.effects.read(state, memories, reading);
-        if let Some(lag) = &self.lag {
-            lag.read(state, &memories[LATE], reading);
-        }
     }
 }
 
