@@ -305,23 +305,18 @@ fn other_frequency(asked: Option<u32>, captured: &Captured) -> Option<String> {
 }
 
 fn setup(args: &Args) -> Result<Setup> {
-    let (divider, amplifier) =
-        (wiring::divider(args.wired.divider)?, wiring::amplifier(args.wired.amplifier)?);
+    let Wired { divider, amplifier } = args.wired;
     let setup = Setup {
         rate_hz: args.rate,
         drive: args.drive.mode(),
-        supply_mv: wiring::supply(args.supply, divider)?,
         duty_limit: (args.duty_limit * 1000.0).round() as u16,
-        current_limit_ma: wiring::current_limit(args.current_limit, amplifier)?,
         stall_mv: (args.stall_voltage.unwrap_or(args.supply / 3.0) * 1000.0).round() as u16,
         stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider,
-        amplifier,
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
-        ..Setup::default()
+        ..wiring::setup(args.supply, divider, amplifier, args.current_limit)?
     };
     // The board checks again, with its own log and sensors.
     setup
