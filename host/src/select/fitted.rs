@@ -49,6 +49,8 @@ pub struct Fitted {
     crossed: OnceLock<Vec<f64>>,
     /// Its simulation error on all records of the fit, once it was asked for.
     simulated: OnceLock<f64>,
+    /// Whether the records determine its gain, once that was asked for.
+    knows_gain: OnceLock<bool>,
 }
 
 impl Fitted {
@@ -79,7 +81,17 @@ impl Fitted {
         data.train.count_passes_of(&problem);
         let score = scored.under(&noise).iter().sum();
         let speeds = problem.first_speeds();
-        Self { layout, x, speeds, noise, score, scored, crossed: OnceLock::new(), simulated: OnceLock::new() }
+        Self {
+            layout,
+            x,
+            speeds,
+            noise,
+            score,
+            scored,
+            crossed: OnceLock::new(),
+            simulated: OnceLock::new(),
+            knows_gain: OnceLock::new(),
+        }
     }
 
     /// Fits the model `values`.
@@ -227,8 +239,13 @@ impl Fitted {
     /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
     /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
     pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
-        let knows = |model: &Self| Spread::of(&data.train, &model.values()).parameter(0).identifiable;
-        !knows(self) && knows(other)
+        !self.knows_gain(data) && other.knows_gain(data)
+    }
+
+    /// Whether the records determine its gain.
+    fn knows_gain(&self, data: &Evidence) -> bool {
+        let told = || Spread::of(&data.train, &self.values()).parameter(0).identifiable;
+        *self.knows_gain.get_or_init(told)
     }
 
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.
