@@ -102,11 +102,9 @@ fn text(tuned: &Tuned, period: f64) -> String {
             prose::figure(t.velocity.rms)
         );
     }
-    for of in ["position", "velocity"] {
-        let steps: Vec<&Step> = tuned.steps.iter().filter(|step| step.of == of).collect();
+    for steps in Step::by_loop(&tuned.steps) {
         let Some(first) = steps.first() else { continue };
-        let unit = if of == "velocity" { "rad/s" } else { "rad" };
-        let head = format!("a step of the {of} by {} {unit}", prose::figure(first.height));
+        let head = format!("a step of the {} by {} {}", first.of, prose::figure(first.height), first.unit());
         text += &format!("\n{head:<44} {:>8} {:>8} {:>8} {:>8}\n", "rise / s", "beyond", "settled", "left");
         let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
         for step in steps {
