@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::interrupt::interrupted;
 use super::strip::Strip;
-use super::{Console, prose};
+use super::{Console, next};
 use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
@@ -217,8 +217,8 @@ pub(super) fn discover_next<'a>(logs: impl Iterator<Item = &'a Path>, console: &
     let held_out =
         |log: &&Path| log.file_name().is_some_and(|name| name.to_string_lossy().starts_with("holdout-"));
     let (judge, fit): (Vec<&Path>, Vec<&Path>) = logs.partition(held_out);
-    let fit: Vec<String> = fit.into_iter().map(prose::shell).collect();
-    let judge = judge.into_iter().map(|log| format!(" --validate {}", prose::shell(log)));
+    let fit: Vec<String> = fit.into_iter().map(next::shell).collect();
+    let judge = judge.into_iter().map(|log| format!(" --validate {}", next::shell(log)));
     if !fit.is_empty() {
         let command =
             format!("motorlens discover {}{} --out model.json", fit.join(" "), judge.collect::<String>());

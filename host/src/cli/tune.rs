@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::model_file::Model;
@@ -54,7 +54,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let document = Document { schema: 1, period_s: args.period, tuned };
     console.answer(&document, || text(&document.tuned, args.period));
-    let model = prose::shell(&args.model);
+    let model = next::shell(&args.model);
     console.next("use the model in a program", &format!("motorlens export {model} --format c --out motor.c"));
     Ok(())
 }
