@@ -37,7 +37,7 @@ pub(super) fn numbers_rows(name: &str, values: &[f64]) -> bool {
 }
 
 /// Whether a column without a name counts the rows, of several runs one after the other too. No row is left out: nothing else tells such a
-/// column from an encoder that turns slowly, or from a clock with a tick a row.
+/// column from an encoder that turns slowly, or from a clock of about a tick a row.
 pub(super) fn counts_rows(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[1] - pair[0] == 1.0 || pair[1] < pair[0] && pair[1] == values[0])
 }
