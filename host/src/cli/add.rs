@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::discover::unit;
 use super::input::LogArgs;
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::atomic_file;
 use crate::error::Result;
 use crate::estimate::{Addition, add, effect_by_name};
@@ -78,7 +78,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         // What is not worth adding is not built upon: the model that was there is.
         let base = args.out.as_ref().filter(|_| done.worth).unwrap_or(&args.model);
         let next = NextStep::new(Action::Diagnose, None);
-        console.say(prose::next(&next, Some(base), &args.input.logs));
+        console.say(next::told(&next, Some(base), &args.input.logs));
     }
     Ok(())
 }

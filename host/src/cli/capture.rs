@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::interrupt::interrupted;
 use super::strip::Strip;
-use super::{Console, prose};
+use super::{Console, next};
 use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
@@ -217,8 +217,8 @@ pub(super) fn discover_next<'a>(logs: impl Iterator<Item = &'a Path>, console: &
     let held_out =
         |log: &&Path| log.file_name().is_some_and(|name| name.to_string_lossy().starts_with("holdout-"));
     let (judge, fit): (Vec<&Path>, Vec<&Path>) = logs.partition(held_out);
-    let fit: Vec<String> = fit.into_iter().map(prose::shell).collect();
-    let judge = judge.into_iter().map(|log| format!(" --validate {}", prose::shell(log)));
+    let fit: Vec<String> = fit.into_iter().map(next::shell).collect();
+    let judge = judge.into_iter().map(|log| format!(" --validate {}", next::shell(log)));
     if !fit.is_empty() {
         let command =
             format!("motorlens discover {}{} --out model.json", fit.join(" "), judge.collect::<String>());
@@ -305,23 +305,18 @@ fn other_frequency(asked: Option<u32>, captured: &Captured) -> Option<String> {
 }
 
 fn setup(args: &Args) -> Result<Setup> {
-    let (divider, amplifier) =
-        (wiring::divider(args.wired.divider)?, wiring::amplifier(args.wired.amplifier)?);
+    let Wired { divider, amplifier } = args.wired;
     let setup = Setup {
         rate_hz: args.rate,
         drive: args.drive.mode(),
-        supply_mv: wiring::supply(args.supply, divider)?,
         duty_limit: (args.duty_limit * 1000.0).round() as u16,
-        current_limit_ma: wiring::current_limit(args.current_limit, amplifier)?,
         stall_mv: (args.stall_voltage.unwrap_or(args.supply / 3.0) * 1000.0).round() as u16,
         stall_ms: (args.stall_time * 1000.0).round() as u16,
         keep_every: args.keep_every,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider,
-        amplifier,
         // Half a second, or less where the board's log would not last for twice that.
         link_timeout_ms: (500_000 / u32::from(args.rate.max(1))).clamp(1, 500) as u16,
-        ..Setup::default()
+        ..wiring::setup(args.supply, divider, amplifier, args.current_limit)?
     };
     // The board checks again, with its own log and sensors.
     setup

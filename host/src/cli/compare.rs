@@ -6,7 +6,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::input::{LogArgs, model_and_problem};
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::compare::free_run::{FreeRun, free_runs, pooled};
 use crate::compare::measures::Measures;
 use crate::compare::{FailureMap, Slice, failure_map, write_trace};
@@ -92,7 +92,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("trace: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::next(&standing.next, Some(&args.model), &args.input.logs));
+        console.say(next::told(&standing.next, Some(&args.model), &args.input.logs));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::io::{IsTerminal, Write};
 
 use serde::Serialize;
 
-use super::prose;
+use super::{next, prose};
 use crate::error::Error;
 
 /// The two streams, and who listens.
@@ -48,7 +48,7 @@ impl Console {
     /// What can be done next, for a person.
     pub fn next(&self, what: &str, command: &str) {
         if !self.json {
-            self.say(prose::then(what, command));
+            self.say(next::then(what, command));
         }
     }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::discover::{self, search};
 use super::input::Logs;
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::compare::failure_map;
 use crate::compare::free_run::free_runs;
 use crate::diagnose::discover::Options;
@@ -84,12 +84,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     console.say(if right { "   Found right." } else { "   Not what was found." });
     let report = args.out.join("report.html");
     let mut story = Story::of(&found, &findings, &logs.records);
-    story.standing.next.command = prose::commands(&story.standing.next, Some(&model), &training).join("\n");
+    story.standing.next.command = next::commands(&story.standing.next, Some(&model), &training).join("\n");
     report::write(&story, &report)?;
     let document =
         Document { schema: 1, truth: &answer.effects, found: &findings, model, report: report.clone() };
     console.answer(&document, || {
-        let next = prose::next(&findings.next_step, Some(&document.model), &training);
+        let next = next::told(&findings.next_step, Some(&document.model), &training);
         format!("report: {}\n(or see it live: motorlens serve)\n{next}", report.display())
     });
     Ok(())

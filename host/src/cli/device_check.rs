@@ -43,14 +43,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     programme.validate(args.supply).map_err(|error| {
         Error::usage(error.to_string(), "lower --amplitude, or state the --supply there is")
     })?;
-    let divider = wiring::divider(args.wired.divider)?;
+    let Wired { divider, amplifier } = args.wired;
     let setup = setup(Setup {
         drive: args.drive.mode(),
-        supply_mv: wiring::supply(args.supply, divider)?,
         pwm_hz: args.pwm_frequency.unwrap_or(0),
-        divider,
-        amplifier: wiring::amplifier(args.wired.amplifier)?,
-        ..Setup::default()
+        ..wiring::setup(args.supply, divider, amplifier, 0.0)?
     });
     setup
         .check(1024, true)

@@ -6,7 +6,7 @@ use motorlens_shared::effects::Kind;
 
 use super::discover::{or_bad_data, unit};
 use super::input::{LogArgs, Logs};
-use super::{Console, prose, watch};
+use super::{Console, next, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
 use crate::diagnose::ladder::Ranked;
 use crate::error::Result;
@@ -39,7 +39,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let unit = unit(&logs.records);
     console.answer(&findings, || prose::headed(&standing, &story(&found, &findings, unit)));
     if !console.json() {
-        console.say(prose::next(&standing.next, Some(&args.model), &args.input.logs));
+        console.say(next::told(&standing.next, Some(&args.model), &args.input.logs));
     }
     Ok(())
 }

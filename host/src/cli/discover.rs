@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 
 use super::input::{LogArgs, Logs};
-use super::{Console, prose, watch};
+use super::{Console, next, prose, watch};
 use crate::atomic_file;
 use crate::diagnose::discover::{Discovery, Options, discover};
 use crate::error::{Error, Result};
@@ -45,7 +45,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::next(&standing.next, args.out.as_deref(), &args.input.logs));
+        console.say(next::told(&standing.next, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }

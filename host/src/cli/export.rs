@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Console, prose};
+use super::{Console, next};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
@@ -181,7 +181,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         };
         format!("{}\n{said}{kept}", files.join(", "))
     });
-    console.next("get gains for a controller", &format!("motorlens tune {}", prose::shell(&args.model)));
+    console.next("get gains for a controller", &format!("motorlens tune {}", next::shell(&args.model)));
     Ok(())
 }
 

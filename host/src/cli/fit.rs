@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::discover::unit;
 use super::input::LogArgs;
-use super::{Console, prose, watch};
+use super::{Console, next, prose, watch};
 use crate::atomic_file;
 use crate::compare::measures::Measures;
 use crate::error::Result;
@@ -125,7 +125,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::next(&standing.next, args.out.as_deref(), &args.input.logs));
+        console.say(next::told(&standing.next, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }

@@ -24,6 +24,7 @@ mod input;
 mod interrupt;
 #[cfg(feature = "device")]
 mod listen;
+mod next;
 mod paper;
 mod plan;
 mod prose;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::diagnose::diagnosed;
 use super::discover::{or_bad_data, search};
 use super::input::LogArgs;
-use super::{Console, prose};
+use super::{Console, next};
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::diagnose::plan::{Limits, Plan};
@@ -65,7 +65,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     console.answer(&answer, || story(&answer, &findings));
     if answer.next_experiment.is_some() {
-        let file = args.out.as_deref().map_or_else(|| "programme.json".to_owned(), prose::shell);
+        let file = args.out.as_deref().map_or_else(|| "programme.json".to_owned(), next::shell);
         if args.out.is_some() {
             let play = format!("--programme {file} --counts-per-rev COUNTS --out next");
             console.next("run it on the motor", &format!("motorlens capture --port PORT {play}"));
@@ -74,11 +74,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
                 label: "write it down for the board".into(),
                 ..NextStep::new(Action::Experiment, None)
             };
-            console.say(prose::next(&write, None, &args.input.logs));
+            console.say(next::told(&write, None, &args.input.logs));
         }
     } else if !console.json() {
         let first = args.input.logs.first().filter(|_| model.is_some());
-        console.say(prose::next(&findings.next_step, first.map(PathBuf::as_path), &input.logs));
+        console.say(next::told(&findings.next_step, first.map(PathBuf::as_path), &input.logs));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::discover::search;
 use super::input::LogArgs;
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
@@ -46,7 +46,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let options = Options { most: usize::from(args.most), ..Options::default() };
     let (found, findings) = search(&logs, &options, console)?;
     let mut story = Story::of(&found, &findings, &logs.records);
-    story.standing.next.command = prose::commands(&story.standing.next, None, &args.input.logs).join("\n");
+    story.standing.next.command = next::commands(&story.standing.next, None, &args.input.logs).join("\n");
     report::write(&story, &args.out)?;
     let size = std::fs::metadata(&args.out)
         .map_err(|source| Error::Io { doing: format!("cannot look at {}", args.out.display()), source })?;
@@ -59,7 +59,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         effects: found.effects.clone(),
     };
     console.answer(&document, || {
-        let next = prose::next(&findings.standing().next, None, &args.input.logs);
+        let next = next::told(&findings.standing().next, None, &args.input.logs);
         let faults = prose::shown_by_the_fit(&findings);
         let told = format!("{}\n{faults}report: {}\n{next}", document.summary, args.out.display());
         prose::headed(&story.standing, &told)

@@ -6,7 +6,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::prose::figure;
-use super::{Console, prose};
+use super::{Console, next};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
@@ -63,8 +63,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
     console.answer(&document, || text(&document.comparison));
-    let list = |paths: &[PathBuf]| paths.iter().map(|path| prose::shell(path)).collect::<Vec<_>>().join(" ");
-    let (first, second, read) = (list(&args.first), list(&args.second), prose::as_read());
+    let list = |paths: &[PathBuf]| paths.iter().map(|path| next::shell(path)).collect::<Vec<_>>().join(" ");
+    let (first, second, read) = (list(&args.first), list(&args.second), next::as_read());
     match document.comparison.verdict {
         Verdict::Same => {
             let all = format!("motorlens discover {first} {second}{read} --out model.json");

@@ -1,7 +1,7 @@
 //! `simulate` and `reveal`.
 
 use super::Console;
-use super::prose::{shell, then};
+use super::next::{shell, then};
 use crate::error::Result;
 use crate::simulate::{self, RevealArgs, SimulateArgs};
 

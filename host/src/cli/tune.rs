@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Console, prose};
+use super::{Console, next, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::model_file::Model;
@@ -54,7 +54,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
     let document = Document { schema: 1, period_s: args.period, tuned };
     console.answer(&document, || text(&document.tuned, args.period));
-    let model = prose::shell(&args.model);
+    let model = next::shell(&args.model);
     console.next("use the model in a program", &format!("motorlens export {model} --format c --out motor.c"));
     Ok(())
 }
@@ -102,11 +102,9 @@ fn text(tuned: &Tuned, period: f64) -> String {
             prose::figure(t.velocity.rms)
         );
     }
-    for of in ["position", "velocity"] {
-        let steps: Vec<&Step> = tuned.steps.iter().filter(|step| step.of == of).collect();
+    for steps in Step::by_loop(&tuned.steps) {
         let Some(first) = steps.first() else { continue };
-        let unit = if of == "velocity" { "rad/s" } else { "rad" };
-        let head = format!("a step of the {of} by {} {unit}", prose::figure(first.height));
+        let head = format!("a step of the {} by {} {}", first.of, prose::figure(first.height), first.unit());
         text += &format!("\n{head:<44} {:>8} {:>8} {:>8} {:>8}\n", "rise / s", "beyond", "settled", "left");
         let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
         for step in steps {

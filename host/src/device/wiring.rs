@@ -1,6 +1,6 @@
 //! What is wired to a board's converter, as its setup says it, and which limits can be seen through it.
 
-use motorlens_shared::link::SUPPLY_SHARES;
+use motorlens_shared::link::{SUPPLY_SHARES, Setup};
 
 use crate::error::{Error, Result};
 
@@ -11,13 +11,32 @@ const MOST_V: f32 = 65.535;
 /// The most that a board can say of a current, mA.
 const MOST_MA: f32 = 32_767.0;
 
+/// What a setup says of a supply of `supply_v`, of a `divider` by what it divides and an `amplifier` by its mV per ampere where they are wired,
+/// and of a limit of `current_limit_a`, 0 for none; all else as by default.
+///
+/// # Errors
+/// What cannot be wired, or told, or a limit that could not be seen.
+pub fn setup(
+    supply_v: f32,
+    divider: Option<f32>,
+    amplifier: Option<f32>,
+    current_limit_a: f32,
+) -> Result<Setup> {
+    let (divider, amplifier) = (self::divider(divider)?, self::amplifier(amplifier)?);
+    Ok(Setup {
+        supply_mv: supply(supply_v, divider)?,
+        current_limit_ma: current_limit(current_limit_a, amplifier)?,
+        divider,
+        amplifier,
+        ..Setup::default()
+    })
+}
+
 /// [`Setup::divider`] of a divider that divides the supply by `ratio`, 1 to 655; 0 where none is wired.
 ///
 /// # Errors
 /// Another ratio.
-///
-/// [`Setup::divider`]: motorlens_shared::link::Setup::divider
-pub fn divider(ratio: Option<f32>) -> Result<u16> {
+fn divider(ratio: Option<f32>) -> Result<u16> {
     raw(ratio, 100.0, 1.0, 655.0, "a divider divides by 1 to 655")
 }
 
@@ -25,9 +44,7 @@ pub fn divider(ratio: Option<f32>) -> Result<u16> {
 ///
 /// # Errors
 /// Another slope.
-///
-/// [`Setup::amplifier`]: motorlens_shared::link::Setup::amplifier
-pub fn amplifier(mv_per_a: Option<f32>) -> Result<u16> {
+fn amplifier(mv_per_a: Option<f32>) -> Result<u16> {
     raw(mv_per_a, 10.0, 0.1, 6553.0, "a current amplifier has 0.1 to 6553 mV per ampere")
 }
 
@@ -36,9 +53,7 @@ pub fn amplifier(mv_per_a: Option<f32>) -> Result<u16> {
 /// # Errors
 /// More than a board can be told, or a divider behind which it could not see that the supply is pumped up: full scale is no more than
 /// what ends a run.
-///
-/// [`Setup::supply_mv`]: motorlens_shared::link::Setup::supply_mv
-pub fn supply(volts: f32, divider: u16) -> Result<u16> {
+fn supply(volts: f32, divider: u16) -> Result<u16> {
     if volts > MOST_V {
         return Err(Error::usage(
             format!("a supply of {volts} V is more than a board can be told, {MOST_V} V"),
@@ -66,9 +81,7 @@ pub fn supply(volts: f32, divider: u16) -> Result<u16> {
 ///
 /// # Errors
 /// A limit that no reading can be above, or that is none.
-///
-/// [`Setup::current_limit_ma`]: motorlens_shared::link::Setup::current_limit_ma
-pub fn current_limit(amperes: f32, amplifier: u16) -> Result<u16> {
+fn current_limit(amperes: f32, amplifier: u16) -> Result<u16> {
     if amperes == 0.0 {
         return Ok(0);
     }

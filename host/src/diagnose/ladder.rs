@@ -22,6 +22,15 @@ pub struct Rung {
     pub validation: Option<Measures>,
 }
 
+#[cfg(test)]
+impl Rung {
+    /// A model with `effects` that leaves so much, rms, on the records fitted, and on `unseen` ones where there are any.
+    pub(crate) fn leaving(effects: &[Kind], train: f64, unseen: Option<f64>) -> Self {
+        let measures = |rmse| Measures { rmse, ..Measures::default() };
+        Self { effects: effects.to_vec(), train: measures(train), validation: unseen.map(measures) }
+    }
+}
+
 /// A candidate of the first diagnosis.
 #[derive(Debug, Clone, Serialize)]
 pub struct Ranked {

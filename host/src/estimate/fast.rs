@@ -20,7 +20,7 @@ const TEXTBOOK: usize = 60;
 pub(crate) fn search(problem: &Problem, base: &Values, effects: &[Kind]) -> Searched {
     let evidence = Evidence::of(problem.clone(), Vec::new());
     let plain = select::fitted_from(&evidence, base);
-    let kept = for_use(&evidence, &plain);
+    let kept = plain.simulating(&evidence);
     let found = in_order(&evidence, [&plain, &kept], effects.iter());
     let found = if effects.len() > 1 && !stop::asked() {
         let reversed = in_order(&evidence, [&plain, &kept], effects.iter().rev()).values();
@@ -46,19 +46,14 @@ fn in_order<'a>(
         let Some(richer) = select::with(evidence, &chosen, *kind) else { continue };
         let nothing = nothing(&richer.values(), *kind);
         let poorer = extended(&kept.values(), *kind, nothing);
-        let again = for_use(evidence, &Fitted::of(evidence, &poorer, 1, 0));
-        kept = for_use(evidence, &richer).or_better(Some(again));
+        let again = Fitted::of(evidence, &poorer, 1, 0).simulating(evidence);
+        kept = richer.simulating(evidence).or_better(Some(again));
         chosen = richer;
         if stop::asked() {
             break;
         }
     }
     kept
-}
-
-/// `model` fitted for use; as it is where the search is to stop, for then what it has found is not asked for.
-fn for_use(evidence: &Evidence, model: &Fitted) -> Fitted {
-    if stop::asked() { model.clone() } else { model.simulating(evidence) }
 }
 
 /// The parameters of `kind` in `values`, but that it is nothing.

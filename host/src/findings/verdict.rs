@@ -268,18 +268,20 @@ mod tests {
 
     const ALL: Adequacy = Adequacy::Noise;
     const SOME: Adequacy = Adequacy::Something;
+    /// A model that follows the motion down to the noise.
+    const PLAIN: Errors =
+        Errors { base: 1.0, model: 1.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
 
     #[test]
     fn a_hundred_times_the_noise_is_never_called_explained() {
-        let errors =
-            Errors { base: 151.0, model: 151.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 151.0, model: 151.0, ..PLAIN };
         assert_eq!(errors.verdict(0, ALL), Verdict::Unexplained);
         assert!(errors.headline::<&str>(&[], Verdict::Unexplained, SOME).ends_with("151 x the noise"));
     }
 
     #[test]
     fn the_share_and_what_is_left_are_in_one_sentence() {
-        let errors = Errors { base: 101.0, model: 4.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 101.0, model: 4.0, ..PLAIN };
         assert_eq!(errors.verdict(1, SOME), Verdict::PartlyExplained);
         let said = errors.headline(&["coulomb"], Verdict::PartlyExplained, SOME);
         assert_eq!(
@@ -290,8 +292,7 @@ mod tests {
 
     #[test]
     fn a_disturbance_that_hides_nothing_is_named_with_its_size() {
-        let errors =
-            Errors { base: 1001.0, model: 41.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 1001.0, model: 41.0, ..PLAIN };
         let left = Adequacy::Disturbance(0.05);
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         assert_eq!(errors.verdict(0, left), Verdict::Explained);
@@ -308,8 +309,7 @@ mod tests {
     #[test]
     fn a_disturbance_that_is_half_of_the_motion_is_not_called_explained() {
         let left = Adequacy::Disturbance(0.07);
-        let errors =
-            Errors { base: 6000.0, model: 1791.0, noise: 1.0, missed: 0.6, strayed: 0.3, beaten: 1.0 };
+        let errors = Errors { base: 6000.0, model: 1791.0, missed: 0.6, strayed: 0.3, ..PLAIN };
         assert_eq!(errors.verdict(1, left), Verdict::PartlyExplained);
         assert_eq!(Errors { strayed: 0.05, ..errors }.verdict(1, left), Verdict::Explained);
     }
@@ -319,7 +319,7 @@ mod tests {
     fn a_torque_smaller_than_the_voltage_is_known_is_told_and_not_held_against_the_model() {
         let left = Adequacy::Trifle(0.007);
         let errors =
-            Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
+            Errors { base: 0.49, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, ..PLAIN };
         assert_eq!(errors.verdict(1, left), Verdict::Explained);
         let told = errors.headline(&["coulomb (74.9 mV)"], Verdict::Explained, left);
         let end = "what is left is 145 x the noise, and comes to a torque of 7 mV, less than a thousandth of the highest voltage";
@@ -331,7 +331,7 @@ mod tests {
     #[test]
     fn a_comparison_does_not_call_too_little_what_a_diagnosis_calls_explained() {
         let errors =
-            Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, beaten: 1.0 };
+            Errors { base: 0.021, model: 0.021, noise: 1.45e-4, missed: 3e-4, strayed: 2e-3, ..PLAIN };
         let told = errors.so_far(&["coulomb"], None);
         assert!(told.ends_with("145 x the noise: as close as the equations of a motor come"), "{told}");
         assert!(errors.is_close() && !Errors { strayed: 0.02, ..errors }.is_close());
@@ -339,8 +339,7 @@ mod tests {
 
     #[test]
     fn readings_too_smooth_to_have_a_noise_are_told_by_what_is_missed_of_the_motion() {
-        let errors =
-            Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 0.1, model: 0.006, noise: 1.7e-8, missed: 0.04, ..PLAIN };
         assert_eq!(errors.left_over(), None);
         let told = errors.headline(&["coulomb (0.4 V)"], Verdict::PartlyExplained, SOME);
         let said = "explains 94 % of the error; what is left is 4.0 % of the motion (the noise is too small to be known)";
@@ -350,7 +349,7 @@ mod tests {
     /// A page said "explain 100 % ...; what is left is 0.8 x the noise" under "Partly explained", and nothing of why.
     #[test]
     fn where_little_is_left_a_verdict_that_doubts_it_says_why() {
-        let errors = Errors { base: 3.0, model: 0.8, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 3.0, model: 0.8, ..PLAIN };
         let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, SOME), SOME);
         assert!(told.ends_with("what is left is 0.8 x the noise, and still shows a pattern"), "{told}");
         let told = errors.headline(&["delay", "coulomb"], errors.verdict(2, ALL), ALL);
@@ -360,7 +359,7 @@ mod tests {
     /// A dead zone met the records kept out at 6 times the noise, with two more effects 9 times were "explained".
     #[test]
     fn a_model_that_a_simpler_one_beats_on_the_records_that_judge_explains_them_in_part() {
-        let errors = Errors { base: 32.0, model: 8.7, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.4 };
+        let errors = Errors { base: 32.0, model: 8.7, beaten: 1.4, ..PLAIN };
         assert_eq!(errors.verdict(3, ALL), Verdict::PartlyExplained);
         let told = errors.headline(&["dead zone", "delay"], Verdict::PartlyExplained, ALL);
         assert!(told.ends_with("8.7 x the noise, and a simpler model comes 1.4 times nearer"), "{told}");
@@ -370,7 +369,7 @@ mod tests {
 
     #[test]
     fn a_rise_is_called_a_rise() {
-        let errors = Errors { base: 2.0, model: 3.0, noise: 1.0, missed: 0.01, strayed: 0.01, beaten: 1.0 };
+        let errors = Errors { base: 2.0, model: 3.0, ..PLAIN };
         assert_eq!(errors.verdict(1, SOME), Verdict::Unexplained);
         assert!(errors.headline(&["delay"], Verdict::Unexplained, SOME).contains("the error rises"));
     }

@@ -211,7 +211,7 @@ mod tests {
     use motorlens_shared::effects::Kind;
 
     fn rung(effects: &[Kind], rmse: f64) -> Rung {
-        Rung { effects: effects.to_vec(), train: Measures { rmse, ..Measures::default() }, validation: None }
+        Rung::leaving(effects, rmse, None)
     }
 
     #[test]

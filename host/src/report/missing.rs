@@ -113,7 +113,6 @@ pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::measures::Measures;
 
     #[test]
     fn indistinguishable_candidates_share_a_place_and_follow_each_other() {
@@ -130,11 +129,7 @@ mod tests {
 
     #[test]
     fn an_accepted_effect_is_told_by_the_step_that_brought_it() {
-        let rung = |effects: &[Kind], rmse: f64| Rung {
-            effects: effects.to_vec(),
-            train: Measures { rmse, ..Measures::default() },
-            validation: None,
-        };
+        let rung = |effects: &[Kind], rmse| Rung::leaving(effects, rmse, None);
         let ladder =
             [rung(&[], 0.4), rung(&[Kind::Coulomb], 0.2), rung(&[Kind::Coulomb, Kind::Gravity], 0.05)];
         let told = accepted(Kind::Gravity, &ladder, "rad", Vec::new()).ranked;

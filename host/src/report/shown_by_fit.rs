@@ -166,16 +166,10 @@ fn of_the_sensor(kind: Kind, parameters: &[Estimate]) -> Option<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::measures::Measures;
 
     #[test]
     fn a_usual_model_that_is_much_better_on_the_records_that_judge_is_told() {
-        let measures = |rmse| Measures { rmse, ..Measures::default() };
-        let rung = |train, unseen: Option<f64>| Rung {
-            effects: vec![Kind::Stribeck],
-            train: measures(train),
-            validation: unseen.map(measures),
-        };
+        let rung = |train, unseen| Rung::leaving(&[Kind::Stribeck], train, unseen);
         let told = |last: Rung, usual: Rung| worse_than_usual(&[last], Some(&usual));
         let better = told(rung(0.1, Some(1.0)), rung(0.4, Some(0.5))).unwrap();
         assert_eq!(better.place, "validation records");
@@ -203,11 +197,7 @@ mod tests {
 
     #[test]
     fn a_smaller_model_that_meets_the_validation_records_much_better_is_named() {
-        let rung = |effects: &[Kind], rmse| Rung {
-            effects: effects.to_vec(),
-            train: Measures::default(),
-            validation: Some(Measures { rmse, ..Measures::default() }),
-        };
+        let rung = |effects: &[Kind], rmse| Rung::leaving(effects, 0.0, Some(rmse));
         let ladder =
             [rung(&[], 1.2), rung(&[Kind::Coulomb, Kind::Delay], 0.04), rung(&[Kind::Stribeck], 0.12)];
         let told = doubted_by_validation(&ladder).unwrap();

@@ -148,16 +148,11 @@ mod tests {
     use motorlens_shared::effects::Kind;
 
     use super::*;
-    use crate::compare::measures::Measures;
     use crate::findings::NextStep;
 
     #[test]
     fn a_doubted_step_is_not_praised_with_what_the_steps_before_it_gained() {
-        let rung = |effects: &[Kind], rmse: f64| Rung {
-            effects: effects.to_vec(),
-            train: Measures { rmse, ..Measures::default() },
-            validation: None,
-        };
+        let rung = |effects: &[Kind], rmse| Rung::leaving(effects, rmse, None);
         let ladder =
             [rung(&[], 3.04), rung(&[Kind::Delay], 0.7), rung(&[Kind::Delay, Kind::Stribeck], 0.789)];
         let plain = Standing::simulated(&ladder[2].train, 0.1, &[]);

@@ -19,6 +19,7 @@ use crate::fit::layout::{Layout, Values};
 use crate::fit::noise::{Coefficients, Noise, Response, coefficients};
 use crate::fit::scales::{CHOOSING, KEEPING};
 use crate::fit::uncertainty::Spread;
+use crate::stop;
 
 /// Rounds of weighing of a model that is kept, and steps of each.
 pub const SETTLED: (usize, usize) = (3, 12);
@@ -48,6 +49,8 @@ pub struct Fitted {
     crossed: OnceLock<Vec<f64>>,
     /// Its simulation error on all records of the fit, once it was asked for.
     simulated: OnceLock<f64>,
+    /// Whether the records determine its gain, once that was asked for.
+    knows_gain: OnceLock<bool>,
 }
 
 impl Fitted {
@@ -78,7 +81,17 @@ impl Fitted {
         data.train.count_passes_of(&problem);
         let score = scored.under(&noise).iter().sum();
         let speeds = problem.first_speeds();
-        Self { layout, x, speeds, noise, score, scored, crossed: OnceLock::new(), simulated: OnceLock::new() }
+        Self {
+            layout,
+            x,
+            speeds,
+            noise,
+            score,
+            scored,
+            crossed: OnceLock::new(),
+            simulated: OnceLock::new(),
+            knows_gain: OnceLock::new(),
+        }
     }
 
     /// Fits the model `values`.
@@ -90,9 +103,12 @@ impl Fitted {
 
     /// The same for use: fitted with the plain simulation error at its full weight, and corrected by that alone until it stops falling:
     /// the last drift of a long run hardly shows in the likelihood. The correction is kept where the likelihood hardly falls; where a
-    /// disturbance made the drift, it does.
+    /// disturbance made the drift, it does. Where the search is to stop it is as it was, for then nobody asks for what was found.
     #[must_use]
     pub fn simulating(&self, data: &Evidence) -> Self {
+        if stop::asked() {
+            return self.clone();
+        }
         let kept = |x: &[f64], (rounds, steps): (usize, usize)| {
             Self::weighed(data, self.layout.clone(), x, rounds, steps, KEEPING)
         };
@@ -223,8 +239,13 @@ impl Fitted {
     /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
     /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
     pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
-        let knows = |model: &Self| Spread::of(&data.train, &model.values()).parameter(0).identifiable;
-        !knows(self) && knows(other)
+        !self.knows_gain(data) && other.knows_gain(data)
+    }
+
+    /// Whether the records determine its gain.
+    fn knows_gain(&self, data: &Evidence) -> bool {
+        let told = || Spread::of(&data.train, &self.values()).parameter(0).identifiable;
+        *self.knows_gain.get_or_init(told)
     }
 
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.

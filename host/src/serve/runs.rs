@@ -94,17 +94,8 @@ fn setup(wish: &Wish) -> std::result::Result<Setup, String> {
         other => return Err(format!("{other} is no way to drive a bridge")),
     };
     let wired = |value: f32| (value != 0.0).then_some(value);
-    let divider = wiring::divider(wired(wish.divider)).map_err(|fault| fault.to_string())?;
-    let amplifier = wiring::amplifier(wired(wish.amplifier)).map_err(|fault| fault.to_string())?;
-    let setup = Setup {
-        drive,
-        divider,
-        amplifier,
-        supply_mv: wiring::supply(wish.supply_v, divider).map_err(|fault| fault.to_string())?,
-        current_limit_ma: wiring::current_limit(wish.current_limit_a, amplifier)
-            .map_err(|fault| fault.to_string())?,
-        ..Setup::default()
-    };
+    let told = wiring::setup(wish.supply_v, wired(wish.divider), wired(wish.amplifier), wish.current_limit_a);
+    let setup = Setup { drive, ..told.map_err(|fault| fault.to_string())? };
     // The board checks again, with its own log.
     setup.check(1024, true).map_err(|fault| fault.to_string())?;
     Ok(setup)

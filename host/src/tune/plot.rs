@@ -1,10 +1,17 @@
 //! The position's profile and how each trial followed it, and the steps, as SVG.
 
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::{Step, Tuned};
 
 type Failed = Box<dyn std::error::Error>;
+type Panel<'svg> = DrawingArea<SVGBackend<'svg>, Shift>;
+type Chart<'chart, 'svg> =
+    ChartContext<'chart, SVGBackend<'svg>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Four panels: the profile with each trial, the errors of all, and a step of the position and of the velocity.
 ///
@@ -22,13 +29,7 @@ pub fn plot(tuned: &Tuned) -> Result<String, Failed> {
             first.course.time_s.iter().copied().zip(first.course.wanted.iter().copied()).collect();
         let top = wanted.iter().fold(0.0_f64, |m, p| m.max(p.1.abs())) * 1.1 + 1e-9;
 
-        let mut upper = ChartBuilder::on(&panels[0])
-            .margin(10)
-            .caption("position / rad", ("sans-serif", 16))
-            .x_label_area_size(24)
-            .y_label_area_size(56)
-            .build_cartesian_2d(0.0..end, -0.1 * top..top)?;
-        upper.configure_mesh().light_line_style(WHITE).draw()?;
+        let mut upper = chart(&panels[0], "position / rad", end, -0.1 * top..top)?;
         upper
             .draw_series(LineSeries::new(wanted, BLACK))?
             .label("wanted")
@@ -56,44 +57,44 @@ pub fn plot(tuned: &Tuned) -> Result<String, Failed> {
             .draw()?;
 
         let most = errors.iter().flatten().fold(1e-9_f64, |m, p| m.max(p.1.abs())) * 1.05;
-        let mut lower = ChartBuilder::on(&panels[1])
-            .margin(10)
-            .caption("error / rad, over time / s", ("sans-serif", 16))
-            .x_label_area_size(24)
-            .y_label_area_size(56)
-            .build_cartesian_2d(0.0..end, -most..most)?;
-        lower.configure_mesh().light_line_style(WHITE).draw()?;
+        let mut lower = chart(&panels[1], "error / rad, over time / s", end, -most..most)?;
         for (k, error) in errors.into_iter().enumerate() {
             lower.draw_series(LineSeries::new(error, Palette99::pick(k).to_rgba()))?;
         }
-        for (of, panel) in ["position", "velocity"].into_iter().zip(panels[2].split_evenly((1, 2))) {
-            let steps: Vec<&Step> = tuned.steps.iter().filter(|step| step.of == of).collect();
-            draw_steps(of, &steps, &panel)?;
+        for (steps, panel) in Step::by_loop(&tuned.steps).iter().zip(panels[2].split_evenly((1, 2))) {
+            draw_steps(steps, &panel)?;
         }
         area.present()?;
     }
     Ok(text)
 }
 
+/// An empty chart over the time from nought to `end`, with its mesh.
+fn chart<'chart, 'svg>(
+    panel: &Panel<'svg>,
+    caption: &str,
+    end: f64,
+    range: Range<f64>,
+) -> Result<Chart<'chart, 'svg>, Failed> {
+    let mut chart = ChartBuilder::on(panel)
+        .margin(10)
+        .caption(caption, ("sans-serif", 16))
+        .x_label_area_size(24)
+        .y_label_area_size(56)
+        .build_cartesian_2d(0.0..end, range)?;
+    chart.configure_mesh().light_line_style(WHITE).draw()?;
+    Ok(chart)
+}
+
 /// What the steps of one loop reach.
-fn draw_steps(
-    of: &str,
-    steps: &[&Step],
-    panel: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
-) -> Result<(), Failed> {
+fn draw_steps(steps: &[&Step], panel: &Panel<'_>) -> Result<(), Failed> {
     let Some(first) = steps.first() else { return Ok(()) };
-    let unit = if of == "velocity" { "rad/s" } else { "rad" };
     let end = first.course.time_s.last().copied().unwrap_or(1.0);
     let reached = steps.iter().flat_map(|step| &step.course.reached);
     let (low, high) = reached.fold((0.0_f64, first.height), |(low, high), x| (low.min(*x), high.max(*x)));
     let room = 0.05 * (high - low) + 1e-9;
-    let mut chart = ChartBuilder::on(panel)
-        .margin(10)
-        .caption(format!("step of the {of} / {unit}, over time / s"), ("sans-serif", 16))
-        .x_label_area_size(24)
-        .y_label_area_size(56)
-        .build_cartesian_2d(0.0..end, low - room..high + room)?;
-    chart.configure_mesh().light_line_style(WHITE).draw()?;
+    let caption = format!("step of the {} / {}, over time / s", first.of, first.unit());
+    let mut chart = chart(panel, &caption, end, low - room..high + room)?;
     chart.draw_series(LineSeries::new([(0.0, 0.0), (0.0, first.height), (end, first.height)], BLACK))?;
     for (k, step) in steps.iter().enumerate() {
         let colour = Palette99::pick(k).to_rgba();

@@ -11,6 +11,9 @@ const SETTLED: f64 = 0.05;
 /// Of this last part of the run what is left is the mean.
 const LAST: f64 = 0.1;
 
+/// What the loops control, in the order in which their steps are shown.
+const LOOPS: [&str; 2] = ["position", "velocity"];
+
 /// A loop's answer to a step of what is wanted; lengths are rad of the position's loop and rad/s of the velocity's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Step {
@@ -57,5 +60,15 @@ impl Step {
             left: height * (1.0 - last.iter().sum::<f64>() / last.len() as f64),
             course,
         }
+    }
+
+    /// The unit of its height and of what is left of it.
+    pub fn unit(&self) -> &'static str {
+        if self.of == "velocity" { "rad/s" } else { "rad" }
+    }
+
+    /// Those of the position's loop, then those of the velocity's.
+    pub(crate) fn by_loop(steps: &[Self]) -> [Vec<&Self>; 2] {
+        LOOPS.map(|of| steps.iter().filter(|step| step.of == of).collect())
     }
 }

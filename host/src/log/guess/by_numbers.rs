@@ -10,6 +10,7 @@ use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;
 use super::{Proposal, Quantity, words, written};
 use crate::log::motion::{peak, span};
+use crate::log::numbered::counts_rows;
 use crate::log::timing::{jitter, median, median_interval};
 
 /// Rows that tell a course.
@@ -211,14 +212,9 @@ fn clock(columns: &[Vec<f64>]) -> Option<usize> {
         is_clock.then(|| jitter(values) / middle)
     };
     let clocks =
-        columns.iter().enumerate().filter(|(_, values)| values.len() >= FEWEST && !numbers_rows(values));
+        columns.iter().enumerate().filter(|(_, values)| values.len() >= FEWEST && !counts_rows(values));
     let clocks = clocks.filter_map(|(k, values)| Some((k, unevenness(values)?)));
     clocks.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(k, _)| k)
-}
-
-/// Whether a column counts the rows, of several runs one after the other too.
-fn numbers_rows(values: &[f64]) -> bool {
-    values.windows(2).all(|pair| pair[1] - pair[0] == 1.0 || pair[1] < pair[0] && pair[1] == values[0])
 }
 
 /// Whether column `k` is one before it once more, or what is missing of it to a target, or the difference of two.
@@ -238,7 +234,7 @@ fn is_made(columns: &[Vec<f64>], k: usize) -> bool {
 
 /// The columns that are neither the time nor made of others, and change.
 fn candidates(columns: &[Vec<f64>], time: Option<usize>) -> Vec<usize> {
-    let free = |k: &usize| Some(*k) != time && !numbers_rows(&columns[*k]) && span(&columns[*k]) > 0.0;
+    let free = |k: &usize| Some(*k) != time && !counts_rows(&columns[*k]) && span(&columns[*k]) > 0.0;
     (0..columns.len()).filter(free).filter(|k| !is_made(columns, *k)).collect()
 }
 
