@@ -6,9 +6,8 @@ mod exported;
 #[path = "exported/tools.rs"]
 mod tools;
 
-use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use exported::{OPTIONS, model, truth};
 use motorlens::compare::free_run::{free_runs, within_a_count};
@@ -193,19 +192,20 @@ struct Rig {
     kept_out: Record,
 }
 
-fn rig() -> Option<Rig> {
-    let rig = real("undcmotor-angle")?;
+fn rig() -> Rig {
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/examples/data/undcmotor-angle");
     let motor = motor_file::read(&rig.join("motor.toml")).unwrap();
     let options = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
     let read = |file: &str| log::read(&rig.join(file), &options).unwrap();
     let training = [read("train/profile.csv"), read("train/stairs.csv")].concat();
-    Some(Rig { motor, training, kept_out: read("validation/step.csv").remove(0) })
+    Rig { motor, training, kept_out: read("validation/step.csv").remove(0) }
 }
 
 /// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it: `compare` begins it in motion.
 #[test]
 fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
-    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let Some(python) = python() else { return };
+    let rig = rig();
     let how = motorlens::Options { motor: rig.motor.clone(), ..motorlens::Options::default() };
     let found =
         motorlens::discover_records(&rig.training, &how, &mut |_| ControlFlow::Continue(())).unwrap().model;
@@ -219,7 +219,8 @@ fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
 /// steps of a millisecond, as every export's: where the rig creeps and sticks, a motor with a gap goes another way with each rounding.
 #[test]
 fn mujoco_errs_as_the_model_does_with_two_bodies_on_every_log_of_a_rig() {
-    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let Some(python) = python() else { return };
+    let rig = rig();
     let mujoco = TARGETS.map(|target| (target.0 == Format::Mujoco).then_some(target));
     let mujoco: Vec<_> = mujoco.into_iter().flatten().collect();
     for between in [Kind::Backlash, Kind::Compliance] {
@@ -235,17 +236,4 @@ fn mujoco_errs_as_the_model_does_with_two_bodies_on_every_log_of_a_rig() {
             assert_eq!(taken, [Format::Mujoco]);
         }
     }
-}
-
-/// Where a real rig's logs are; says so where they are absent.
-fn real(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("MOTORLENS_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    let found = root.join(name);
-    if !found.is_dir() {
-        let message = format!("SKIPPED: no real logs at {} (set MOTORLENS_DATA)\n", found.display());
-        let _ = std::io::stderr().write_all(message.as_bytes());
-        return None;
-    }
-    Some(found)
 }
