@@ -173,7 +173,7 @@ fn every_target_begins_in_motion_where_the_record_does() {
         let mut fitted = model(effects);
         let angles: Vec<f64> = truth(&fitted, &volts).iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
         fitted.base.gain *= 1.005;
-        // From the end of step 700 on, in the middle of a reversal.
+        // From the end of step 700 on, at more than 4 rad/s backward.
         let (logged, held) = (&angles[700..], &volts[701..]);
         let time: Vec<f64> = (0..logged.len()).map(|k| k as f64 * 1e-3).collect();
         let held = [held, &[0.0]].concat();

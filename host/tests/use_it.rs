@@ -93,7 +93,7 @@ fn a_urdf_keeps_the_level_of_friction_whose_break_away_it_loses() {
     let here = directory.path();
     let stribeck = r#"{"effect":"stribeck","parameters":[{"name":"level","value":0.5,"unit":"V"},
         {"name":"excess","value":0.3,"unit":"V"},{"name":"speed","value":0.2,"unit":"rad/s"},
-        {"name":"tail","value":0.0,"unit":"1"}]}"#;
+        {"name":"tail","value":0.4,"unit":"1"}]}"#;
     model(here, "m.json", 0.9, stribeck);
     let refused = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1").ends(2);
     assert!(refused.err.contains("its level stays"), "{}", refused.err);

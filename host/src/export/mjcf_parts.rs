@@ -2,8 +2,8 @@
 //!
 //! `lugre` of a `dcmotor` is a bristle of stiffness s0 and damping s1: z' = w - s0 |w| z / g(w), torque -(s0 z + s1 z'), with
 //! g(w) = F_C + (F_S - F_C) exp(-(w / v_S)^2). In steady sliding that is `stribeck` with its excess falling like a bell (tail 0), and no
-//! other tail: MuJoCo knows one g. Before it slides, the bristle gives way by g / s0, which dry friction does not, so it has to be stiff
-//! beside what the rotor moves in a step; and s1 adds to the break-away level whatever it damps. With s0 h^2 / J = 0.003 and a hundredth of
+//! other tail: MuJoCo knows one g. Before it slides, the bristle yields by g / s0, which dry friction does not, so it has to be stiff
+//! beside what the rotor moves in a step; and s1 adds to the break-away level whatever it damps. With s0 h^2 / J = 0.003 and a fiftieth of
 //! critical damping (2 sqrt(s0 J)) a motor of these tests that reverses, creeps and rests parts by 4e-4 of its travel at most; with 0.0003 or
 //! a tenth of critical damping and more by 1e-3.
 
