@@ -6,9 +6,10 @@ use motorlens_shared::simulator::{Motion, Simulator};
 use motorlens_shared::step::State;
 
 use crate::api::{Measured, check, laid_out};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fit::grid::Grid;
 use crate::fit::simulate::predict_one;
+use crate::fit::start::held;
 use crate::model_file::Model;
 
 impl Model {
@@ -39,13 +40,45 @@ impl Model {
     /// # Ok::<(), motorlens::Error>(())
     /// ```
     pub fn simulate(&self, time_s: &[f64], voltage_v: &[f64], angle_rad: f64) -> Result<Vec<f64>> {
+        self.simulate_moving(time_s, voltage_v, angle_rad, 0.0)
+    }
+
+    /// The same from `angle_rad` in motion, at `speed_rad_s`: that of [`crate::compare::free_run::FreeRun`] gives the run of `compare`.
+    ///
+    /// The motor is taken to have turned so for a while: its current, and a voltage that acts late, are those that hold the speed.
+    ///
+    /// # Errors
+    /// As [`Model::simulate`]; a speed that is not finite.
+    ///
+    /// ```
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+    /// let model = motorlens::Model::read(path.as_ref())?;
+    /// let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
+    /// let coasting = model.simulate_moving(&time, &[0.0; 1000], 0.5, 3.0)?;
+    /// assert!(coasting[0] == 0.5 && coasting[999] > 0.51);
+    /// # Ok::<(), motorlens::Error>(())
+    /// ```
+    pub fn simulate_moving(
+        &self,
+        time_s: &[f64],
+        voltage_v: &[f64],
+        angle_rad: f64,
+        speed_rad_s: f64,
+    ) -> Result<Vec<f64>> {
+        if !(angle_rad.is_finite() && speed_rad_s.is_finite()) {
+            return Err(Error::usage(
+                format!("a run cannot begin at {angle_rad} rad with {speed_rad_s} rad/s"),
+                "give a first angle and a first speed that are numbers",
+            ));
+        }
         check("voltage", &[("time_s", time_s), ("voltage_v", voltage_v)])?;
         if time_s.len() < 2 {
             return Ok(vec![angle_rad; time_s.len()]);
         }
         let shown = vec![angle_rad; time_s.len()];
         let record = laid_out("voltage", time_s, voltage_v, Measured::Angle(&shown));
-        let grid = Grid::new(&record, self.rig.count_rad);
+        let mut grid = Grid::new(&record, self.rig.count_rad);
+        grid.begin_at(speed_rad_s, held(&self.rig(grid.step_s), speed_rad_s));
         let simulated = predict_one(&self.values().kinds(), &self.plain(), &self.rig(grid.step_s), &grid);
         if grid.len() == time_s.len() {
             return Ok(simulated);
@@ -68,14 +101,22 @@ impl Model {
     /// # Ok::<(), motorlens::Error>(())
     /// ```
     pub fn start(&self, step_s: f64, angle_rad: f64) -> Running {
+        self.start_moving(step_s, angle_rad, 0.0)
+    }
+
+    /// The same in motion, at `speed_rad_s`; see [`Model::simulate_moving`].
+    pub fn start_moving(&self, step_s: f64, angle_rad: f64, speed_rad_s: f64) -> Running {
         let values = self.values();
         let effects = values.effects.iter().map(|(kind, p)| (*kind, p.as_slice()));
-        let simulator = Simulator::new(&values.base.base(), effects, &self.rig(step_s));
-        let motion = simulator.start(State::moving(0.0, 0.0, angle_rad));
+        let (base, rig) = (values.base.base(), self.rig(step_s));
+        let simulator = Simulator::new(&base, effects, &rig);
+        let before = if speed_rad_s == 0.0 { 0.0 } else { held(&rig, speed_rad_s) };
+        let current = before - base.back_emf() * speed_rad_s;
+        let motion = simulator.start(State::moving(current, speed_rad_s, angle_rad));
         Running {
             simulator,
             motion,
-            voltages: vec![0.0],
+            voltages: vec![before],
             steps: 0,
             keep: self.steps_looked_back(step_s),
             step_s,

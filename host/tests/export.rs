@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use exported::{OPTIONS, formulas, model, sets, truth, volts};
+use exported::{OPTIONS, at_the_output, formulas, model, pairs, sets, truth, volts};
 use motorlens::export::cost::cost;
 use motorlens::export::{Format, Options, export};
 use motorlens::model_file::Model;
@@ -53,7 +53,8 @@ fn c_compiles_without_warnings_and_runs_like_the_model() {
     if !there_is("cc") {
         return;
     }
-    for model in sets().into_iter().chain(formulas()) {
+    let output = sets().into_iter().map(at_the_output);
+    for model in sets().into_iter().chain(formulas()).chain(output) {
         let directory = tempfile::tempdir().unwrap();
         let source = write(directory.path(), "motor.c", &model, Format::C);
         let binary = directory.path().join("motor");
@@ -74,26 +75,13 @@ fn python_runs_like_the_model() {
     if !there_is("python3") {
         return;
     }
-    for model in sets().into_iter().chain(formulas()) {
+    let output = sets().into_iter().map(at_the_output);
+    for model in sets().into_iter().chain(formulas()).chain(output) {
         let directory = tempfile::tempdir().unwrap();
         let mut program = Command::new("python3");
         program.arg(write(directory.path(), "motor.py", &model, Format::Python));
         assert_same(&model, &angles(program));
     }
-}
-
-/// Two effects at their typical sizes, but for two transmissions, of which a model has one.
-fn pairs() -> Vec<Model> {
-    let typical = |kind: Kind| -> Vec<f64> {
-        kind.spec().parameters.iter().map(|p| p.typical * p.scale.unit(&exported::rig())).collect()
-    };
-    let all = |a: Kind| Kind::ALL.iter().map(move |b| (a, *b));
-    Kind::ALL
-        .iter()
-        .flat_map(|a| all(*a))
-        .filter(|(a, b)| a < b && !(a.is_transmission() && b.is_transmission()))
-        .map(|(a, b)| model(&[(a, &typical(a)), (b, &typical(b))]))
-        .collect()
 }
 
 #[test]

@@ -1,15 +1,17 @@
 //! The bar of every export: run in its own tool against a record, it errs by at most a hundredth more than the model does, or it
-//! is refused.
+//! is refused. That error is `compare`'s own number, and every target begins as the model does there: at the record's first angle, and in
+//! motion where the record is.
 
 mod exported;
 #[path = "exported/tools.rs"]
 mod tools;
 
-use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use exported::{OPTIONS, model, truth};
+use motorlens::compare::free_run::{free_runs, within_a_count};
+use motorlens::compare::problem_of;
 use motorlens::estimate;
 use motorlens::export::cost::cost;
 use motorlens::export::{Format, Options, export};
@@ -17,7 +19,7 @@ use motorlens::log::{self, ReadOptions, Record};
 use motorlens::model_file::Model;
 use motorlens::motor_file::{self, MotorFile};
 use motorlens_shared::effects::Kind;
-use tools::{HELD_MODELICA, TARGETS, Target, python, run, volts};
+use tools::{Begin, HELD_MODELICA, TARGETS, Target, python, run, volts};
 
 /// Effects with their parameters.
 type Effects = &'static [(Kind, &'static [f64])];
@@ -28,25 +30,56 @@ struct Measured {
     motor: MotorFile,
     volts: Vec<f64>,
     readings: Vec<(usize, f64)>,
+    /// How `compare` begins, and what the model then misses the first reading by.
+    begin: Begin,
+    first_error: f64,
+    /// What an angle may be moved by: an encoder begins anywhere within a count.
+    count: f64,
+    /// The model's own error by `compare`.
+    own: f64,
 }
 
 impl Measured {
+    fn new(model: &Model, record: &Record, motor: &MotorFile) -> Self {
+        let problem = problem_of(model, std::slice::from_ref(record), motor).unwrap();
+        let run = free_runs(&problem, &model.values()).remove(0);
+        let (rig, speed) = (model.rig(1e-3), run.first_speed_rad_s);
+        let steps: Vec<usize> =
+            record.time_s.iter().map(|t| ((t - record.time_s[0]) * 1e3).round() as usize).collect();
+        let volts =
+            steps.windows(2).zip(&record.voltage_v).flat_map(|(w, v)| vec![*v; w[1] - w[0]]).collect();
+        let angle = record.angle_rad.as_deref().expect("it measures its angle");
+        Self {
+            record: record.clone(),
+            motor: motor.clone(),
+            volts,
+            readings: steps.iter().zip(angle).skip(1).map(|(step, x)| (step - 1, *x)).collect(),
+            begin: [angle[0], speed, speed * rig.nominal_v / rig.reference_speed],
+            first_error: angle[0] - model.start_moving(1e-3, angle[0], speed).angle_rad(),
+            count: problem.grids[0].offset(),
+            own: run.measures().rmse,
+        }
+    }
+
     /// Root mean square of what `run` misses it by.
     fn error(&self, run: &[f64]) -> f64 {
-        let sum: f64 = self.readings.iter().map(|(step, x)| (run[*step] - x) * (run[*step] - x)).sum();
-        (sum / self.readings.len() as f64).sqrt()
+        let later = self.readings.iter().map(|(step, x)| x - run[*step]);
+        let errors: Vec<f64> = std::iter::once(self.first_error).chain(later).collect();
+        let within = within_a_count(errors.iter().copied(), self.count);
+        let sum: f64 = errors.iter().map(|error| (error - within).powi(2)).sum();
+        (sum / errors.len() as f64).sqrt()
     }
 }
 
-/// Runs each of `targets` that takes `model`, and says which. `own` is the model's error on the record.
+/// Runs each of `targets` that takes `model`, and says which.
 fn targets_that_take(
     python: &str,
     targets: &[Target],
     name: &str,
     model: &Model,
     measured: &Measured,
-    own: f64,
 ) -> Vec<Format> {
+    let own = measured.own;
     let (mut taken, mut worse) = (Vec::new(), Vec::new());
     for (format, file, script, tool) in targets {
         let step_s = if *format == Format::Mujoco { None } else { OPTIONS.step_s };
@@ -73,7 +106,7 @@ fn targets_that_take(
         }
         let is_held = *format == Format::Modelica && measured.volts != volts();
         let script = if is_held { HELD_MODELICA } else { script };
-        let there = measured.error(&run(python, script, &path, &measured.volts));
+        let there = measured.error(&run(python, script, &path, &measured.volts, measured.begin));
         println!("{name:<10} {format:?}: {there:.5} rad in {tool}, {own:.5} rad by the model");
         taken.push(*format);
         if there > 1.01 * own {
@@ -113,10 +146,8 @@ fn every_target_has_the_models_own_error_on_a_record_or_is_refused() {
         fitted.base.gain *= 1.005;
         let (logged, held) = ([&[0.0], angles.as_slice()].concat(), [volts.as_slice(), &[0.0]].concat());
         let record = motorlens::record("record", &time, &held, motorlens::Measured::Angle(&logged)).unwrap();
-        let readings = angles.into_iter().enumerate().collect();
-        let measured = Measured { record, motor: MotorFile::default(), volts: volts.clone(), readings };
-        let own = measured.error(&truth(&fitted, &volts));
-        let takes = targets_that_take(&python, &TARGETS, name, &fitted, &measured, own);
+        let measured = Measured::new(&fitted, &record, &MotorFile::default());
+        let takes = targets_that_take(&python, &TARGETS, name, &fitted, &measured);
         // A delay by itself is in the comments of its lines.
         assert!(name != "late" || takes.contains(&Format::Wpilib), "{takes:?}");
         taken.extend(takes);
@@ -126,6 +157,34 @@ fn every_target_has_the_models_own_error_on_a_record_or_is_refused() {
     assert!(TARGETS.iter().all(|(format, ..)| times(*format) > 0), "{taken:?}");
 }
 
+/// The same where the record begins in motion: friction, a late voltage and a filtered reading have a past there.
+#[test]
+fn every_target_begins_in_motion_where_the_record_does() {
+    let Some(python) = python() else { return };
+    let cases: [(&str, Effects); 5] = [
+        ("plain", &[]),
+        ("late", &[(Kind::Delay, &[0.0061]), (Kind::Coulomb, &[0.2])]),
+        ("filter", &[(Kind::SensorLag, &[0.012, 0.0]), (Kind::DeadZone, &[0.4, 0.0])]),
+        ("bell", &[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.0])]),
+        ("shaft", &[(Kind::Compliance, &[8.0, 0.4, 0.05, 0.3]), (Kind::Gravity, &[0.4, -0.2])]),
+    ];
+    let volts: Vec<f64> = (0..3000).map(|k| [8.0, -5.0, 2.0, 0.0, 6.0, -3.0][k / 500]).collect();
+    for (name, effects) in cases {
+        let mut fitted = model(effects);
+        let angles: Vec<f64> = truth(&fitted, &volts).iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+        fitted.base.gain *= 1.005;
+        // From the end of step 700 on, at more than 4 rad/s backward.
+        let (logged, held) = (&angles[700..], &volts[701..]);
+        let time: Vec<f64> = (0..logged.len()).map(|k| k as f64 * 1e-3).collect();
+        let held = [held, &[0.0]].concat();
+        let record = motorlens::record("record", &time, &held, motorlens::Measured::Angle(logged)).unwrap();
+        let measured = Measured::new(&fitted, &record, &MotorFile::default());
+        assert!(measured.begin[1].abs() > 0.5, "{name} begins at {:?}", measured.begin);
+        let taken = targets_that_take(&python, &TARGETS, name, &fitted, &measured);
+        assert!(TARGETS[..5].iter().all(|(format, ..)| taken.contains(format)), "{name}: {taken:?}");
+    }
+}
+
 /// The logs of a teaching rig: two to fit, and a step that is kept out.
 struct Rig {
     motor: MotorFile,
@@ -133,44 +192,26 @@ struct Rig {
     kept_out: Record,
 }
 
-fn rig() -> Option<Rig> {
-    let rig = real("undcmotor-angle")?;
+fn rig() -> Rig {
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/examples/data/undcmotor-angle");
     let motor = motor_file::read(&rig.join("motor.toml")).unwrap();
     let options = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
     let read = |file: &str| log::read(&rig.join(file), &options).unwrap();
     let training = [read("train/profile.csv"), read("train/stairs.csv")].concat();
-    Some(Rig { motor, training, kept_out: read("validation/step.csv").remove(0) })
+    Rig { motor, training, kept_out: read("validation/step.csv").remove(0) }
 }
 
-/// `record` as the targets are driven.
-fn on_the_rig(record: &Record, motor: &MotorFile) -> Measured {
-    let steps: Vec<usize> =
-        record.time_s.iter().map(|t| ((t - record.time_s[0]) * 1e3).round() as usize).collect();
-    let volts = steps.windows(2).zip(&record.voltage_v).flat_map(|(w, v)| vec![*v; w[1] - w[0]]).collect();
-    let angle = record.angle_rad.clone().expect("the rig measures its angle");
-    let readings = steps.iter().zip(&angle).skip(1).map(|(step, x)| (step - 1, x - angle[0])).collect();
-    Measured { record: record.clone(), motor: motor.clone(), volts, readings }
-}
-
-/// The model's own error where it is simulated from sample to sample, as `compare` does, but from rest and not moved within a count.
-fn error_between_samples(model: &Model, record: &Record) -> f64 {
-    let simulated = model.simulate(&record.time_s, &record.voltage_v, 0.0).unwrap();
-    let angle = record.angle_rad.as_deref().expect("the rig measures its angle");
-    let missed = simulated.iter().zip(angle).skip(1).map(|(a, b)| (a - (b - angle[0])).powi(2)).sum::<f64>();
-    (missed / (angle.len() - 1) as f64).sqrt()
-}
-
-/// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it.
+/// A model that was discovered on the logs of a teaching rig, on the step that was kept out of it: `compare` begins it in motion.
 #[test]
 fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
-    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let Some(python) = python() else { return };
+    let rig = rig();
     let how = motorlens::Options { motor: rig.motor.clone(), ..motorlens::Options::default() };
     let found =
         motorlens::discover_records(&rig.training, &how, &mut |_| ControlFlow::Continue(())).unwrap().model;
-    let measured = on_the_rig(&rig.kept_out, &rig.motor);
-    let own = error_between_samples(&found, &rig.kept_out);
-    println!("{:?}", found.values());
-    let taken = targets_that_take(&python, &TARGETS, "real", &found, &measured, own);
+    let measured = Measured::new(&found, &rig.kept_out, &rig.motor);
+    println!("{:?} from {:?}", found.values(), measured.begin);
+    let taken = targets_that_take(&python, &TARGETS, "real", &found, &measured);
     assert!(TARGETS[..5].iter().all(|(format, ..)| taken.contains(format)), "{taken:?}");
 }
 
@@ -178,32 +219,21 @@ fn every_target_has_the_models_own_error_on_a_real_record_or_is_refused() {
 /// steps of a millisecond, as every export's: where the rig creeps and sticks, a motor with a gap goes another way with each rounding.
 #[test]
 fn mujoco_errs_as_the_model_does_with_two_bodies_on_every_log_of_a_rig() {
-    let (Some(python), Some(rig)) = (python(), rig()) else { return };
+    let Some(python) = python() else { return };
+    let rig = rig();
     let mujoco = TARGETS.map(|target| (target.0 == Format::Mujoco).then_some(target));
     let mujoco: Vec<_> = mujoco.into_iter().flatten().collect();
     for between in [Kind::Backlash, Kind::Compliance] {
         let how = estimate::Options { effects: vec![Kind::Coulomb, between], ..estimate::Options::default() };
         let fitted = estimate::fit(&rig.training, &[], &rig.motor, &how, &mut |_, _| {}).unwrap().model;
         for record in rig.training.iter().chain([&rig.kept_out]) {
-            let measured = on_the_rig(record, &rig.motor);
-            let mut motor = fitted.start(1e-3, 0.0);
+            let mut measured = Measured::new(&fitted, record, &rig.motor);
+            let [angle, speed, _] = measured.begin;
+            let mut motor = fitted.start_moving(1e-3, angle, speed);
             let run: Vec<f64> = measured.volts.iter().map(|v| motor.step(*v)).collect();
-            let own = measured.error(&run);
-            let taken = targets_that_take(&python, &mujoco, between.name(), &fitted, &measured, own);
+            measured.own = measured.error(&run);
+            let taken = targets_that_take(&python, &mujoco, between.name(), &fitted, &measured);
             assert_eq!(taken, [Format::Mujoco]);
         }
     }
-}
-
-/// Where a real rig's logs are; says so where they are absent.
-fn real(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("MOTORLENS_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    let found = root.join(name);
-    if !found.is_dir() {
-        let message = format!("SKIPPED: no real logs at {} (set MOTORLENS_DATA)\n", found.display());
-        let _ = std::io::stderr().write_all(message.as_bytes());
-        return None;
-    }
-    Some(found)
 }

@@ -10,11 +10,11 @@ mod tools;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-use exported::{OPTIONS, formulas, model, own, sets, truth};
+use exported::{OPTIONS, at_the_output, formulas, model, own, pairs, sets, truth};
 use motorlens::export::{Format, Options, export};
 use motorlens::model_file::Model;
 use motorlens_shared::effects::Kind;
-use tools::{FMU, MODELICA, MUJOCO, python, run, volts};
+use tools::{AT_REST, FMU, MODELICA, MUJOCO, python, run, volts};
 
 /// What the export makes of `volts`, and what the model makes of it.
 fn both(python: &str, model: &Model, format: Format, volts: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -32,7 +32,7 @@ fn both(python: &str, model: &Model, format: Format, volts: &[f64]) -> (Vec<f64>
     if let Some((ending, text)) = &exported.beside {
         std::fs::write(file.with_extension(ending), text).unwrap();
     }
-    let angles = run(python, script, &file, volts);
+    let angles = run(python, script, &file, volts, AT_REST);
     let truth = truth(model, volts);
     assert_eq!(angles.len(), truth.len());
     (angles, truth)
@@ -49,7 +49,7 @@ fn an_mjcf_without_its_program_has_the_level_of_a_stribeck_curve() {
     assert!(exported.left[0].why.contains("its level stays"), "{:?}", exported.left);
     std::fs::write(&file, &exported.content).unwrap();
     let steady = vec![6.0; 1000];
-    let (alone, whole) = (run(&python, MUJOCO, &file, &steady), truth(&stribeck, &steady));
+    let (alone, whole) = (run(&python, MUJOCO, &file, &steady, AT_REST), truth(&stribeck, &steady));
     assert!((alone[999] / whole[999] - 1.0).abs() < 0.01, "{} {}", alone[999], whole[999]);
 }
 
@@ -71,6 +71,8 @@ fn mujoco_turns_as_the_model_does_with_every_effect() {
         model(&[(Kind::Coulomb, &[0.2])]),
         model(&[(Kind::CoulombAsymmetric, &[0.3, 0.1])]),
         model(&[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4])]),
+        // Whose excess falls like a bell: MuJoCo's own bristle.
+        model(&[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.0])]),
         model(&[(Kind::LoadFriction, &[0.2, 0.3])]),
         model(&[(Kind::QuadraticDrag, &[0.02])]),
         model(&[(Kind::Gravity, &[0.4, -0.2])]),
@@ -94,7 +96,8 @@ fn mujoco_turns_as_the_model_does_with_every_effect() {
     for kind in Kind::ALL {
         assert!(alone.iter().any(|m| m.values().kinds() == [*kind]), "{kind} is not tried");
     }
-    for model in alone.into_iter().chain(sets()).chain(formulas()) {
+    let output = sets().into_iter().map(at_the_output);
+    for model in alone.into_iter().chain(sets()).chain(formulas()).chain(output) {
         let apart = disagreement(&python, &model, Format::Mujoco);
         assert!(apart < 4e-3, "{:?}: {apart:.2e}", model.values().kinds());
     }
@@ -103,7 +106,8 @@ fn mujoco_turns_as_the_model_does_with_every_effect() {
 #[test]
 fn a_unit_for_co_simulation_passes_fmpys_checks_and_runs_like_the_model() {
     let Some(python) = python() else { return };
-    for model in sets().into_iter().chain(formulas()) {
+    let output = sets().into_iter().map(at_the_output);
+    for model in sets().into_iter().chain(formulas()).chain(output) {
         assert!(disagreement(&python, &model, Format::Fmu) < 1e-9, "{:?}", model.values().kinds());
     }
 }
@@ -112,8 +116,18 @@ fn a_unit_for_co_simulation_passes_fmpys_checks_and_runs_like_the_model() {
 #[test]
 fn modelica_compiles_and_runs_like_the_model() {
     let Some(python) = python() else { return };
-    for model in sets().into_iter().chain(formulas()) {
-        assert!(disagreement(&python, &model, Format::Modelica) < 1e-7, "{:?}", model.values().kinds());
+    let output = sets().into_iter().map(at_the_output);
+    for model in sets().into_iter().chain(formulas()).chain(output) {
+        assert!(disagreement(&python, &model, Format::Modelica) < 1e-9, "{:?}", model.values().kinds());
+    }
+}
+
+#[test]
+fn every_pair_of_effects_runs_in_modelica_like_the_model() {
+    let long = std::env::var_os("MOTORLENS_LONG_TESTS").is_some();
+    let (true, Some(python)) = (long, python()) else { return };
+    for model in pairs() {
+        assert!(disagreement(&python, &model, Format::Modelica) < 1e-9, "{:?}", model.values().kinds());
     }
 }
 

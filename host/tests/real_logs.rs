@@ -1,7 +1,7 @@
 //! Logs of real motors, as their owners published them: they are read in place, and what is odd about them is known.
 //!
-//! The files are no part of this project. `MOTORLENS_DATA` names their directory; `../shared/data` beside the
-//! workspace is tried otherwise. Where they are absent, each test says so and ends.
+//! Most files are no part of this project. `MOTORLENS_DATA` names their directory; `../shared/data` beside the
+//! workspace is tried otherwise. Where they are absent, each test says so and ends. Two rigs' logs are in `python/examples/data`.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -118,6 +118,24 @@ fn the_servo_with_a_pendulum_gives_an_inferred_voltage() {
         if let Some(step) = step {
             assert!((step - std::f64::consts::TAU / 4096.0).abs() < 1e-6, "{file}: {step}");
         }
+    }
+}
+
+/// The logs that a clone has: they are read, and without faults.
+#[test]
+fn the_logs_of_the_examples_are_read() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/examples/data");
+    let read = |file: &str| read(&here.join(file), &ReadOptions::default()).unwrap().remove(0);
+    for (file, rows) in [
+        ("bam-sts3250/up_and_down.json", 273),
+        ("undcmotor-angle/train/profile.csv", 201),
+        ("undcmotor-angle/train/stairs.csv", 225),
+        ("undcmotor-angle/validation/step.csv", 50),
+    ] {
+        let record = read(file);
+        assert_eq!(record.len(), rows, "{file}");
+        assert_eq!(content_faults(&record), [], "{file}");
+        check_usable(&record).unwrap();
     }
 }
 

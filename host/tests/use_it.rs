@@ -93,7 +93,7 @@ fn a_urdf_keeps_the_level_of_friction_whose_break_away_it_loses() {
     let here = directory.path();
     let stribeck = r#"{"effect":"stribeck","parameters":[{"name":"level","value":0.5,"unit":"V"},
         {"name":"excess","value":0.3,"unit":"V"},{"name":"speed","value":0.2,"unit":"rad/s"},
-        {"name":"tail","value":0.0,"unit":"1"}]}"#;
+        {"name":"tail","value":0.4,"unit":"1"}]}"#;
     model(here, "m.json", 0.9, stribeck);
     let refused = run(here, "export m.json -f urdf -o m.urdf --torque-per-volt 0.1").ends(2);
     assert!(refused.err.contains("its level stays"), "{}", refused.err);
@@ -129,9 +129,20 @@ fn the_cost_on_a_record_holds_the_errors_against_the_measurement_with_and_withou
         let words = format!("export m.json -f {format} -o out.{format} --on s/prbs.csv --motor s/motor.toml");
         let usual = run(here, &words).ends(0).err;
         assert!(usual.contains("Nothing is lost: "), "{usual}");
-        let slow = run(here, &format!("{words} --step {long}")).ends(0).err;
-        let is_said = slow.contains("In its usual steps nothing would be lost: ");
-        assert!(is_said && !slow.contains("Nothing is lost"), "{slow}");
+        // A program is run in its own steps, and refused where it errs; what MuJoCo makes of its steps only MuJoCo can tell.
+        let long = format!("{words} --step {long}");
+        let refused = run(here, &long);
+        let slow = if format == "c" {
+            let said = refused.ends(2).err;
+            let why = "more than a hundredth above it (give a step of 0.001 s";
+            assert!(said.contains(why) && said.contains("or --step 0.001"), "{said}");
+            run(here, &format!("{long} --allow-missing")).ends(0).err
+        } else {
+            let said = refused.ends(0).err;
+            assert!(said.contains("In its usual steps nothing would be lost: "), "{said}");
+            said
+        };
+        assert!(!slow.contains("Nothing is lost"), "{slow}");
     }
 }
 

@@ -40,16 +40,18 @@ impl NativeModel {
         time_s: &[u8],
         voltage_v: &[u8],
         angle_rad: f64,
+        speed_rad_s: f64,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let (time, volts) = (numbers(time_s), numbers(voltage_v));
-        let angles = py.detach(|| self.0.simulate(&time, &volts, angle_rad)).map_err(|e| failed(&e))?;
+        let run = || self.0.simulate_moving(&time, &volts, angle_rad, speed_rad_s);
+        let angles = py.detach(run).map_err(|e| failed(&e))?;
         Ok(bytes(py, &angles))
     }
-    fn start(&self, step_s: f64, angle_rad: f64) -> PyResult<NativeRun> {
+    fn start(&self, step_s: f64, angle_rad: f64, speed_rad_s: f64) -> PyResult<NativeRun> {
         if !(step_s > 0.0 && step_s <= 0.01) {
             return Err(refused(format!("a step of {step_s} s"), "give more than 0 and at most 0.01 s"));
         }
-        Ok(NativeRun(self.0.start(step_s, angle_rad)))
+        Ok(NativeRun(self.0.start_moving(step_s, angle_rad, speed_rad_s)))
     }
     /// Gains and trials in JSON, and for each trial the times, the wanted and the reached angles.
     fn tune<'py>(

@@ -14,6 +14,9 @@ from conftest import columns
 
 import motorlens
 
+#: Logs of real motors.
+DATA = pathlib.Path(__file__).parents[1] / "examples/data"
+
 
 def test_the_readmes_lines_reproduce_the_answer_of_the_demo(tmp_path, monkeypatch):
     readme = (pathlib.Path(__file__).parents[1] / "README.md").read_text()
@@ -60,6 +63,44 @@ def test_a_model_simulates_as_compare_does_and_steps_as_it_simulates(logs, found
     motor = found.model.start(1e-3)
     steps = [motor.step(v) for v in table["voltage_v"][:500]]
     assert np.allclose(steps[:-1], angle[1:500], atol=1e-9)
+
+
+def test_a_record_in_motion_is_simulated_and_exported_from_the_speed_that_compare_tells(tmp_path):
+    rig, motor = DATA / "undcmotor-angle", DATA / "undcmotor-angle/motor.toml"
+    train = sorted((rig / "train").glob("*.csv"))
+    model = motorlens.fit(train, effects=["coulomb", "dead_zone"], motor=motor).model
+    run = motorlens.compare(model, [rig / "validation/step.csv"], motor=motor).runs[0]
+    assert run.first_speed_rad_s != 0.0
+    table = columns(rig / "validation/step.csv")
+    angle = model.simulate(table["time_s"], table["voltage_v"], run.measured[0], run.first_speed_rad_s)
+    assert np.ptp(angle - run.simulated) < 1e-9, "but for where in its count the encoder begins"
+    # Eight steps of the program from a sample to the next, as compare takes them, and twenty, as the export does if not asked.
+    error = np.sqrt(np.mean((run.simulated - run.measured) ** 2))
+    for parts in (8, 20):
+        motorlens.export(model, "python", tmp_path / "motor.py", step_s=0.02 / parts)
+        names = {"__name__": "motor"}
+        exec((tmp_path / "motor.py").read_text(), names)
+        program = names["Motor"](run.measured[0], run.first_speed_rad_s)
+        readings = [program.reading]
+        for volts in table["voltage_v"][:-1]:
+            readings.append([program.step(volts) for _ in range(parts)][-1])
+        assert parts != 8 or np.ptp(readings - run.simulated) < 1e-9
+        assert abs(_error(readings, run) - error) < 0.01 * error
+
+
+def _error(readings, run):
+    """Root mean square of the readings beside the measurement, moved within a count as compare moves them."""
+    count = 2 * np.pi / 2800
+    apart = run.measured - readings
+    return np.sqrt(np.mean((apart - np.clip(np.mean(apart), -count, count)) ** 2))
+
+
+def test_an_export_whose_steps_are_too_long_for_a_record_is_refused(logs, found, tmp_path):
+    record = [path for path in logs["training"] if "prbs" in path]
+    with pytest.raises(motorlens.MotorlensError, match="(?s)more than a hundredth above it .give a step of.*allow_missing"):
+        found.model.export("c", tmp_path / "motor.c", step_s=0.01, on=record, motor=logs["motor"])
+    assert not (tmp_path / "motor.c").exists()
+    found.model.export("c", tmp_path / "motor.c", on=record, motor=logs["motor"])
 
 
 def test_a_model_is_saved_and_read_and_exported(found, tmp_path):

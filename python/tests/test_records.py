@@ -1,5 +1,7 @@
 """What users give: logs, tables, effects of their own, and what is refused."""
 
+import pathlib
+
 import numpy as np
 import pytest
 from conftest import columns
@@ -59,6 +61,11 @@ def test_a_log_of_any_layout_is_read_with_the_options_of_the_command_line(logs, 
     fit = motorlens.fit([log], effects="coulomb", motor={"gear_ratio": 104, "encoder_shaft": "output"})
     level = fit.parameters.set_index("name").loc["coulomb.level"]
     assert level.value == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_servos_log_is_told_by_its_content():
+    (log,) = motorlens.read(pathlib.Path(__file__).parents[1] / "examples/data/bam-sts3250/up_and_down.json")
+    assert len(log["time_s"]) == 273 and np.abs(log["voltage_v"]).max() <= 12.9, log
 
 
 def test_an_effect_of_ones_own_and_a_value_that_is_known_are_taken(logs, tmp_path):

@@ -42,6 +42,7 @@ pub fn tests() -> Result<Count> {
                 "export_errors",
                 "--locked",
             ])
+            .env("MOTORLENS_LONG_TESTS", "1")
             .env("MOTORLENS_EXPORT_PYTHON", python),
     )
 }

@@ -45,7 +45,8 @@ pub struct Args {
     /// Write it though the target lacks effects of the model
     #[arg(long)]
     allow_missing: bool,
-    /// A record on which to tell what the target's lack costs; repeatable [default: a standard programme]
+    /// A record on which to run the export and to tell what it lacks, refused where it errs by more than 1 % above the model; repeatable
+    /// [default: a standard programme]
     #[arg(long, value_name = "LOG")]
     on: Vec<PathBuf>,
     #[command(flatten)]
@@ -142,10 +143,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let too_high = price.as_ref().is_some_and(Cost::is_too_high);
     if (!exported.lost.is_empty() || too_high) && !args.allow_missing {
         let why = lacking.join("\n  ");
-        return Err(Error::usage(
-            why,
-            "give --allow-missing to write it all the same, or take another format",
-        ));
+        let otherwise = match price.as_ref().and_then(Cost::better_step_s) {
+            Some(step_s) if exported.lost.is_empty() => format!("--step {step_s}"),
+            _ => "take another format".into(),
+        };
+        let remedy = format!("give --allow-missing to write it all the same, or {otherwise}");
+        return Err(Error::usage(why, remedy));
     }
     atomic_file::write(&args.out, &exported.content)?;
     let beside = exported.beside.as_ref().map(|(ending, _)| args.out.with_extension(ending));
@@ -168,9 +171,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
         let said: String = lacking.iter().chain(&to_know).map(|s| format!("  {s}\n")).collect();
         let kept = match &price {
-            Some(price) if !args.on.is_empty() && exported.carried == model.values() => {
-                // The price is that of the effects; longer steps have their own.
-                let kept = if longer_step_s(&model, format, &options).is_some() {
+            Some(price)
+                if !args.on.is_empty() && exported.carried == model.values() && !price.is_too_high() =>
+            {
+                // A program was run in its steps; elsewhere the price is that of the effects, and longer steps have their own.
+                let is_slower = longer_step_s(&model, format, &options).is_some();
+                let kept = if is_slower && price.step_s.is_none() {
                     "In its usual steps nothing would be lost"
                 } else {
                     "Nothing is lost"

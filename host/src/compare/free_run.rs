@@ -9,6 +9,7 @@ use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::predict_one;
+use crate::log::Record;
 
 /// A measured record and the run beside it.
 #[derive(Debug, Clone)]
@@ -49,6 +50,11 @@ pub fn within_a_count(errors: impl ExactSizeIterator<Item = f64>, quantum: f64) 
 /// model they were laid out under: so a model has one error, whoever asks for it. They are those of a fit, which has them by the whole run,
 /// unless that straight line from the first time constants leads astray.
 pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
+    begun_runs(problem, values).into_iter().map(|(run, _)| run).collect()
+}
+
+/// The same, each beside its record as the run begins it.
+pub(crate) fn begun_runs(problem: &Problem, values: &Values) -> Vec<(FreeRun, Grid)> {
     let mut problem = problem.clone();
     problem.find_moving_starts(values);
     let kinds = values.kinds();
@@ -57,15 +63,35 @@ pub fn free_runs(problem: &Problem, values: &Values) -> Vec<FreeRun> {
     let plain = layout.all_plain(&x);
     let run =
         |problem: &Problem, grid: &Grid| free_run(grid, predict_one(&kinds, &plain, &problem.rig, grid));
-    let mut runs: Vec<FreeRun> = problem.grids.iter().map(|grid| run(&problem, grid)).collect();
+    let mut runs: Vec<(FreeRun, Grid)> =
+        problem.grids.iter().map(|grid| (run(&problem, grid), grid.clone())).collect();
     problem.begin_under(&layout, &x);
     for (opening, grid) in runs.iter_mut().zip(&problem.grids).filter(|(_, grid)| !grid.rests()) {
         let whole = run(&problem, grid);
-        if whole.measures().rmse < opening.measures().rmse {
-            *opening = whole;
+        if whole.measures().rmse < opening.0.measures().rmse {
+            *opening = (whole, grid.clone());
         }
     }
     runs
+}
+
+/// `values` over each of `records` as a program runs them that has steps of its own of `step_s`, s, and begins as the records are `begun`.
+pub(crate) fn runs_in_steps(
+    problem: &Problem,
+    values: &Values,
+    begun: &[Grid],
+    records: &[Record],
+    step_s: f64,
+) -> Vec<FreeRun> {
+    let kinds = values.kinds();
+    let layout = problem.layout(&kinds);
+    let plain = layout.all_plain(&layout.pack(values));
+    let run = |(grid, record): (&Grid, &Record)| {
+        let grid = grid.in_steps_of(record, step_s);
+        let simulated = predict_one(&kinds, &plain, &problem.rig, &grid);
+        free_run(&grid, simulated)
+    };
+    begun.iter().zip(records).map(run).collect()
 }
 
 /// What `simulated` is beside the record of `grid`, an angle moved within a count.

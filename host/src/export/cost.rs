@@ -1,12 +1,17 @@
 //! What a target's lack costs: the model is simulated with and without, on records where there are any.
+//!
+//! A program of the model's own step (C, Python, Modelica, FMU) is simulated there as it runs: in its own steps, each under the mean of the
+//! record's voltage, begun at the first angle and first speed of the model's own run. What another tool's integrator makes of the numbers that
+//! it gets (MuJoCo, the simulators of robots) is not simulated here: the tests run those tools.
 
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::Exported;
-use crate::compare::free_run::{FreeRun, free_runs, pooled};
+use crate::compare::free_run::{FreeRun, begun_runs, free_runs, pooled, runs_in_steps};
 use crate::compare::problem_of;
 use crate::error::Result;
+use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::log::Record;
 use crate::model_file::Model;
@@ -44,6 +49,10 @@ pub struct Cost {
     pub each: Vec<Of>,
     /// rms errors against the measurement: of the model, and of what the target has; none without records.
     pub errors: Option<[f64; 2]>,
+    /// Step in which the exported program was run on the records, s; none where the target's simulator has its own.
+    pub step_s: Option<f64>,
+    /// Shortest step in which the model itself runs through the records, s; none without records.
+    pub own_step_s: Option<f64>,
 }
 
 /// Share of the model's own error by which a target may be worse.
@@ -53,6 +62,13 @@ impl Cost {
     /// What the target has of the model errs on these records by more than a hundredth above the whole model.
     pub fn is_too_high(&self) -> bool {
         self.errors.is_some_and(|[with, without]| without > (1.0 + AS_GOOD) * with)
+    }
+
+    /// The step, s to a microsecond, that would make the program as good as the model, where it has another one and is not.
+    pub fn better_step_s(&self) -> Option<f64> {
+        let (step_s, own_s) = (self.step_s?, self.own_step_s?);
+        let is_another = (step_s / own_s - 1.0).abs() > 0.01;
+        (is_another && self.is_too_high()).then(|| (own_s * 1e6).round() / 1e6)
     }
 
     /// The cost in a clause, such as "0.333 rad (rms, at most 0.91) on steps.csv".
@@ -83,24 +99,31 @@ pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &Moto
             all: against(&exported.carried)?,
             each: each(model, exported, &against)?,
             errors: None,
+            step_s: None,
+            own_step_s: None,
         });
     }
     let mut problem = problem_of(model, records, motor)?;
     problem.fixed.clear();
-    let whole = free_runs(&problem, &model.values());
-    let against = |values: &Values| -> Result<Apart> {
-        let other = free_runs(&problem, values);
-        let pairs = whole.iter().zip(&other).flat_map(|(a, b)| a.simulated.iter().zip(&b.simulated));
-        Ok(apart(pairs))
+    let (whole, begun): (Vec<FreeRun>, Vec<Grid>) = begun_runs(&problem, &model.values()).into_iter().unzip();
+    let there = match exported.step_s {
+        Some(step_s) => runs_in_steps(&problem, &exported.carried, &begun, records, step_s),
+        None => free_runs(&problem, &exported.carried),
     };
+    let parted = |other: &[FreeRun]| -> Apart {
+        apart(whole.iter().zip(other).flat_map(|(a, b)| a.simulated.iter().zip(&b.simulated)))
+    };
+    let against = |values: &Values| -> Result<Apart> { Ok(parted(&free_runs(&problem, values))) };
     let rmse = |runs: &[FreeRun]| pooled(runs).unwrap_or_default().rmse;
     let names: Vec<&str> = records.iter().map(|r| r.name.as_str()).collect();
     Ok(Cost {
         on: names.join(", "),
         unit: whole.first().map_or("rad", |run| run.quantity.unit()),
-        all: against(&exported.carried)?,
+        all: parted(&there),
         each: each(model, exported, &against)?,
-        errors: Some([rmse(&whole), rmse(&free_runs(&problem, &exported.carried))]),
+        errors: Some([rmse(&whole), rmse(&there)]),
+        step_s: exported.step_s,
+        own_step_s: begun.iter().map(|grid| grid.step_s).reduce(f64::min),
     })
 }
 

@@ -151,6 +151,9 @@ pub(super) struct Beside<'a> {
     pub friction: f64,
     /// s.
     pub step_s: f64,
+    /// Voltage that holds a speed, V s/rad, and the current with which it does, as a voltage.
+    pub holding: f64,
+    pub current_per_speed: f64,
     /// Steps from one look at the gear contact to the next.
     pub contact_steps: u32,
     /// The joint of the output shaft, and the one that the motor turns.
@@ -166,8 +169,8 @@ pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Besi
     let kept: Vec<String> = traced.remembered.iter().map(|m| names(m.input)).collect();
     let first: Vec<Recorded> = traced.remembered.iter().map(|m| m.first).collect();
     let next: Vec<Recorded> = traced.remembered.iter().map(|m| m.next).chain([traced.reading]).collect();
-    let [_, past_begin, past_move] =
-        reach(&traced.tape, &traced.drive).map_or_else(Default::default, PYTHON.past);
+    let [_, past_begin, past_move] = reach(&traced.tape, &traced.drive)
+        .map_or_else(Default::default, |steps| (PYTHON.past)(steps, beside.holding));
 
     let lines = |text: &Text, targets: &[String]| -> String {
         let mut lines = PYTHON.definitions(text);
@@ -211,6 +214,8 @@ pub(super) fn program(model: &Model, effects: &[(Kind, Vec<f64>)], beside: &Besi
         ("RESISTANCE", format!("{:?}", beside.resistance)),
         ("FRICTION", format!("{:?}", beside.friction)),
         ("STEP", format!("{:?}", beside.step_s)),
+        ("HOLDING", format!("{:?}", beside.holding)),
+        ("CURRENT", format!("{:?}", beside.current_per_speed)),
         ("CONTACT_STEPS", beside.contact_steps.to_string()),
         ("OUTPUT", format!("{:?}", beside.names[0])),
         ("ROTOR", format!("{:?}", beside.names[1])),

@@ -74,5 +74,5 @@ from isaaclab.actuators import DCMotorCfg
         viscous = scale * b.viscous_share / b.gain,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried })
+    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried, step_s: None })
 }

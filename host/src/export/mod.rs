@@ -12,6 +12,7 @@ mod expression;
 mod fmu;
 mod hook;
 mod isaac;
+mod mjcf_parts;
 mod modelica;
 mod mujoco;
 mod program;
@@ -158,11 +159,13 @@ pub struct Exported {
     pub left: Vec<Lost>,
     /// The model that it does have.
     pub carried: Values,
+    /// Step of the program that it is, s; none of a target whose own simulator steps.
+    pub step_s: Option<f64>,
 }
 
 impl Exported {
-    /// With everything that `model` has.
-    fn whole(text: String, model: &Model) -> Self {
+    /// A program with everything that `model` has, in steps of `step_s`.
+    fn whole(text: String, model: &Model, step_s: f64) -> Self {
         let carried = model.values();
         Self {
             content: text.into_bytes(),
@@ -171,6 +174,7 @@ impl Exported {
             lost: Vec::new(),
             left: Vec::new(),
             carried,
+            step_s: Some(step_s),
         }
     }
 

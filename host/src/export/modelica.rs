@@ -34,7 +34,9 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
     let next: Vec<Recorded> = step.changing.iter().map(|c| c.next).chain([step.reading]).collect();
     let text = printer.text(&next);
     let kept: Vec<String> = step.changing.iter().map(|c| names(c.input)).chain(["reading".into()]).collect();
-    // The block begins at rest at angle zero; the number of steps, then what is behind, stand after what changes.
+    let first: Vec<Recorded> = step.changing.iter().map(|c| c.first).chain([step.first_reading]).collect();
+    let begun = printer.text(&first);
+    // The number of steps, then what is behind, stand after what changes.
     let past = reach(&step.tape, &next).map_or(0, |steps| steps + 1);
     let size = kept.len() + 1 + past;
     let steps = kept.len() + 1;
@@ -80,10 +82,31 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
             .collect(),
         "    ",
     );
+    let begin_declared = if begun.defined.is_empty() {
+        String::new()
+    } else {
+        let names = begun.defined.iter().map(|(name, _)| format!("Real {name}")).collect();
+        format!("  protected\n{}", lines(names, "    "))
+    };
+    let holding = step.holding;
+    let begin = lines(
+        begun
+            .defined
+            .iter()
+            .map(|(name, value)| format!("{name} := {value}"))
+            .chain(begun.outputs.iter().enumerate().map(|(k, value)| format!("first[{}] := {value}", k + 1)))
+            .chain([format!("first[{steps}] := 0")])
+            // At rest there was no voltage before; in motion, the one that holds the speed.
+            .chain((0..past).map(|k| format!("first[{}] := {holding:?}*speed", steps + 1 + k)))
+            .collect(),
+        "    ",
+    );
     let of = |name: &str| kept.iter().position(|kept| kept == name).unwrap_or(0) + 1;
     let (current, speed, angle) = (of("current"), of("load_speed"), of("load_angle"));
     let mut text = include_str!("Motor.mo.in").to_owned();
     let places = [
+        ("@BEGIN_DECLARED@\n", begin_declared),
+        ("@BEGIN@\n", begin),
         ("@DECLARED@\n", declared),
         ("@LOADED@\n", loaded),
         ("@ADVANCED@\n", advanced),
@@ -100,5 +123,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Exported {
     for (place, block) in places {
         text = text.replace(place, &block);
     }
-    Exported::whole(text, model)
+    Exported::whole(text, model, options.step_s())
 }

@@ -1,7 +1,8 @@
 //! MJCF for MuJoCo 4: a hinge with MuJoCo's own `dcmotor`, and beside it a Python program with the equations that MJCF lacks.
 //!
 //! `dcmotor` is the base model: resistance, motor constant and electrical time constant, so that the speed acts on the current.
-//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating and delay are the actuator's. Rotor and
+//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating, delay and a break-away level that falls like a
+//! bell are the actuator's. Its `saturation` is no iron's: it clips torque, current and the current's rate, and K stays what it is. Rotor and
 //! load with `compliance` between them are two bodies on one axis, tied by a tendon of its stiffness and damping. Every other
 //! effect that acts on voltage, torque or reading is in the program, the gear contact of `backlash` between two bodies too: a
 //! tendon with a dead band would be damped within it.
@@ -9,6 +10,8 @@
 use motorlens_shared::effects::{Kind, Port};
 
 use super::hook::{Beside, contact_grid, program};
+use super::mjcf_parts::{Parts, Setting, add, bob, native};
+use super::step::holding;
 use super::two_bodies::{Between, OUTPUT, ROTOR};
 use super::{Exported, Lost, Options, effects, level, xml};
 use crate::error::{Error, Result};
@@ -17,28 +20,6 @@ use crate::sentence::capital;
 
 /// Step of the simulation where none is asked for, s: friction and loads then add less than a hundredth to a good model's error.
 const STEP_S: f64 = 5e-5;
-/// Temperature coefficient of copper's resistance, 1/K: heating is a share of resistance, and any number gives the same share.
-const COPPER: f64 = 0.0039;
-const AMBIENT_C: f64 = 20.0;
-
-/// What the MJCF is made of.
-#[derive(Default)]
-struct Parts {
-    /// N m.
-    friction: f64,
-    /// More of it for a simulation without the Python file, N m.
-    alone: f64,
-    /// N m/rad, and rad.
-    stiffness: f64,
-    reference: f64,
-    /// N m, against forward motion.
-    load: f64,
-    weight: Option<(f64, f64)>,
-    /// Attributes of the actuator.
-    motor: String,
-    /// More actuators.
-    beside: String,
-}
 
 /// Writes both files.
 ///
@@ -58,10 +39,11 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let first = between.as_ref().map(|between| between.kind);
     let kept: Vec<_> =
         all.into_iter().filter(|(kind, _)| !kind.is_transmission() || Some(*kind) == first).collect();
-    let mut own: Vec<(Kind, Vec<f64>)> = kept.iter().filter(|(kind, _)| !native(*kind)).cloned().collect();
+    let mut own: Vec<(Kind, Vec<f64>)> = kept.iter().filter(|(kind, p)| !native(*kind, p)).cloned().collect();
     // What acts on a late voltage must be late too.
     let late = own.iter().any(|(kind, _)| kind.spec().port == Port::Voltage);
-    own = kept.iter().filter(|(kind, _)| !native(*kind) || late && *kind == Kind::Delay).cloned().collect();
+    own =
+        kept.iter().filter(|(kind, p)| !native(*kind, p) || late && *kind == Kind::Delay).cloned().collect();
 
     let output = options.name.as_deref().unwrap_or(OUTPUT);
     if between.is_some() && output == ROTOR {
@@ -70,8 +52,10 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     }
     let driven = if between.is_some() { ROTOR } else { output };
     let mut parts = Parts::default();
+    let of_rotor = 1.0 - between.as_ref().map_or(0.0, |between| between.share);
+    let inertia = of_rotor * scale * b.tau_m / b.gain;
     for (kind, p) in kept.iter().filter(|(kind, _)| !own.iter().any(|(other, _)| other == kind)) {
-        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, driven, model });
+        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, inertia, driven, model });
     }
     let mut notes = Vec::new();
     if options.torque_per_volt.is_none() {
@@ -94,7 +78,10 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
             Lost::new(*kind, why).but_for_its_level()
         })
         .collect();
-    let scales = Scales { output, driven, scale, step_s, constant, resistance };
+    // What a motor that begins in motion had before, for each rad/s.
+    let holding = holding(&b.base(), &model.rig(step_s));
+    let current_per_speed = holding - constant;
+    let scales = Scales { output, driven, scale, step_s, constant, resistance, holding };
     if step_s > usual_step_s(model) {
         notes.push(format!("With steps of {step_s:e} s MuJoCo may err by more than a hundredth of a good model's error; leave out the step."));
     }
@@ -106,7 +93,17 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         let friction = parts.friction;
         let contact_steps = contact_grid(&own).map_or(1, |grid_s| (grid_s / step_s).round() as u32);
         let names = [output, driven];
-        let beside = Beside { torque_per_volt: scale, resistance, friction, step_s, contact_steps, names };
+        let torque_per_volt = scale;
+        let beside = Beside {
+            torque_per_volt,
+            resistance,
+            friction,
+            step_s,
+            holding,
+            current_per_speed,
+            contact_steps,
+            names,
+        };
         ("py", program(model, &own, &beside))
     });
     Ok(Exported {
@@ -116,6 +113,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         lost: Vec::new(),
         left,
         carried: model.values(),
+        step_s: None,
     })
 }
 
@@ -138,83 +136,6 @@ fn step(between: Option<&Between>, options: &Options) -> Result<f64> {
     }
 }
 
-/// Effects that MJCF expresses itself.
-fn native(kind: Kind) -> bool {
-    use Kind::{
-        Cogging, Compliance, ConstantLoad, Coulomb, CoulombAsymmetric, Delay, Gravity, Spring, WindingHeating,
-    };
-    matches!(
-        kind,
-        Coulomb
-            | CoulombAsymmetric
-            | Compliance
-            | ConstantLoad
-            | Gravity
-            | Spring
-            | Cogging
-            | WindingHeating
-            | Delay
-    )
-}
-
-struct Setting<'a> {
-    scale: f64,
-    step_s: f64,
-    resistance: f64,
-    /// The joint that the motor turns.
-    driven: &'a str,
-    model: &'a Model,
-}
-
-fn add(parts: &mut Parts, kind: Kind, p: &[f64], setting: &Setting) {
-    let scale = setting.scale;
-    match kind {
-        Kind::Coulomb => parts.friction += scale * p[0],
-        Kind::CoulombAsymmetric => {
-            // A level that differs by direction is a level and a constant torque, at rest too.
-            parts.friction += scale * p[0];
-            parts.load += scale * p[1];
-        }
-        Kind::Spring if p[0] > 0.0 => {
-            parts.stiffness = scale * p[0];
-            parts.reference = -p[1] / p[0];
-        }
-        Kind::Spring => parts.load += scale * p[1],
-        Kind::ConstantLoad => parts.load += scale * p[0],
-        Kind::Gravity => parts.weight = Some((p[0], p[1])),
-        Kind::Cogging => {
-            let periods = p[4] * setting.model.rig.gear_ratio;
-            parts.motor += &ripple((scale * p[0], scale * p[1]), periods);
-            if (p[2], p[3]) != (0.0, 0.0) {
-                // An actuator has one ripple; one without a motor constant has nothing else.
-                parts.beside += &format!(
-                    "\n    <dcmotor name=\"second_harmonic\" joint=\"{}\" input=\"none\" motorconst=\"0 0\" resistance=\"1\"{}/>",
-                    xml(setting.driven),
-                    ripple((scale * p[2], scale * p[3]), 2.0 * periods)
-                );
-            }
-        }
-        Kind::WindingHeating if p[0] > 0.0 => {
-            let nominal = setting.model.rig.nominal_v;
-            let capacity = COPPER * nominal * nominal / (p[0] * setting.resistance);
-            parts.motor += &format!(
-                " thermal=\"{:e} {capacity:e} 0 {COPPER} {AMBIENT_C} {AMBIENT_C}\"",
-                p[1] / capacity
-            );
-        }
-        Kind::Delay if p[0] > 0.0 => {
-            let samples = (p[0] / setting.step_s).ceil() as usize + 2;
-            parts.motor += &format!(" delay=\"{:e}\" nsample=\"{samples}\"", p[0]);
-        }
-        _ => {}
-    }
-}
-
-/// -(sine sin a + cosine cos a) as MuJoCo writes it: amplitude sin(a + phase).
-fn ripple((sine, cosine): (f64, f64), periods: f64) -> String {
-    format!(" cogging=\"{:e} {periods:e} {:e}\"", sine.hypot(cosine), (-cosine).atan2(-sine))
-}
-
 struct Scales<'a> {
     output: &'a str,
     driven: &'a str,
@@ -222,6 +143,8 @@ struct Scales<'a> {
     step_s: f64,
     constant: f64,
     resistance: f64,
+    /// Voltage that holds a speed, V s/rad.
+    holding: f64,
 }
 
 fn mjcf(
@@ -232,7 +155,7 @@ fn mjcf(
     notes: &[String],
 ) -> String {
     let b = &model.base;
-    let Scales { scale, step_s, constant, resistance, .. } = scales;
+    let Scales { scale, step_s, constant, resistance, holding, .. } = scales;
     let (output, driven) = (&xml(scales.output), &xml(scales.driven));
     let (bob, weight) = parts.weight.map_or((String::new(), 0.0), |w| bob(w, *scale));
     let load = if parts.load == 0.0 {
@@ -278,7 +201,14 @@ fn mjcf(
     };
     format!(
         r#"<mujoco model="motorlens">
-  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; the joint of body "shaft": the output shaft.{comment} -->
+  <!-- Written by motorlens for MuJoCo 4. Control: volts at the driver's output; the joint of body "shaft": the output shaft;
+       sensor "encoder": the joint that the encoder sits on.
+       To begin in motion at w rad/s (first_speed_rad_s of motorlens compare): qvel of every joint is w, the motor's last act (its current)
+       w holding_current, and the history of a delayed actuator w holding_voltage (mj_initCtrlHistory).{comment} -->
+  <custom>
+    <numeric name="holding_voltage" data="{holding:e}"/>
+    <numeric name="holding_current" data="{holding_current:e}"/>
+  </custom>
   <compiler angle="radian"/>
   <option timestep="{step_s:e}" gravity="0 -9.81 0" integrator="{integrator}"/>
   <worldbody>{bodies}
@@ -287,30 +217,18 @@ fn mjcf(
     <dcmotor name="motor" joint="{driven}" motorconst="{constant:e} {constant:e}" resistance="{resistance:e}"
              inductance="0 {tau_e:e}"{motor} ctrllimited="true" ctrlrange="-{supply:e} {supply:e}"/>{beside}{load}
   </actuator>
+  <sensor>
+    <jointpos name="encoder" joint="{encoder}"/>
+  </sensor>
 </mujoco>
 "#,
         // Bodies on joints of their own share no implicit damping: the tendon's would hold their common motion back too.
         integrator = if tendon.is_empty() { "implicitfast" } else { "Euler" },
+        encoder = if model.rig.encoder_on_motor { driven } else { output },
+        holding_current = (holding - constant) / resistance,
         tau_e = b.tau_e,
         motor = parts.motor,
         supply = model.rig.supply_v,
         beside = parts.beside,
     )
-}
-
-/// Distance of the weight from the axis and its radius, m: so small that its inertia hardly counts.
-const ARM_M: f64 = 1e-4;
-const RADIUS_M: f64 = 1e-3;
-
-/// A weight whose torque is -(sine sin x + cosine cos x), and its inertia.
-///
-/// A mass m at angle a0 + x from the direction of gravity pulls back with m g r sin(a0 + x).
-fn bob((sine, cosine): (f64, f64), scale: f64) -> (String, f64) {
-    let (size, start) = (sine.hypot(cosine) * scale, cosine.atan2(sine));
-    let mass = size / (9.81 * ARM_M);
-    let (x, y) = (ARM_M * start.sin(), -ARM_M * start.cos());
-    let geom = format!(
-        "\n      <geom type=\"sphere\" size=\"{RADIUS_M:e}\" pos=\"{x:e} {y:e} 0\" mass=\"{mass:e}\" contype=\"0\" conaffinity=\"0\"/>"
-    );
-    (geom, mass * (ARM_M * ARM_M + 0.4 * RADIUS_M * RADIUS_M))
 }

@@ -21,8 +21,9 @@ pub(super) struct Language {
     own: &'static str,
     /// Declares such a variable, where the language asks for it.
     field: Option<fn(&str, &str) -> String>,
-    /// Past voltages: their declaration, what they are at the start, how they move on.
-    pub(super) past: fn(usize) -> [String; 3],
+    /// Past voltages that reach back so many steps, with the voltage that holds a speed, V s/rad: their declaration, what they are at the
+    /// start, how they move on.
+    pub(super) past: fn(usize, f64) -> [String; 3],
 }
 
 pub(super) const C: Language = Language {
@@ -47,16 +48,16 @@ pub(super) const C: Language = Language {
     define: ["const double ", "double "],
     own: "s->",
     field: Some(|name, meaning| format!("    double {name}; /* {meaning} */\n")),
-    past: |steps| {
+    past: |steps, holding| {
         [
-            format!("    double past[{}]; /* V, the latest first */\n    int begun;\n", steps + 1),
-            "    /* At rest there was no voltage before; in motion, the first one. */\n    \
-             for (k = 0; k < (int)(sizeof s->past / sizeof *s->past); k++)\n        s->past[k] = 0.0;\n    \
-             s->begun = speed == 0.0;\n"
-                .into(),
+            format!("    double past[{}]; /* V, the latest first */\n", steps + 1),
             format!(
-                "    for (k = {steps}; k > 0; k--)\n        s->past[k] = s->begun ? s->past[k - 1] : volts;\n    \
-                 s->past[0] = volts;\n    s->begun = 1;\n"
+                "    /* At rest there was no voltage before; in motion, the one that holds the speed. */\n    \
+                 for (k = 0; k < {}; k++)\n        s->past[k] = {holding:?} * speed;\n",
+                steps + 1
+            ),
+            format!(
+                "    for (k = {steps}; k > 0; k--)\n        s->past[k] = s->past[k - 1];\n    s->past[0] = volts;\n"
             ),
         ]
     },
@@ -87,17 +88,15 @@ pub(super) const PYTHON: Language = Language {
     define: ["", ""],
     own: "self.",
     field: None,
-    past: |steps| {
-        let all = steps + 1;
+    past: |steps, holding| {
         [
             String::new(),
             format!(
-                "        # At rest there was no voltage before; in motion, the first one.\n        \
-                 self.past = [0.0] * {all} if speed == 0.0 else None\n"
+                "        # At rest there was no voltage before; in motion, the one that holds the speed.\n        \
+                 self.past = [{holding:?} * speed] * {}\n",
+                steps + 1
             ),
-            format!(
-                "        past = self.past = [volts] * {all} if self.past is None else [volts, *self.past[:-1]]\n"
-            ),
+            "        past = self.past = [volts, *self.past[:-1]]\n".into(),
         ]
     },
 };
@@ -171,7 +170,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     let first: Vec<Recorded> = step.changing.iter().map(|c| c.first).chain([step.first_reading]).collect();
     let [outside, inside] = language.indents;
     let [past_field, past_begin, past_move] =
-        reach(&step.tape, &next).map_or_else(Default::default, language.past);
+        reach(&step.tape, &next).map_or_else(Default::default, |steps| (language.past)(steps, step.holding));
     let counter = if past_move.is_empty() { "" } else { "    int k;\n" };
 
     let fields: String = step
@@ -217,7 +216,7 @@ pub(super) fn export(model: &Model, options: &Options, language: &Language) -> E
     for (place, word) in words {
         text = text.replace(&format!("@{place}@"), &word);
     }
-    Exported::whole(text, model)
+    Exported::whole(text, model, options.step_s())
 }
 
 impl Language {

@@ -7,6 +7,7 @@ use motorlens_shared::simulator::{Motion, Prepared, Simulator, in_order};
 use motorlens_shared::step::{Drive, Laws, State};
 
 use super::record::{Input, Recorded, Tape, record};
+use crate::fit::start::held;
 
 /// What changes from step to step, and how.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +29,8 @@ pub(super) struct Step {
     pub reading: Recorded,
     /// Parts of a step.
     pub parts: usize,
+    /// Voltage that holds a speed, V s/rad: what a motor that begins in motion had before.
+    pub holding: f64,
 }
 
 /// Effects of which a program runs one part of a step at a time.
@@ -62,6 +65,8 @@ impl Effects<Recorded> for InOnePart {
 
 /// Writes down a step of `base` with `effects` on `rig`.
 pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -> Step {
+    let holding = holding(base, rig);
+    let current_per_speed = holding - base.back_emf();
     let (step, tape) = record(|| {
         let (base, numbers) = constants(base, effects);
         let effects = in_order(numbers.iter().map(|(kind, p)| (*kind, p.as_slice())));
@@ -71,7 +76,8 @@ pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -
         let several = InOnePart(Several::new(&effects, &prepared.setting));
         let simulator = Simulator::with(prepared, several);
 
-        let start = simulator.start(State::moving(lit(0.0), input(Input::Speed), input(Input::Angle)));
+        let current = lit(current_per_speed) * input(Input::Speed);
+        let start = simulator.start(State::moving(current, input(Input::Speed), input(Input::Angle)));
         let first_reading = simulator.read(&start);
         let before = Motion { state: state(), memories: std::array::from_fn(memory) };
         let mut after = before;
@@ -84,9 +90,15 @@ pub(super) fn trace(base: &Base<f64>, effects: &[(Kind, Vec<f64>)], rig: &Rig) -
             first_reading,
             reading,
             parts,
+            holding,
         }
     });
     Step { tape, ..step }
+}
+
+/// Voltage that holds a speed on `rig`, V s/rad, as a run of the model in motion begins with it.
+pub(super) fn holding(base: &Base<f64>, rig: &Rig) -> f64 {
+    Some(held(rig, 1.0)).filter(|volts| volts.is_finite()).unwrap_or(1.0 / base.gain)
 }
 
 /// The parameters of a model, as constants of the tape.

@@ -47,10 +47,17 @@ pub fn told(
         format!("{} has no place for {}: {}{cost}.", capital(format.title()), lost.effect, lost.why)
     });
     let whole = exported.carried == model.values();
-    let all = price.filter(|_| !whole).map(|price| {
-        let what = if exported.lost.is_empty() { "What it simplifies costs" } else { "Together:" };
+    let all = price.filter(|price| !whole || price.is_too_high()).map(|price| {
+        let what = match price.step_s.filter(|_| whole) {
+            Some(step_s) => format!("Run in its steps of {step_s} s, it parts from the model by"),
+            None if exported.lost.is_empty() => "What it simplifies costs".into(),
+            None => "Together:".into(),
+        };
         let above = if price.is_too_high() { ", which is more than a hundredth above it" } else { "" };
-        format!("{what} {}{above}.", price.clause())
+        let other = price.better_step_s().map_or(String::new(), |step_s| {
+            format!(" (give a step of {step_s} s, in which the model itself runs there)")
+        });
+        format!("{what} {}{above}{other}.", price.clause())
     });
     let left = exported.left.iter().map(|left| {
         let cost = costing(left.effect).map_or(String::new(), |cost| format!("; its absence costs {cost}"));

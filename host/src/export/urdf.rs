@@ -74,5 +74,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         friction = scale * a.friction,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried })
+    Ok(Exported { content: text.into_bytes(), beside: None, notes, lost, left, carried, step_s: None })
 }

@@ -66,6 +66,7 @@ pub(super) fn export(model: &Model) -> Exported {
         lost,
         left,
         carried,
+        step_s: None,
     }
 }
 

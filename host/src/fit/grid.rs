@@ -174,7 +174,7 @@ impl Grid {
     }
 
     /// Begins at `speed`, rad/s, under `voltage`, V, that a late bridge still brings; a motor at rest had none.
-    pub(super) fn begin_at(&mut self, speed: f64, voltage: f64) {
+    pub(crate) fn begin_at(&mut self, speed: f64, voltage: f64) {
         self.start_speed = speed;
         self.voltages[0] = if speed == 0.0 { 0.0 } else { voltage };
     }
@@ -249,7 +249,7 @@ fn cell_length(interval: f64, renewal: f64, duration: f64) -> f64 {
 }
 
 /// Stamps within 2 % of a cell of its edge count as on the edge: that is writing precision, not jitter.
-fn place(position: f64) -> Place {
+pub(super) fn place(position: f64) -> Place {
     let nearest = position.round();
     let position = if (position - nearest).abs() < 0.02 { nearest } else { position };
     let end = position.ceil().max(1.0);

@@ -22,6 +22,7 @@ pub mod setup;
 pub mod simulate;
 pub mod sketch;
 pub mod start;
+mod steps;
 pub mod uncertainty;
 mod voltages;
 pub mod window;

@@ -158,7 +158,7 @@ fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) 
 }
 
 /// The voltage under which a motor turns at `speed`: most that turn already have done so for a while.
-fn held(rig: &Rig, speed: f64) -> f64 {
+pub(crate) fn held(rig: &Rig, speed: f64) -> f64 {
     speed * rig.nominal_v / rig.reference_speed
 }
 

@@ -40,8 +40,9 @@ volts = [float(line) for line in sys.stdin]
 PARTS = 40
 dt = 1e-3 / PARTS
 simulator = Simulator(model)
+simulator.q, simulator.dq, before = map(float, sys.argv[2:5])
 for k in range(len(volts)):
     for part in range(PARTS):
         cell = math.floor((k * 1e-3 + (part + 0.5) * dt - delay) * 1e3)
-        simulator.step(volts[cell] if cell >= 0 else 0.0, True, dt)
+        simulator.step(volts[cell] if cell >= 0 else before, True, dt)
     print(repr(float(simulator.q)))

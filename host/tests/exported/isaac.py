@@ -23,11 +23,11 @@ volts = [float(line) for line in sys.stdin]
 sine, cosine, hoist = map(float, pathlib.Path(sys.argv[1] + ".robot").read_text().split())
 PARTS = 20
 dt = 1e-3 / PARTS
-x = w = 0.0
+x, w, before = map(float, sys.argv[2:5])
 for k in range(len(volts)):
     for part in range(PARTS):
         cell = math.floor((k * 1e-3 + (part + 0.5) * dt - delay) * 1e3)
-        share = volts[cell] / nominal if cell >= 0 else 0.0
+        share = (volts[cell] if cell >= 0 else before) / nominal
         effort = c.saturation_effort * (share - w / c.velocity_limit)
         top = min(c.saturation_effort * (1 - w / c.velocity_limit), c.effort_limit)
         bottom = max(c.saturation_effort * (-1 - w / c.velocity_limit), -c.effort_limit)

@@ -31,6 +31,13 @@ pub fn model(effects: &[(Kind, &[f64])]) -> Model {
     Model::new(&Values { base, effects }, &rig(), &prior, Origin::default())
 }
 
+/// The same with the encoder on the output shaft, and no gear.
+pub fn at_the_output(mut model: Model) -> Model {
+    model.rig.encoder_on_motor = false;
+    model.rig.gear_ratio = 1.0;
+    model
+}
+
 /// Sets that together hold every effect of the library.
 pub fn sets() -> Vec<Model> {
     let sets: Vec<Vec<(Kind, &[f64])>> = vec![
@@ -85,6 +92,20 @@ pub fn sets() -> Vec<Model> {
     sets.iter().map(|set| model(set)).collect()
 }
 
+/// Two effects at their typical sizes, but for two transmissions, of which a model has one.
+pub fn pairs() -> Vec<Model> {
+    let typical = |kind: Kind| -> Vec<f64> {
+        kind.spec().parameters.iter().map(|p| p.typical * p.scale.unit(&rig())).collect()
+    };
+    let all = |a: Kind| Kind::ALL.iter().map(move |b| (a, *b));
+    Kind::ALL
+        .iter()
+        .flat_map(|a| all(*a))
+        .filter(|(a, b)| a < b && !(a.is_transmission() && b.is_transmission()))
+        .map(|(a, b)| model(&[(a, &typical(a)), (b, &typical(b))]))
+        .collect()
+}
+
 /// 4 s of reversals and rest.
 pub fn volts() -> Vec<f64> {
     (0..4000_u32)
@@ -101,7 +122,7 @@ pub fn volts() -> Vec<f64> {
 pub fn truth(model: &Model, volts: &[f64]) -> Vec<f64> {
     let values = model.values();
     let effects = values.effects.iter().map(|(kind, p)| (*kind, p.as_slice()));
-    let simulator = Simulator::new(&values.base.base(), effects, &rig());
+    let simulator = Simulator::new(&values.base.base(), effects, &model.rig(1e-3));
     let mut motion = simulator.start(State::rest());
     // A late voltage finds none before the start.
     let volts = [&[0.0], volts].concat();

@@ -29,6 +29,7 @@ body = joint.parent
 body.mass, body.inertia, body.explicitinertial = 1e-9, [1e-12] * 3, True
 model = spec.compile()
 data = mujoco.MjData(model)
+data.qpos[0], data.qvel[0] = map(float, sys.argv[2:4])
 for line in sys.stdin:
     for _ in range(PARTS):
         x = data.qpos[0]

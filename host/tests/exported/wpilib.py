@@ -20,11 +20,11 @@ def acceleration(u, x, w):
     return f.maxAchievableAcceleration(u, x - float(arm.group(1)), w) if arm else f.maxAchievableAcceleration(u, w)
 
 
-x = w = 0.0
+x, w, before = map(float, sys.argv[2:5])
 for k in range(len(volts)):
     for part in range(PARTS):
         cell = math.floor((k * 1e-3 + (part + 0.5) * dt - delay) * 1e3)
-        u = volts[cell] if cell >= 0 else 0.0
+        u = volts[cell] if cell >= 0 else before
         free = acceleration(u, x, 0.0)
         if w == 0.0 and abs(free) * f.getKa() <= f.getKs():
             continue

@@ -17,7 +17,7 @@ from ._tune import Tuned, tune
 
 
 class Motor:
-    """A model on its way, from rest; see :meth:`Model.start`."""
+    """A model on its way; see :meth:`Model.start`."""
 
     def __init__(self, native: _native.NativeRun) -> None:
         self._native = native
@@ -67,19 +67,24 @@ class Model:
         """Names of its effects, in the order they were added."""
         return [effect["effect"] for effect in self.to_dict()["effects"]]
 
-    def simulate(self, time_s: Any, voltage_v: Any, angle_rad: float = 0.0) -> np.ndarray:
+    def simulate(self, time_s: Any, voltage_v: Any, angle_rad: float = 0.0, speed_rad_s: float = 0.0) -> np.ndarray:
         """Angle of the output shaft as the sensor shows it, without its counting.
 
-        ``time_s`` (n,) rises, s; ``voltage_v`` (n,) is held from each time to the next, V; the motor rests at ``angle_rad``
-        (rad) at the first time. Returns (n,), rad. ``motorlens compare`` runs the same, but begins a record that is in motion at a
-        speed that it finds for the model, and moves an angle within a count of the encoder.
+        ``time_s`` (n,) rises, s; ``voltage_v`` (n,) is held from each time to the next, V; the motor is at ``angle_rad``
+        (rad) at the first time, at rest or turning with ``speed_rad_s`` (rad/s) as it did for a while. Returns (n,), rad.
+        :func:`compare` runs the same: a record that is in motion begins at the ``first_speed_rad_s`` of its run, found for the
+        model, and an angle is moved within a count of the encoder.
         """
         time, volts = as_array(time_s), as_array(voltage_v)
-        return np.frombuffer(self._native.simulate(time.tobytes(), volts.tobytes(), float(angle_rad))).copy()
+        begin = float(angle_rad), float(speed_rad_s)
+        return np.frombuffer(self._native.simulate(time.tobytes(), volts.tobytes(), *begin)).copy()
 
-    def start(self, step_s: float = 1e-3, angle_rad: float = 0.0) -> Motor:
-        """The motor at rest at ``angle_rad`` (rad), to be advanced in steps of ``step_s`` (s, at most 0.01)."""
-        return Motor(self._native.start(float(step_s), float(angle_rad)))
+    def start(self, step_s: float = 1e-3, angle_rad: float = 0.0, speed_rad_s: float = 0.0) -> Motor:
+        """The motor at ``angle_rad`` (rad), at rest or turning with ``speed_rad_s`` (rad/s).
+
+        It is advanced in steps of ``step_s`` (s, at most 0.01).
+        """
+        return Motor(self._native.start(float(step_s), float(angle_rad), float(speed_rad_s)))
 
     def step(self, voltage_v: float) -> float:
         """Advances a motor of this model's own by a millisecond under ``voltage_v`` (V); returns its angle, rad.
@@ -148,7 +153,8 @@ def export(
 
     ``format`` is one that ``motorlens export --help`` lists. ``step_s`` is the step of a generated program or of MuJoCo's
     simulation, s; ``torque_per_volt`` the stall torque at the output shaft per volt, N m/V; ``name`` the joint's; ``bam_model`` 1 to 6.
-    What the tool lacks costs is told on the records ``on`` (and ``motor``, as in :func:`discover`), or on a standard programme.
+    What the tool lacks costs is told on the records ``on`` (and ``motor``, as in :func:`discover`), or on a standard programme; a program
+    (C, Python, Modelica, FMU) is run on those records in its own steps.
     Returns what to know of the files, and what the tool lacks, in sentences; raises :class:`MotorlensError` where it lacks an effect
     of the model, or errs on the records by more than a hundredth above the model, unless ``allow_missing``.
     """
