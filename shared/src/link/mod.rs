@@ -36,7 +36,7 @@ pub use status::{
 /// The oldest version of the protocol that this source still speaks.
 pub const OLDEST: u16 = 1;
 /// The version that this source speaks best.
-pub const NEWEST: u16 = 4;
+pub const NEWEST: u16 = 5;
 
 /// The version that two ends use: the newest that both speak, `None` when their ranges do not meet.
 ///

@@ -221,6 +221,21 @@ pub enum Cause {
     Watchdog,
     /// The measured supply is outside [`SUPPLY_SHARES`] of the stated one. Since version 2.
     Supply,
+    /// The shaft still turned, with the bridge off, when the board had waited for it long enough: the run has not begun. Since version 5.
+    Turning,
+}
+
+impl Cause {
+    /// The same in words that a version of the link has.
+    pub const fn told_to(self, version: u16) -> Self {
+        match self {
+            // An electrical fault that took the bridge off.
+            Self::Supply if version < 2 => Self::OverCurrent,
+            // A time that is over; that nothing was logged tells the rest.
+            Self::Turning if version < 5 => Self::RunLimit,
+            _ => self,
+        }
+    }
 }
 
 impl fmt::Display for Cause {
@@ -238,6 +253,7 @@ impl fmt::Display for Cause {
                 "the measured supply is not within half and one and a half of the stated one: check --supply, the \
                  battery, and that a divider is wired to the board's supply input"
             }
+            Self::Turning => "the shaft went on turning with the bridge off, so the run did not begin",
         })
     }
 }
@@ -344,6 +360,16 @@ mod tests {
         for other in [Reset::PowerOn as u32, Reset::Watchdog as u32, Reset::Software as u32, 7, u32::MAX] {
             assert_eq!(Reset::noted(other), None);
         }
+    }
+
+    #[test]
+    fn a_cause_that_a_version_does_not_have_is_told_by_the_nearest_that_it_has() {
+        for (cause, since, before) in
+            [(Cause::Supply, 2, Cause::OverCurrent), (Cause::Turning, 5, Cause::RunLimit)]
+        {
+            assert_eq!((cause.told_to(since - 1), cause.told_to(since)), (before, cause));
+        }
+        assert_eq!(Cause::Stall.told_to(1), Cause::Stall);
     }
 
     #[test]
