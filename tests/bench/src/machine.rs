@@ -117,9 +117,10 @@ pub fn address_of(image: &Path, variable: &str) -> u64 {
     found.unwrap_or_else(|| panic!("the image has no variable {variable}")).1
 }
 
-/// Two instructions of Thumb.
+/// Three instructions of Thumb; the last is permanently undefined (ARMv7-M Architecture Reference Manual A7.7.191).
 pub const WAIT_FOR_INTERRUPT: u64 = 0xbf30;
 pub const BRANCH_TO_ITSELF: u64 = 0xe7fe;
+pub const UNDEFINED: u64 = 0xde00;
 
 /// Where the image's main loop waits for the next interrupt.
 ///

@@ -93,6 +93,7 @@ pub struct Plant {
     sign: f64,
     enabled: bool,
     pulses: bool,
+    by_timer: bool,
     first_driven: Option<usize>,
     period_began: VirtualNanos,
     period_interrupt: usize,
@@ -124,6 +125,7 @@ impl Plant {
             sign: 0.0,
             enabled: false,
             pulses: false,
+            by_timer: false,
             first_driven: None,
             period_began: VirtualNanos(0),
             period_interrupt: 0,
@@ -148,9 +150,15 @@ impl Plant {
         self.enabled
     }
 
-    /// Whether a PWM's pin may be high: it is the timer's and the timer's outputs are enabled, or the program holds it high itself.
+    /// Whether one of the PWMs' two pins may be high: it is the timer's and the timer's outputs are enabled, or the program holds it high
+    /// itself. A driver with two inputs and no enable is off where neither is.
     pub fn pulses(&self) -> bool {
         self.pulses
+    }
+
+    /// Whether the timer has one of the pins of PWM and enable: what forces them low takes them from it, and what ends its outputs does not.
+    pub fn by_timer(&self) -> bool {
+        self.by_timer
     }
 
     /// The PWM's high share at the driver.
@@ -243,7 +251,7 @@ impl Plant {
         self.sign = f64::from(high(FORWARD)) - f64::from(high(BACKWARD));
         let enable = (high(ENABLE), alternate(registers, ENABLE));
         let (_, registers) = machine.mcu.port(PORT_A);
-        let pulsed = alternate(registers, PWM);
+        let pulsed = [PWM, SECOND_PWM].map(|pin| alternate(registers, pin));
         let held = [stands_high(registers, PWM), stands_high(registers, SECOND_PWM)];
         // A pin that is the timer's follows the timer's output, which is there while the timer is clocked.
         let (timer, registers) = machine.mcu.advanced_timer(0);
@@ -257,9 +265,10 @@ impl Plant {
         }
         let top = registers.get(Register::Arr) as f64 + 1.0;
         self.ticks = top;
-        let timed = pulsed && registers.get(Register::Bdtr) & MOE != 0;
-        self.pulses = timed || held.contains(&true);
-        if !timed {
+        let on = registers.get(Register::Bdtr) & MOE != 0;
+        self.pulses = on && pulsed.contains(&true) || held.contains(&true);
+        self.by_timer = enable.1 || pulsed.contains(&true);
+        if !(on && pulsed[0]) {
             (self.duty, self.second) = (f64::from(held[0]), f64::from(held[1]));
         } else if renewed {
             let share = |compare| registers.get(compare) as f64 / top;
