@@ -156,7 +156,7 @@ pub fn symbols(image: &Path) -> Vec<(String, u64)> {
 }
 
 /// What the image touched that the emulated chip has not: an address without a register, a register without a model, an
-/// access the bus refused, an instruction without meaning, an interrupt without a line. `None` when there is nothing.
+/// access the bus refused, space that the manual leaves undefined, an interrupt without a line. `None` when there is nothing.
 pub fn stray(session: &Session<Machine>) -> Option<String> {
     // Looked at while the bench serves, so nothing is put into words unless there is something.
     let checks: [(&str, bool, &dyn Debug); 5] = [
