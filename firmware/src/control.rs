@@ -9,7 +9,7 @@ use crate::beat::split;
 use crate::encoder::Extended;
 use crate::hardware::{Analog, Hardware};
 use crate::log::Log;
-use crate::standing::Wait;
+use crate::standing::{Shaft, Wait};
 use crate::supervisor::{Look, Supervisor, Watch};
 use crate::turns::Turns;
 use motorlens_shared::excitation::Player;
@@ -199,8 +199,10 @@ impl<H: Hardware> Control<H> {
             return self.stop(cause);
         }
         if self.origin_us.is_none() {
-            if !self.wait.is_over(now, count) {
-                return;
+            match self.wait.look(now, count) {
+                Shaft::Still => {}
+                Shaft::Awaited => return,
+                Shaft::Turning => return self.stop(Cause::Turning),
             }
             self.origin_us = Some(now);
             self.plan();
@@ -274,7 +276,8 @@ impl<H: Hardware> Control<H> {
         }
     }
 
-    /// Begins a run of `player` with the present setup, once the motor stands still; it waits with the bridge off.
+    /// Begins a run of `player` with the present setup, once the motor stands still; it waits with the bridge off, and ends the run where
+    /// the shaft goes on turning.
     pub fn start(&mut self, run: u32, player: Player) {
         self.log.begin(run, self.scaling());
         self.player = Some(player);

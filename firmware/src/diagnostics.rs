@@ -100,5 +100,6 @@ fn ended(cause: Cause) -> &'static str {
         Cause::Emergency => "emergency input open",
         Cause::Watchdog => "control lost, restarted",
         Cause::Supply => "supply out of bounds",
+        Cause::Turning => "shaft still turned, not begun",
     }
 }

@@ -10,7 +10,7 @@ use crate::outbox::Outbox;
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use heapless::{String, Vec};
 use motorlens_shared::excitation::{MAX_NAME, MAX_SEGMENTS, Segment};
-use motorlens_shared::link::{Cause, Decoder, FromBoard, Packet, RunState, Scaling, Status, ToBoard};
+use motorlens_shared::link::{Decoder, FromBoard, Packet, RunState, Scaling, Status, ToBoard};
 use motorlens_shared::quickfit::{Arithmetic, Keeper, QuickFit, Request};
 use stream::Stream;
 
@@ -150,10 +150,10 @@ impl Station {
     /// Adds what the main loop knows, in words that the host's version has.
     fn complete(&self, status: &mut Status) {
         (status.kept, status.damaged) = (self.keeper.samples().len() as u16, self.damaged);
-        status.reset = status.reset.told_to(self.agreed.unwrap_or(1));
-        if status.state == RunState::Stopped(Cause::Supply) && self.agreed.is_none_or(|version| version < 2) {
-            // The nearest that version 1 has: an electrical fault that took the bridge off.
-            status.state = RunState::Stopped(Cause::OverCurrent);
+        let version = self.agreed.unwrap_or(1);
+        status.reset = status.reset.told_to(version);
+        if let RunState::Stopped(cause) = status.state {
+            status.state = RunState::Stopped(cause.told_to(version));
         }
     }
 }

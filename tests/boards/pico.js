@@ -1,12 +1,16 @@
 // A Raspberry Pi Pico that runs the unmodified image from its UF2 file, wired to a driver, a motor and its encoder. What
-// goes over USB is a TCP port: `node pico.js image.uf2 [fault [lines]]` prints the port. It ends when so many have called and gone, one
-// unless more are said; between them time stands still.
+// goes over USB is a TCP port: `node pico.js image.uf2 [fault [lines [driver [counts.json]]]]` prints the port. It ends when so many have
+// called and gone, one unless more are said; between them time stands still. The driver is `brake` (PWM and directions, shorted in the off
+// part), `coast` (floating there) or `in-in` (two PWMs and no enable). The shaft's count at each interrupt of the sampling timer goes to
+// counts.json.
 //
 // Faults come 0.3 s after the motor is first driven: emergency (the contact opens), fault (the hard fault's
 // handler is entered, for the emulated core raises none), hang (interrupts are off and the program runs in a circle), circle (it
 // does so with interrupts on),
 // bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost), pumped (the supply rises to 19 V),
-// crystal (it stops: timer and watchdog stand, and the PLL, which the core and the PWM hang on, swings on by itself).
+// crystal (it stops: timer and watchdog stand, and the PLL, which the core and the PWM hang on, swings on by itself),
+// short (8 A more at the current's amplifier), silent (nothing of the host arrives for a second), panic:ADDRESS (the control, to which the
+// variable at this address points, looks borrowed, over which the program panics).
 // What the pins do then is printed.
 //
 // What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
@@ -24,7 +28,8 @@ const VECTORS = FLASH + 0x100; // behind the second boot stage
 const TIMER = 0x40054;
 const NANOS = 8; // a cycle at 125 MHz
 const TURNS = 24; // cycles of the PIO: two turns
-const [image, fault = "none", lines = "1"] = process.argv.slice(2);
+const [image, injury = "none", lines = "1", driver = "brake", countsFile] = process.argv.slice(2);
+const [fault, address] = injury.split(":");
 
 const simulator = new Simulator();
 const { rp2040, clock } = simulator;
@@ -80,6 +85,7 @@ cdc.onDeviceConnected = () => {
 };
 usb.onEndpointRead = (endpoint, size) => endpoint !== 0 && (offered = { endpoint, size });
 function hand() {
+  if (fault === "silent" && since !== null && since < 1) receiving.length = 0;
   if (!connected || !offered || !receiving.length) return;
   const { endpoint, size } = offered;
   offered = null;
@@ -89,14 +95,29 @@ function hand() {
 const high = (pin) => rp2040.gpio[pin].value === GPIOPinState.High;
 const motor = new Motor();
 
-// The driver: enabled by GP9, direction by GP8 and GP11, brakes in the off part of the PWM, which is taken as its mean
-// unless the pin is not the PWM's any more.
+// The driver: enabled by GP9, direction by GP8 and GP11, or one with two inputs and no enable. What the PWM makes of it is taken as its
+// mean; null where the motor is let go.
 function volts() {
-  if (!high(9) || high(8) === high(11)) return null;
   const { top, cc } = rp2040.pwm.channels[3];
-  const pin = rp2040.gpio[6];
-  const duty = pin.functionSelect === 4 && pin.outputOverride === 0 ? (cc & 0xffff) / (top + 1) : 0;
-  return (high(8) ? 1 : -1) * Math.min(duty, 1) * motor.supply;
+  const share = (pin, compare) => {
+    const { functionSelect, outputOverride } = rp2040.gpio[pin];
+    return functionSelect === 4 && outputOverride === 0 ? Math.min(compare / (top + 1), 1) : 0;
+  };
+  const [first, second] = [share(6, cc & 0xffff), share(7, cc >>> 16)];
+  if (driver === "in-in") return first || second ? (first - second) * motor.supply : null;
+  if (!high(9) || high(8) === high(11)) return null;
+  return (high(8) ? 1 : -1) * first * motor.supply;
+}
+
+// A driver that lets go in the off part: while the current lasts, it flows through the diodes against the supply. Steps of 2 us.
+function coast(mean) {
+  const period = (rp2040.pwm.channels[3].top + 1) * NANOS;
+  const share = Math.abs(mean) / motor.supply;
+  for (let part = 0; part < 10; part++) {
+    const on = ((clock.nanos + part * STEP * 1e8) / period) % 1 < share;
+    const diodes = Math.abs(motor.current) < 0.015 ? null : -Math.sign(motor.current) * motor.supply;
+    motor.advance(STEP / 10, on ? Math.sign(mean) * motor.supply : diodes);
+  }
 }
 
 // The converter's inputs: the supply over a divider by 11, with a saw-tooth of the PWM's frequency on it, and the current at 165 mV/A from
@@ -109,10 +130,11 @@ Object.defineProperty(adc, "activeChannel", {
 });
 const RIPPLE = 0.6; // V
 let pumped = 0; // V
+let short = 0; // A
 adc.onADCRead = (channel) => {
   const { top } = rp2040.pwm.channels[3];
   const phase = (clock.nanos / NANOS / (top + 1)) % 1;
-  const pin = channel === 0 ? (motor.supply + pumped + RIPPLE * (phase - 0.5)) / 11 : 1.65 + 0.165 * motor.current;
+  const pin = channel === 0 ? (motor.supply + pumped + RIPPLE * (phase - 0.5)) / 11 : 1.65 + 0.165 * (motor.current + short);
   adc.channelValues[channel] = Math.max(0, Math.min(4095, Math.floor((pin / 3.3) * 4095)));
   adc.currentChannel = channel;
   adc.sampleAlarm.schedule(adc.sampleTime * 1000);
@@ -126,6 +148,15 @@ function show() {
 }
 show();
 rp2040.gpio[10].setInputValue(false); // the jumper
+
+// The sampling timer's interrupt takes its flag back, and reads the count right after.
+const sampled = [];
+const timer = rp2040.peripherals[TIMER];
+const writeTimer = timer.writeUint32.bind(timer);
+timer.writeUint32 = (offset, value) => {
+  if (offset === 0x34 && value & 1) sampled.push(count); // INTR
+  writeTimer(offset, value);
+};
 
 let driven = 0; // s
 let since = null; // s since the fault
@@ -144,9 +175,10 @@ function injure() {
   if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
   if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
   if (fault === "pumped") pumped = 7;
+  if (fault === "short") short = 8;
+  if (fault === "panic") rp2040.writeUint32(rp2040.readUint32(Number(address)), 1);
   if (fault === "dead") rp2040.peripherals[TIMER].writeUint32Atomic(0x20, 1, 0); // ARMED: a 1 takes the alarm back
   if (fault === "crystal") {
-    const timer = rp2040.peripherals[TIMER];
     const stands = [0x24, 0x28, 0x08, 0x0c].map((offset) => [offset, timer.readUint32(offset)]); // TIMERAWH, -L, TIMEHR, -LR
     const readTimer = timer.readUint32.bind(timer);
     timer.readUint32 = (offset) => new Map(stands).get(offset) ?? readTimer(offset);
@@ -174,7 +206,8 @@ function advance() {
     if (applied === null && off === null) off = since;
     if (applied !== null) off = null;
   }
-  motor.advance(STEP, applied);
+  if (driver === "coast" && applied !== null) coast(applied);
+  else motor.advance(STEP, applied);
   const edges = Math.abs(motor.count() - count);
   const from = clock.nanos;
   for (let i = 1; i <= Math.max(edges, 1); i++) {
@@ -211,6 +244,7 @@ const server = net.createServer((client) => {
     if (socket === client) socket = null; // the next one may be there before this one is seen to be gone
     if (--callers > 0) return;
     const told = off === null ? "" : `, off ${(off * 1e3).toFixed(2)} ms after the fault`;
+    if (countsFile) fs.writeFileSync(countsFile, JSON.stringify(sampled));
     console.log(`closed: driver ${volts() === null ? "off" : "driven"}${told}, ${resets} resets, ${clock.nanos / 1e9} s`);
     process.exit(0);
   });

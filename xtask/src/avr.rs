@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::emulated::{self, Ended};
 use crate::report::Count;
-use crate::{apt, process};
+use crate::{apt, documented, process};
 
 /// Debian's Arduino core.
 const CORE: &str = "/usr/share/arduino/hardware/arduino/avr";
@@ -94,11 +94,25 @@ fn sizes(elf: &Path) -> Result<()> {
     Ok(())
 }
 
+/// The options of the command that the README prints for such a board, but for its port and its directory.
+fn listening() -> Result<Vec<String>> {
+    let shape = "capture --listen --port PORT --supply 12 --counts-per-rev COUNTS --out DIR";
+    let line = documented::line(&process::root(), shape).context("the README prints no such command")?;
+    let mut words = line.as_run("", Path::new(""));
+    words.remove(0);
+    for option in ["--port", "--out"] {
+        let at = words.iter().position(|word| word == option).context("the shape has it")?;
+        words.drain(at..at + 2);
+    }
+    Ok(words)
+}
+
 /// Compiles the sketch and captures with `motorlens capture --listen` from an emulated Uno.
 pub fn tests() -> Result<Count> {
     let hex = build()?;
     let out = emulated::scratch("uno")?;
-    let line = ["--listen", "--counts-per-rev", "1320", "--supply", "12"];
+    let line = listening()?;
+    let line: Vec<&str> = line.iter().map(String::as_str).collect();
     let capture = |name: &str, fault: &str| {
         emulated::capture("uno.js", &[hex.as_os_str(), fault.as_ref()], &line, &out.join(name))
     };

@@ -1,4 +1,4 @@
-//! `cargo xtask fuzz`: coverage-guided fuzzing of all readers of logs, by cargo-fuzz and libFuzzer.
+//! `cargo xtask fuzz`: coverage-guided fuzzing of all readers of logs and of the link's decoders, by cargo-fuzz and libFuzzer.
 //!
 //! Takes as long as it is told to and is no part of `cargo xtask test`. Works with stable Rust: no sanitizer is asked for, since the
 //! readers hold no unsafe code; a panic, a stack that overflows, an answer that no reader may give, half a minute or more than 1 GiB
@@ -44,7 +44,7 @@ const fn text(name: &'static str, share: u64) -> Family {
 }
 
 /// Text is what most logs are.
-const FAMILIES: [Family; 9] = [
+const FAMILIES: [Family; 10] = [
     text("text", 4),
     text("json", 1),
     family("wpilog", "files", 2),
@@ -54,6 +54,8 @@ const FAMILIES: [Family; 9] = [
     family("mcap", "files", 2),
     family("sheets", "files", 1),
     family("packed", "packed", 1),
+    // Twice the longest frame.
+    Family { name: "link", target: "link", words: "files", share: 2, longest: 1024 },
 ];
 
 /// The most memory of a target, MiB, and the longest time for one input, s.

@@ -8,6 +8,8 @@ mod bench;
 mod book;
 mod browser;
 mod cortex_m0;
+#[path = "../../tests/documented.rs"]
+mod documented;
 mod emulated;
 mod exports;
 mod features;

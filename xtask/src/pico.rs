@@ -3,11 +3,15 @@
 //! The Pico 2's image is built, measured and proved ([`crate::sizes`]), and run nowhere: `rp2350-emu` 0.2.6 has the core, PIO, timers
 //! and watchdog of its chip, but neither the USB that the host talks through nor the masks that send an interrupt to the NMI.
 
-use std::path::Path;
+use std::ffi::OsStr;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{Sample, Scaling};
 use motorlens_shared::quickfit::{Fixed, Keeper, QuickFit, Request, fit};
+use object::{Object, ObjectSymbol, SymbolKind};
 use serde::Deserialize;
 
 use crate::report::Count;
@@ -25,7 +29,60 @@ const TOP: u16 = (125_000_000_u32 / 20_000) as u16;
 /// The stated supply, mV.
 const SUPPLY_MV: u16 = 12_000;
 /// Pins are off so soon after a fault, ms, at every sampling rate.
-const OFF_MS: f64 = 2.0;
+const OFF_MS: RangeInclusive<f64> = 0.0..=2.0;
+/// And so soon after the host's last word: half a second, of which some may be over when the line goes silent.
+const SILENT_MS: RangeInclusive<f64> = 300.0..=502.0;
+/// The run at each rate and driver: a step of so many volts and seconds.
+const STEP_V: f32 = 9.0;
+const STEP_S: f32 = 0.5;
+
+/// What is done to the emulated Pico.
+struct Fault {
+    /// Its name there.
+    name: &'static str,
+    /// The test's.
+    test: &'static str,
+    /// The driver, as board and `capture` call it.
+    driver: &'static str,
+    /// More for `capture`.
+    options: &'static [&'static str],
+    /// When the pins have to be off, ms after it.
+    off_ms: RangeInclusive<f64>,
+    /// What the host says of it; nothing where the board does not come back on its line.
+    told: &'static str,
+}
+
+/// A fault at a driver with an enable, after which the pins are off at once.
+const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fault {
+    Fault { name, test, driver: "brake", options: &[], off_ms: OFF_MS, told }
+}
+
+/// With a limit of the current that the motor's own stays below.
+const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
+const FAULTS: [Fault; 12] = [
+    fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
+    Fault {
+        driver: "in-in",
+        ..fault("emergency", "emergency input open", "and both inputs of a driver that has no enable")
+    },
+    fault(
+        "bounce",
+        "emergency input open",
+        "a contact that opens for an instant does too, and the motor stays off",
+    ),
+    fault("fault", "", "a fault of the core takes the pins down"),
+    fault("panic", "", "so does a panic"),
+    fault("hang", "", "a program that hangs with interrupts off loses the bridge by the NMI"),
+    fault("circle", "", "a main loop that runs in a circle loses it by the sampling interrupt"),
+    fault("dead", "", "so does one whose sampling timer stands"),
+    Fault { options: &WIRED, ..fault("pumped", "measured supply", "and a supply that is pumped up") },
+    Fault { options: &LIMITED, ..fault("short", "over-current", "and a current above its limit") },
+    Fault {
+        off_ms: SILENT_MS,
+        ..fault("silent", "link lost", "a host that falls silent for half a second stops the motor")
+    },
+    fault("crystal", "", "a crystal that stops while the PLL swings on takes the pins down"),
+];
 
 /// Writes the UF2 files of both Picos, and captures from an emulated one.
 pub fn tests() -> Result<Count> {
@@ -91,30 +148,106 @@ pub fn tests() -> Result<Count> {
             Ok(())
         },
     );
-    for (fault, name) in [
-        ("emergency", "the emergency contact takes the pins down"),
-        ("bounce", "a contact that opens for an instant does too, and the motor stays off"),
-        ("fault", "a fault of the core takes the pins down"),
-        ("hang", "a program that hangs with interrupts off loses the bridge by the NMI"),
-        ("circle", "a main loop that runs in a circle loses it by the sampling interrupt"),
-        ("dead", "so does one whose sampling timer stands"),
-        ("pumped", "and a supply that is pumped up"),
-        ("crystal", "a crystal that stops while the PLL swings on takes the pins down"),
-    ] {
-        emulated::case(&mut count, name, || {
-            let wired: &[&str] = if fault == "pumped" { &WIRED } else { &[] };
-            let ended = capture_with(fault, wired, fault)?;
+    at_each_rate(&mut count, &image, &out)?;
+    let control = format!("panic:{}", address_of("CONTROL")?);
+    for fault in &FAULTS {
+        emulated::case(&mut count, fault.test, || {
+            let done = if fault.name == "panic" { control.as_str() } else { fault.name };
+            let board: [&OsStr; 4] = [image.as_os_str(), done.as_ref(), "1".as_ref(), fault.driver.as_ref()];
+            let options: Vec<&str> = [&PROGRAMME[..], fault.options, &["--drive", fault.driver]].concat();
+            let logs = out.join(format!("{}-{}", fault.name, fault.driver));
+            let ended = emulated::capture("pico.js", &board, &options, &logs)?;
             ensure!(!ended.success && ended.board.contains("driver off"), "{ended:?}");
+            ensure!(ended.document.to_string().contains(fault.told), "{ended:?}");
             let off: f64 = ended
                 .board
                 .split("off ")
                 .find_map(|rest| rest.split_once(" ms after the fault")?.0.parse().ok())
                 .with_context(|| format!("the pins were never off: {ended:?}"))?;
-            ensure!(off <= OFF_MS, "the pins were off after {off} ms");
+            ensure!(fault.off_ms.contains(&off), "the pins were off after {off} ms");
             Ok(())
         });
     }
     Ok(count)
+}
+
+/// A short run at the rates that [`PROGRAMME`] is not, and one with a driver that lets go in the off part.
+fn at_each_rate(count: &mut Count, image: &Path, out: &Path) -> Result<()> {
+    let programme = out.join("step.json");
+    let step = Programme::single("step", Shape::Step { level_v: STEP_V }, STEP_S);
+    std::fs::write(&programme, serde_json::to_string(&step)?)?;
+    let mut braked = None;
+    for rate in ["100", "1000", "2000"] {
+        emulated::case(
+            count,
+            &format!("{rate} samples a second hold the shaft's own counts, none missing"),
+            || {
+                let (travel, _) = stepped(image, &programme, rate, "brake", &out.join(rate))?;
+                braked = Some(travel);
+                Ok(())
+            },
+        );
+    }
+    emulated::case(count, "a driver that floats in the off part is captured and named in the log", || {
+        let braked = braked.context("there is none that brakes to compare with")?;
+        let (travel, log) = stepped(image, &programme, "500", "coast", &out.join("coast"))?;
+        ensure!(std::fs::read_to_string(log)?.contains("sign_magnitude_coast"), "the log does not say so");
+        // In the off part its current flows on against the supply.
+        ensure!((0.1..0.9).contains(&(travel / braked)), "{travel} rad, {braked} with a brake");
+        Ok(())
+    });
+    Ok(())
+}
+
+/// Captures the step, compares the log with what the shaft's counter had, and returns how far it turned, rad, and the log.
+fn stepped(image: &Path, programme: &Path, rate: &str, driver: &str, out: &Path) -> Result<(f64, PathBuf)> {
+    std::fs::create_dir_all(out)?;
+    let counts = out.join("counts.json");
+    let board: [&OsStr; 5] =
+        [image.as_os_str(), "none".as_ref(), "1".as_ref(), driver.as_ref(), counts.as_os_str()];
+    let programme = programme.to_str().context("a path in Unicode")?;
+    let options = ["--programme", programme, "--rate", rate, "--drive", driver, "--counts-per-rev", COUNTS];
+    let ended = emulated::capture("pico.js", &board, &options, out)?;
+    ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
+    let log = &ended.document["logs"][0];
+    let samples = (STEP_S * rate.parse::<f32>()?).round();
+    ensure!(log["missing"] == 0 && log["samples"] == samples as u64, "{ended:?}");
+    let log = PathBuf::from(log["log"].as_str().context("no path")?);
+    let angles = angles(&log)?;
+    let counts: Vec<f64> = serde_json::from_str(&std::fs::read_to_string(&counts)?)?;
+    // At 100 samples a second the sampling timer interrupts between them too.
+    let apart = if rate == "100" { 10 } else { 1 };
+    let rad_per_count = std::f64::consts::TAU / COUNTS.parse::<f64>()?;
+    // An edge may come between the interrupt and the counter's being read, at the first sample and at this one.
+    let agrees = |first: &usize| {
+        angles.iter().enumerate().all(|(number, angle)| {
+            counts.get(first + apart * number).is_some_and(|count| {
+                let moved = (angle - angles[0]) / rad_per_count;
+                (moved - (count - counts[*first])).abs() < 2.5
+            })
+        })
+    };
+    ensure!(
+        (0..counts.len()).any(|first| agrees(&first)),
+        "the log is not what the shaft did: {}",
+        log.display()
+    );
+    let span = angles.iter().fold(0.0_f64, |most, angle| most.max((angle - angles[0]).abs()));
+    ensure!(span > 0.5, "the shaft turned by {span} rad");
+    Ok((span, log))
+}
+
+/// Where the Pico's image keeps a variable.
+fn address_of(variable: &str) -> Result<u64> {
+    let image = arm::build_pico(&arm::PICOS[0])?;
+    let bytes = std::fs::read(&image).with_context(|| format!("cannot read {}", image.display()))?;
+    let file = object::File::parse(&*bytes)?;
+    // Mangled: the name's length stands before it.
+    let mangled = format!("{}{variable}", variable.len());
+    let found = file.symbols().find(|symbol| {
+        symbol.kind() == SymbolKind::Data && symbol.name().is_ok_and(|name| name.contains(&mangled))
+    });
+    Ok(found.with_context(|| format!("the image has no variable {variable}"))?.address())
 }
 
 /// Fits the last of the logs in a directory as the board does, and fails where a bit differs.

@@ -26,6 +26,8 @@ pub struct Rig {
     pub top: u16,
     pub bridge: Bridge,
     pub jammed: bool,
+    /// Until then something else than the bridge turns the shaft, by two counts a millisecond.
+    pub cranked_until_us: u32,
     pub emergency: bool,
     /// What the supply's input reads all through the present interval, mV, where it is not the motor's supply.
     pub floating_mv: Option<u16>,
@@ -73,7 +75,8 @@ impl Pace for Rig {
 impl Hardware for Rig {
     type Analog = Self;
     fn count(&mut self) -> u16 {
-        if self.jammed { 77 } else { self.motor.counts() as u16 }
+        let cranked = (self.now_us.min(self.cranked_until_us) / 500) as u16;
+        if self.jammed { 77 } else { (self.motor.counts() as u16).wrapping_add(cranked) }
     }
     fn apply(&mut self, _: DriveMode, duty: i16) -> i16 {
         self.bridge = Bridge::Volts(f64::from(duty) / f64::from(self.top) * self.motor.motor().nominal_v);
@@ -188,6 +191,7 @@ impl Bench {
             top: TOP,
             bridge: Bridge::Floating,
             jammed: false,
+            cranked_until_us: 0,
             emergency: false,
             floating_mv: None,
             short_ma: None,

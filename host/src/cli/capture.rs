@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::interrupt::interrupted;
 use super::strip::Strip;
 use super::{Console, next};
-use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
+use crate::device::{Capture, Captured, Port, Shaft, record, remedy, wiring};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
 use crate::motor_file;
@@ -179,27 +179,22 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         // What came before the line was lost is worth keeping too.
         let captured = outcome.as_ref().ok().cloned().or_else(|| capture.so_far());
         document.damaged_frames += capture.damaged();
-        if let Some(captured) = &captured {
+        // A run that did not begin leaves no log.
+        let logged = captured.as_ref().filter(|captured| !captured.samples.is_empty());
+        if let Some(captured) = logged {
             document.logs.push(save(captured, &shaft, play, &args.out)?);
             if let (0, Some(other)) = (index, other_frequency(args.pwm_frequency, captured)) {
                 console.say(other);
             }
         }
-        let cause = outcome.map_err(|error| told(error, captured.as_ref(), &args.out, play))?.cause;
+        let cause = outcome.map_err(|error| told(error, logged, &args.out, play))?.cause;
         if cause != Cause::Finished {
             let reset = captured.as_ref().map(|captured| captured.status.reset);
             let because = reset.filter(|reset| cause == Cause::Watchdog && reset.lost_control());
             let because = because.map_or(String::new(), |reset| format!(", because {reset}"));
-            let kept = kept(captured.as_ref(), &args.out, play);
+            let kept = kept(logged, &args.out, play);
             let why = format!("{}: {cause}{because} ({kept})", play.programme.name);
-            let remedy = match cause {
-                Cause::Asked => "capture again when the motor may run",
-                Cause::Stall => {
-                    "free the shaft; a motor that breaks away at a higher voltage needs a higher --stall-voltage"
-                }
-                _ => "clear the cause and capture again",
-            };
-            return Err(Error::device(why, remedy));
+            return Err(Error::device(why, remedy(cause)));
         }
     }
     console.answer(&document, || {

@@ -7,7 +7,7 @@ use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::link::{Cause, Sample, Setup};
 use serde::Serialize;
 
-use super::Captured;
+use super::{Captured, remedy};
 
 /// One rise, fall and rise back, s.
 const SECONDS: f32 = 8.0;
@@ -70,11 +70,13 @@ pub fn check(captured: &Captured) -> Checked {
     let mut findings = Vec::new();
     if captured.cause != Cause::Finished {
         let what = format!("the run ended early: {}", captured.cause);
-        findings.push(Finding { check: "run", ok: false, what, fix: "clear this cause and check again" });
+        findings.push(Finding { check: "run", ok: false, what, fix: remedy(captured.cause) });
     }
     let (forward, backward) = (ramp(&samples, 1.0), ramp(&samples, -1.0));
-    findings.push(motion(captured, &samples));
-    let moves = findings.last().is_some_and(|finding| finding.ok);
+    // A run that did not begin says nothing of the wires.
+    let motion = (!samples.is_empty()).then(|| motion(captured, &samples));
+    let moves = motion.as_ref().is_some_and(|finding| finding.ok);
+    findings.extend(motion);
     if moves {
         findings.push(direction(&forward, &backward));
         if forward.travel * backward.travel < 0 {
@@ -314,6 +316,20 @@ mod tests {
             sample.count = 2 * most - sample.count;
         }
         assert_eq!(wrong(&same_way), ["direction"]);
+    }
+
+    #[test]
+    fn a_shaft_that_never_stands_is_named_with_what_to_do_and_nothing_else_is() {
+        let mut captured = run(500.0, |position, _| (position, 12_000));
+        captured.cause = Cause::Turning;
+        captured.samples.clear();
+        let checked = check(&captured);
+        let [finding] = checked.findings.as_slice() else { panic!("{checked:?}") };
+        assert!(
+            !checked.ok && finding.check == "run" && finding.what.contains("went on turning"),
+            "{finding:?}"
+        );
+        assert!(finding.fix.contains("hold the shaft") && finding.fix.contains("enable"), "{finding:?}");
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub use listen::{End, Listen, to_record};
 pub use port::Port;
 pub use record::{Shaft, record};
 
-use motorlens_shared::link::Refusal;
+use motorlens_shared::link::{Cause, Refusal};
 use std::fmt;
 
 /// Why a conversation with a board ended without what was asked for.
@@ -61,6 +61,22 @@ impl From<Fault> for crate::error::Error {
             Fault::Stopped => "capture again when the motor may run",
         };
         Self::device(fault.to_string(), remedy)
+    }
+}
+
+/// What to do about a run that ended before its programme.
+pub fn remedy(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Asked => "try again when the motor may run",
+        Cause::Stall => {
+            "free the shaft; a motor that breaks away at a higher voltage needs a higher --stall-voltage"
+        }
+        Cause::Turning => {
+            "hold the shaft until it rests and try again; where it turns by itself the bridge is not off: check the wire of the driver's \
+             enable, what the driver does while its inputs are low, and that a brake is wired; where nothing turns the encoder's lines pick up \
+             noise"
+        }
+        _ => "clear the cause and try again",
     }
 }
 

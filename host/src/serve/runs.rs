@@ -16,7 +16,7 @@ use super::data::{self, Entry};
 use super::device::ask;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
-use crate::device::{Capture, Captured, Port, Shaft, record, wiring};
+use crate::device::{Capture, Captured, Port, Shaft, record, remedy, wiring};
 use crate::error::{Error, Result};
 use crate::log::Record;
 use crate::motor_file::MotorFile;
@@ -124,7 +124,7 @@ fn captured(
         };
         if captured.cause != Cause::Finished {
             let why = format!("{}: {}", play.log_name(), captured.cause);
-            return Err(Error::device(why, "clear the cause and run again"));
+            return Err(Error::device(why, remedy(captured.cause)));
         }
         let mut record = record(&captured, &shaft, &play.programme)
             .map_err(|why| Error::usage(why, "give the programme a name without line breaks"))?;

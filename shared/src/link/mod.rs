@@ -16,6 +16,7 @@
 //! agreed on the version that brought it. The bytes of each version stand in `tests/link_v*.rs`: when one of those tests
 //! fails, the change broke a deployed board or host.
 
+mod cause;
 pub mod frame;
 mod messages;
 mod protected;
@@ -23,6 +24,7 @@ mod reed_solomon;
 mod sample;
 mod status;
 
+pub use cause::Cause;
 pub use frame::{
     Damage, Decoder, MAX_ENCODED, MAX_FRAME, MAX_MESSAGE, decode, encode, encode_as, encode_protected,
 };
@@ -30,13 +32,13 @@ pub use messages::{Capabilities, FromBoard, Hello, Packet, Refusal, ToBoard};
 pub use protected::MAX_PROTECTED;
 pub use sample::{LOG_SAMPLES, LogBlock, Sample, Scaling};
 pub use status::{
-    Cause, DriveMode, PWM_HZ, PWM_LIMITS_HZ, Reset, RunState, SUPPLY_SHARES, Setup, SetupFault, Status,
+    DriveMode, PWM_HZ, PWM_LIMITS_HZ, Reset, RunState, SUPPLY_SHARES, Setup, SetupFault, Status,
 };
 
 /// The oldest version of the protocol that this source still speaks.
 pub const OLDEST: u16 = 1;
 /// The version that this source speaks best.
-pub const NEWEST: u16 = 4;
+pub const NEWEST: u16 = 5;
 
 /// The version that two ends use: the newest that both speak, `None` when their ranges do not meet.
 ///

@@ -1,5 +1,6 @@
 //! How a run is set up, and what state the board is in.
 
+use super::Cause;
 use core::fmt;
 use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
@@ -195,49 +196,6 @@ impl fmt::Display for SetupFault {
             Self::Pwm => "the PWM's frequency must be 5000 to 50,000 Hz",
             Self::Divider => "a divider divides by 1 or more",
             Self::NoConverter => "this board measures neither supply nor current",
-        })
-    }
-}
-
-/// Why a run ended. Every cause but the first two is a fault that took the bridge off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// The programme was played to its end.
-    Finished,
-    /// The host asked for it.
-    Asked,
-    /// Longer than [`Setup::run_limit_ms`].
-    RunLimit,
-    /// Voltage, but no motion.
-    Stall,
-    /// More current than [`Setup::current_limit_ma`].
-    OverCurrent,
-    /// Nothing from the host for [`Setup::link_timeout_ms`].
-    LinkLoss,
-    /// The emergency input opened.
-    Emergency,
-    /// The program hung and the watchdog started the board anew.
-    Watchdog,
-    /// The measured supply is outside [`SUPPLY_SHARES`] of the stated one. Since version 2.
-    Supply,
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Finished => "the programme ended",
-            Self::Asked => "stopped on request",
-            Self::RunLimit => "run-time limit reached",
-            Self::Stall => "stall: voltage but no motion",
-            Self::OverCurrent => "over-current",
-            Self::LinkLoss => "link lost while running",
-            Self::Emergency => "emergency input open",
-            Self::Watchdog => "the firmware lost control, let the motor go and was restarted",
-            Self::Supply => {
-                "the measured supply is not within half and one and a half of the stated one: check --supply, the \
-                 battery, and that a divider is wired to the board's supply input"
-            }
         })
     }
 }

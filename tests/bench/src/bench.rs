@@ -24,6 +24,7 @@ const TIM1_BDTR: u64 = 0x4001_0044;
 const GPIOB_ODR: u64 = 0x4002_0414;
 const GPIOB_BSRR: u64 = 0x4002_0418;
 const TIM1_DMAR: u64 = 0x4001_004c;
+const SYSCFG_MEMRMP: u64 = 0x4001_3800;
 /// TIM1_BDTR as a burst of one is told of it, in words from the first register.
 const BDTR_INDEX: u64 = 0x44 / 4;
 /// A stream's enable, direction, both sizes and channel, and what they are for words to a peripheral on channel 6.
@@ -59,8 +60,10 @@ pub struct Scene {
     pub longest_interrupt: u64,
     /// An upset of the chip's memory, as radiation or a stray pointer would cause; it happens once.
     pub upset: Option<Upset>,
-    /// Since when the main loop runs in a circle.
+    /// Since when the main loop runs in a circle, or comes upon what is no instruction.
     pub circling: Option<Duration>,
+    /// What the program has last written to the register that says which memory stands at address 0 (SYSCFG_MEMRMP, RM0090 9.2.1).
+    pub remapped: Option<u64>,
     /// The program is asked to go where the emulated chip has nothing: then that is no fault of the image.
     pub led_astray: bool,
     /// The run has shown what it had to.
@@ -105,7 +108,8 @@ struct Around<R> {
     sampling: bool,
     control: u64,
     sleep: u64,
-    circle: bool,
+    /// What the main loop is led to from its sleep.
+    leads_to: Option<u64>,
     terminal: Terminal,
     served: u64,
     stray: Option<String>,
@@ -117,9 +121,9 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let (machine, plant) = (session.board_mut(), &mut self.scene.plant);
         let at = access.virtual_time;
         // The last time counts: what an earlier sleep has left on the stack is found too.
-        if self.circle
+        if let Some(instruction) = self.leads_to
             && [TIM4_SR, PWR_CSR].contains(&access.address)
-            && upset::lead_into_a_circle(self.sleep, host).expect("the stack is in memory")
+            && upset::lead_to(instruction, self.sleep, host).expect("the stack is in memory")
         {
             self.scene.circling = Some(Duration::from_nanos(at.0));
         }
@@ -151,6 +155,7 @@ impl<R: Remote> Driver<Machine> for Around<R> {
                 // The outputs are enabled in the period whose duty is there already.
                 plant.look(machine, [TIM1_EGR, TIM1_BDTR].contains(&access.address));
             }
+            SYSCFG_MEMRMP => self.scene.remapped = Some(access.value),
             _ => {}
         }
     }
@@ -194,8 +199,9 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         scene.plant.wire_emergency(stop.at, machine);
         let upset = scene.upset.take();
         match upset {
-            Some(Upset::Circle) => self.circle = true,
-            Some(Upset::Straight) => self.circle = false,
+            Some(Upset::Circle) => self.leads_to = Some(machine::BRANCH_TO_ITSELF),
+            Some(Upset::Fault) => self.leads_to = Some(machine::UNDEFINED),
+            Some(Upset::Straight) => self.leads_to = None,
             _ => {}
         }
         if let Some(upset) = upset
@@ -253,6 +259,7 @@ pub fn run_on<R: Remote>(
         longest_interrupt: 0,
         upset: None,
         circling: None,
+        remapped: None,
         led_astray: false,
         enough: false,
         interrupt: false,
@@ -268,7 +275,7 @@ pub fn run_on<R: Remote>(
         sampling: false,
         control,
         sleep,
-        circle: false,
+        leads_to: None,
         terminal,
         served: 0,
         stray: None,

@@ -5,22 +5,20 @@ use std::collections::BTreeMap;
 use motorlens_firmware::beat::split;
 use motorlens_shared::link::DriveMode;
 use motorlens_virtual_motor::{Bridge, VirtualMotor};
-use rigless::device::{DeviceContext, Level, RegisterFile};
-use rigless::soc::st::tim::{BreakInput, BreakSource, Channel, Tim};
+use rigless::device::{Level, RegisterFile};
+use rigless::soc::st::tim::{BreakInput, BreakSource, Channel};
 use rigless::soc::stm32f427::generated::gpioa::Register as PortRegister;
 use rigless::soc::stm32f427::generated::tim1::Register;
-use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::soc::stm32f427::peripherals::adc::Channel as AdcChannel;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
-use rigless::soc::stm32f427::peripherals::tim::General;
 use rigless::time::VirtualNanos;
 
+use crate::encoder::{Encoder, Mistake};
 use crate::machine::{CORE_HZ, Machine};
 
-/// GPIOA and GPIOB among the ports, TIM3 among the general timers.
+/// GPIOA and GPIOB among the ports.
 const PORT_A: usize = 0;
 const PORT_B: usize = 1;
-const TIMER_3: usize = 1;
 /// The outputs of an advanced timer are enabled.
 const MOE: u64 = 1 << 15;
 /// The PWM at port A, and the second one.
@@ -34,8 +32,8 @@ const EMERGENCY: u8 = 12;
 /// Inputs of the converter.
 const CURRENT_INPUT: u8 = 1;
 const SUPPLY_INPUT: u8 = 4;
-/// Both fields ICxF of a timer's CCMR1.
-const FILTERS: u64 = 0xf0f0;
+/// What the supply's input reads where nothing is wired to it, V.
+const FLOATING_V: f64 = 0.2;
 /// A tick of the PWM's clock, ns.
 const NS_PER_TICK: f64 = 1e9 / CORE_HZ as f64;
 /// One period of the PWM, s.
@@ -83,6 +81,8 @@ pub struct Plant {
     pub ripple_a: f64,
     /// A slow swing of the supply, V, of ten periods a second.
     pub swing_v: f64,
+    /// What is wired wrongly.
+    pub mistake: Option<Mistake>,
     /// Whether the emergency contact is open.
     pub emergency: bool,
     /// The counter at each sampling instant since the start.
@@ -93,14 +93,14 @@ pub struct Plant {
     sign: f64,
     enabled: bool,
     pulses: bool,
+    by_timer: bool,
     first_driven: Option<usize>,
     period_began: VirtualNanos,
     period_interrupt: usize,
     ticks: f64,
     shares: BTreeMap<usize, f64>,
     sensed: BTreeMap<usize, Sensed>,
-    phase: u8,
-    edges: i64,
+    encoder: Encoder,
     beats: usize,
 }
 
@@ -116,6 +116,7 @@ impl Plant {
             ripple_v: 0.0,
             ripple_a: 0.0,
             swing_v: 0.0,
+            mistake: None,
             emergency: false,
             sampled: Vec::new(),
             now: VirtualNanos(0),
@@ -124,14 +125,14 @@ impl Plant {
             sign: 0.0,
             enabled: false,
             pulses: false,
+            by_timer: false,
             first_driven: None,
             period_began: VirtualNanos(0),
             period_interrupt: 0,
             ticks: 1.0,
             shares: BTreeMap::new(),
             sensed: BTreeMap::new(),
-            phase: 0,
-            edges: 0,
+            encoder: Encoder::default(),
             beats: 1,
         }
     }
@@ -148,9 +149,15 @@ impl Plant {
         self.enabled
     }
 
-    /// Whether a PWM's pin may be high: it is the timer's and the timer's outputs are enabled, or the program holds it high itself.
+    /// Whether one of the PWMs' two pins may be high: it is the timer's and the timer's outputs are enabled, or the program holds it high
+    /// itself. A driver with two inputs and no enable is off where neither is.
     pub fn pulses(&self) -> bool {
         self.pulses
+    }
+
+    /// Whether the timer has one of the pins of PWM and enable: what forces them low takes them from it, and what ends its outputs does not.
+    pub fn by_timer(&self) -> bool {
+        self.by_timer
     }
 
     /// The PWM's high share at the driver.
@@ -160,7 +167,7 @@ impl Plant {
 
     /// Edges that the encoder has given so far.
     pub fn edges(&self) -> i64 {
-        self.edges
+        self.encoder.edges()
     }
 
     /// The counter at the first `samples` sampling instants at which the driver was on or just being switched on: what
@@ -180,35 +187,12 @@ impl Plant {
         if self.jammed {
             return;
         }
-        let target = self.motor.counts();
-        if self.edges == target {
-            return;
-        }
-        // The edges come together, at the instant of the look, and are clean: the counter's filter, which lets a level through
-        // after 0.76 us, is left out while they do.
-        let filtered = machine.mcu.timer(TIMER_3).1.get(GeneralRegister::Ccmr1Input);
-        machine.mcu.timer(TIMER_3).1.set(GeneralRegister::Ccmr1Input, filtered & !FILTERS);
-        while self.edges != target {
-            let step = if target > self.edges { 1 } else { 3 };
-            let next = (self.phase + step) & 3;
-            let lines = |phase: u8| (phase == 1 || phase == 2, phase >= 2);
-            let (old, new) = (lines(self.phase), lines(next));
-            let (channel, level) = if old.0 != new.0 { (1, new.0) } else { (2, new.1) };
-            let level = if level { Level::High } else { Level::Low };
-            let input =
-                |timer: &mut Tim<General>, registers: &mut RegisterFile, context: &mut DeviceContext<'_>| {
-                    timer.drive_input(Channel::new(channel).expect("1 or 2"), level, registers, context);
-                };
-            machine.mcu.drive_timer(at, TIMER_3, input);
-            self.phase = next;
-            self.edges += if step == 1 { 1 } else { -1 };
-        }
-        machine.mcu.timer(TIMER_3).1.set(GeneralRegister::Ccmr1Input, filtered);
+        self.encoder.follow(self.motor.counts(), self.mistake, at, machine);
     }
 
     /// What the bridge does now, and until when at most, `end` at the latest.
     fn bridge(&self, end: VirtualNanos) -> (Bridge, VirtualNanos) {
-        if !self.enabled {
+        if !self.enabled || self.mistake == Some(Mistake::DeadDriver) {
             return (Bridge::Floating, end);
         }
         let nominal = self.motor.motor().nominal_v;
@@ -240,10 +224,11 @@ impl Plant {
     pub fn look(&mut self, machine: &mut Machine, renewed: bool) {
         let (port, registers) = machine.mcu.port(PORT_B);
         let high = |pin: u8| port.level(Pin::new(pin).expect("a port has 16"), registers) == Level::High;
-        self.sign = f64::from(high(FORWARD)) - f64::from(high(BACKWARD));
+        let forward = high(FORWARD) && self.mistake != Some(Mistake::NoForward);
+        self.sign = f64::from(forward) - f64::from(high(BACKWARD));
         let enable = (high(ENABLE), alternate(registers, ENABLE));
         let (_, registers) = machine.mcu.port(PORT_A);
-        let pulsed = alternate(registers, PWM);
+        let pulsed = [PWM, SECOND_PWM].map(|pin| alternate(registers, pin));
         let held = [stands_high(registers, PWM), stands_high(registers, SECOND_PWM)];
         // A pin that is the timer's follows the timer's output, which is there while the timer is clocked.
         let (timer, registers) = machine.mcu.advanced_timer(0);
@@ -257,9 +242,10 @@ impl Plant {
         }
         let top = registers.get(Register::Arr) as f64 + 1.0;
         self.ticks = top;
-        let timed = pulsed && registers.get(Register::Bdtr) & MOE != 0;
-        self.pulses = timed || held.contains(&true);
-        if !timed {
+        let on = registers.get(Register::Bdtr) & MOE != 0;
+        self.pulses = on && pulsed.contains(&true) || held.contains(&true);
+        self.by_timer = enable.1 || pulsed.contains(&true);
+        if !(on && pulsed[0]) {
             (self.duty, self.second) = (f64::from(held[0]), f64::from(held[1]));
         } else if renewed {
             let share = |compare| registers.get(compare) as f64 / top;
@@ -303,7 +289,7 @@ impl Plant {
 
     /// A sampling instant: the counter is remembered.
     pub fn sample(&mut self, at: VirtualNanos, machine: &mut Machine) {
-        self.sampled.push(self.edges);
+        self.sampled.push(self.edges());
         self.sense(at, machine);
     }
 
@@ -324,7 +310,8 @@ impl Plant {
         sensed.looks += 1.0;
         let (converter, _) = machine.mcu.converter(0);
         let current = 1.65 + 0.165 * current_a;
-        for (input, volts) in [(SUPPLY_INPUT, supply_v / 11.0), (CURRENT_INPUT, current)] {
+        let supply = if self.mistake == Some(Mistake::NoDivider) { FLOATING_V } else { supply_v / 11.0 };
+        for (input, volts) in [(SUPPLY_INPUT, supply), (CURRENT_INPUT, current)] {
             let millivolts = (volts * 1000.0).round().clamp(0.0, 3300.0) as u32;
             converter.set_input(AdcChannel::new(input).expect("the converter has it"), millivolts);
         }

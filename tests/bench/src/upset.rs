@@ -5,7 +5,7 @@ use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::tim3::Register as GeneralRegister;
 use rigless::time::VirtualNanos;
 
-use crate::machine::{self, Machine};
+use crate::machine::Machine;
 
 /// TIM4 among the general timers.
 const TIMER_4: usize = 2;
@@ -17,15 +17,20 @@ const STACK: std::ops::Range<u64> = 0x2000_0000..0x2000_c000;
 pub enum Upset {
     /// The sampling timer asks for no more interrupts.
     DeadSampling,
-    /// The control looks borrowed already, and the sampling interrupt panics over it.
+    /// The control looks borrowed already, and the sampling interrupt stops for good over it.
     Panic,
+    /// The same, and the sampling timer asks for no more interrupts: the main loop finds it, and panics.
+    PanicOfMainLoop,
     /// The core does nothing more, as a program that holds all interrupts off and runs in a circle, and goes on.
     Hang,
     /// It goes on.
     GoOn,
     /// From its next sleep on the main loop runs in a circle, and the interrupts go on; also once the program is started anew.
     Circle,
-    /// Not once it is started anew.
+    /// After its next sleep the main loop comes upon an instruction without a meaning, which is a fault of the core; also once the program is
+    /// started anew.
+    Fault,
+    /// Neither of the two once it is started anew.
     Straight,
     /// The crystal stops.
     ClockLoss,
@@ -43,7 +48,10 @@ impl Upset {
     ) -> Result<(), Error> {
         match self {
             Upset::DeadSampling => machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0),
-            Upset::Panic => {
+            Upset::Panic | Upset::PanicOfMainLoop => {
+                if self == Upset::PanicOfMainLoop {
+                    machine.mcu.timer(TIMER_4).1.set(GeneralRegister::Dier, 0);
+                }
                 // A `RefCell` begins with its flag.
                 let flag = host.read(control, Width::W32)?;
                 host.write(flag, Width::W32, 1)?;
@@ -51,7 +59,7 @@ impl Upset {
             Upset::Hang => host.hold(true),
             Upset::GoOn => host.hold(false),
             // The next interrupt of the main loop's sleep does it.
-            Upset::Circle | Upset::Straight => {}
+            Upset::Circle | Upset::Fault | Upset::Straight => {}
             Upset::ClockLoss => {
                 machine
                     .mcu
@@ -63,13 +71,13 @@ impl Upset {
     }
 }
 
-/// Lets the main loop, which slept before this interrupt, come back from it to an instruction that branches to itself: where it comes back to
-/// stands in the frame that the core has put on the stack (ARMv7-M Architecture Reference Manual B1.5.6). False where it did not sleep.
-pub(crate) fn lead_into_a_circle(sleep: u64, host: &mut dyn Host) -> Result<bool, Error> {
+/// Lets the main loop, which slept before this interrupt, come back from it to this instruction: where it comes back to stands in the frame
+/// that the core has put on the stack (ARMv7-M Architecture Reference Manual B1.5.6). False where it did not sleep.
+pub(crate) fn lead_to(instruction: u64, sleep: u64, host: &mut dyn Host) -> Result<bool, Error> {
     let mut found = false;
     for place in STACK.step_by(4) {
         if host.read(place, Width::W32)? == sleep + 2 {
-            host.write(STACK.start, Width::W16, machine::BRANCH_TO_ITSELF)?;
+            host.write(STACK.start, Width::W16, instruction)?;
             host.write(place, Width::W32, STACK.start)?;
             found = true;
         }

@@ -58,6 +58,10 @@ fn registers_hold_what_the_reference_manual_asks_for() {
     let (_, timer) = mcu.advanced_timer(0);
     let outputs = timer.get(TimerRegister::Bdtr);
     assert_eq!(outputs >> 10 & 0x3f, 0b001111, "MOE, AOE, BKP, BKE, OSSR, OSSI: {outputs:#x}");
+    // RM0090 17.4.2 and 17.4.9: the level at which an output that is off rests is low (OIS1 to OIS4), and an output that is on is high where the
+    // PWM is (CCxP, CCxNP).
+    assert_eq!(timer.get(TimerRegister::Cr2) >> 8 & 0x7f, 0);
+    assert_eq!(timer.get(TimerRegister::Ccer) & 0x2aaa, 0);
     // RM0090 18.4.7: the encoder's channels are filtered over 8 looks at an eighth of the clock, and pulled up.
     let (_, encoder) = mcu.timer(TIMER_3);
     assert_eq!(encoder.get(GeneralRegister::Ccmr1Input) & 0xf0f0, 0x9090);
@@ -88,6 +92,7 @@ fn the_images_of_the_other_boards_capture_a_run_too() {
         let run = done.remote.run();
         assert_eq!((run.cause, run.samples.len(), run.holes.len()), (Cause::Finished, 500, 0));
         assert!(!run.capabilities.measures_supply && !run.capabilities.measures_current);
+        assert_eq!(done.scene.remapped, None, "the program's own memory stays at address 0");
         let counts: Vec<i64> = run.samples.iter().map(|(_, sample)| i64::from(sample.count)).collect();
         assert_eq!(counts, done.scene.plant.run_counts(500), "{}", image.display());
     }
@@ -107,6 +112,8 @@ fn the_boot_loader_is_entered_by_a_reset_after_the_whole_answer() {
     assert_eq!(answers.last(), Some(&FromBoard::Done));
     assert_eq!(done.session.resets().len(), 1, "{:?}", done.session.resets());
     assert!(!done.scene.plant.driven());
+    // RM0090 9.2.1: MEM_MODE 01 has the loader's own vectors at address 0, as the boot pins would.
+    assert_eq!(done.scene.remapped.map(|value| value & 0b111), Some(0b01));
     // It was jumped into: its stack, as the blank memory has it, lies at the end of all addresses.
     let unmapped = done.session.unmapped();
     assert!(

@@ -51,13 +51,26 @@ fn a_fault_is_an_error_with_its_cause() {
     assert!(fault > position(&told, "info: run 7: begun"), "{told:#?}");
 }
 
+/// The messages where this strikes in the run.
+fn messages_after(upset: Upset) -> Vec<String> {
+    let mut struck = false;
+    messages(Box::new(move |_, capture: &Capture, scene: &mut Scene| {
+        if capture.samples() > 300 && !std::mem::replace(&mut struck, true) {
+            scene.upset = Some(upset);
+        }
+    }))
+}
+
 #[test]
 fn a_restart_after_a_panic_says_so() {
-    let mut struck = false;
-    let told = messages(Box::new(move |_, capture: &Capture, scene: &mut Scene| {
-        if capture.samples() > 300 && !std::mem::replace(&mut struck, true) {
-            scene.upset = Some(Upset::Panic);
-        }
-    }));
+    let told = messages_after(Upset::Panic);
     assert!(position(&told, "started, reason: a panic") > position(&told, "info: run 7: begun"), "{told:#?}");
+}
+
+#[test]
+fn a_restart_after_a_panic_of_the_main_loop_says_its_place_too() {
+    let told = messages_after(Upset::PanicOfMainLoop);
+    let place = position(&told, "error: the panic's place: ");
+    assert!(place > position(&told, "started, reason: a panic"), "{told:#?}");
+    assert!(told[place].contains(".rs line "), "{told:#?}");
 }

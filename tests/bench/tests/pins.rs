@@ -1,8 +1,8 @@
 //! After whatever happens to chip, program, line or host, the bridge's pins are off within 2 ms and stay off, and the log so far is
 //! there.
 //!
-//! The pins, not the program's intention: the enable as the port or the timer drives it, and the PWM's pin. A fault of the core, whose
-//! handler does what the panic's does, is shown on the emulated Pico: this core's emulator raises none.
+//! The pins, not the program's intention: the enable as the port or the timer drives it, and the pins of both PWMs, which are all that a
+//! driver with two inputs may have.
 
 use std::time::Duration;
 
@@ -19,17 +19,36 @@ use motorlens_virtual_motor::{Motor, VirtualMotor};
 /// The bar.
 const OFF: Duration = Duration::from_millis(2);
 
-/// Runs, does `act` to the scene after 0.4 s of log, and sees the pins off `within` so long from then to the end. `act` is called at
-/// each half millisecond from then on with the time since.
+/// Drivers with two inputs, which rest with both of them high and low.
+const TWO_INPUTS: [DriveMode; 2] = [DriveMode::InInBrake, DriveMode::InInCoast];
+/// Whatever is forced low stays so until the watchdog starts the program anew, half a second after it was last fed.
+const BEFORE_THE_RESTART: Duration = Duration::from_millis(400);
+
+/// What is wired, at this rate.
+fn setup(rate_hz: u16, drive: DriveMode) -> Setup {
+    // The log of the fastest sampling lasts half a second.
+    let link_timeout_ms = if rate_hz > 1000 { 250 } else { 500 };
+    Setup { rate_hz, drive, link_timeout_ms, divider: 1100, amplifier: 1650, ..Setup::default() }
+}
+
+/// [`off`] with what is wired.
 fn off_after(
     within: Duration,
     rate_hz: u16,
     drive: DriveMode,
+    act: impl FnMut(Duration, &mut Scene) + Send + 'static,
+) -> Done<Session> {
+    off(within, setup(rate_hz, drive), act)
+}
+
+/// Runs, does `act` to the scene after 0.4 s of log, and sees the pins off `within` so long from then to the end. `act` is called at
+/// each half millisecond from then on with the time since.
+fn off(
+    within: Duration,
+    setup: Setup,
     mut act: impl FnMut(Duration, &mut Scene) + Send + 'static,
 ) -> Done<Session> {
-    // The log of the fastest sampling lasts half a second.
-    let link_timeout_ms = if rate_hz > 1000 { 250 } else { 500 };
-    let setup = Setup { rate_hz, drive, link_timeout_ms, divider: 1100, amplifier: 1650, ..Setup::default() };
+    let Setup { rate_hz, drive, .. } = setup;
     let mut began = None;
     let hand: Hand = Box::new(move |now, capture, scene| {
         if began.is_none() && capture.samples() >= usize::from(rate_hz) * 2 / 5 && scene.plant.driven() {
@@ -74,7 +93,51 @@ fn upset(upset: Upset, rate_hz: u16, drive: DriveMode, told: Reset) {
 
 #[test]
 fn a_panic() {
-    upset(Upset::Panic, 1000, DriveMode::SignMagnitudeBrake, Reset::Panic);
+    for drive in [DriveMode::SignMagnitudeBrake, DriveMode::InInBrake, DriveMode::InInCoast] {
+        upset(Upset::Panic, 1000, drive, Reset::Panic);
+    }
+}
+
+/// The panic handler itself: the sampling interrupt, which would find the same, comes no more. The dead man's handle ends the timer's outputs
+/// soon after, but leaves it its pins; the handler takes them.
+#[test]
+fn a_panic_of_the_main_loop() {
+    for drive in [DriveMode::SignMagnitudeBrake, DriveMode::LockedAntiPhase, DriveMode::InInBrake] {
+        let done = off_after(OFF, 1000, drive, |since, scene| {
+            if since.is_zero() {
+                scene.upset = Some(Upset::PanicOfMainLoop);
+            }
+            let handled = since > OFF && since < BEFORE_THE_RESTART;
+            assert!(!(handled && scene.plant.by_timer()), "{since:?}: no handler was there");
+        });
+        assert_log(&done, Cause::Watchdog, 400);
+        assert_eq!((done.remote.run().status.reset, done.session.resets().len()), (Reset::Panic, 1));
+    }
+}
+
+/// An instruction without a meaning, as a stray jump or a damaged flash comes upon: the core enters the hard fault's handler.
+#[test]
+fn a_fault_of_the_core() {
+    for (rate_hz, drive) in [
+        (1000, DriveMode::SignMagnitudeBrake),
+        (100, DriveMode::LockedAntiPhase),
+        (1000, DriveMode::InInBrake),
+        (1000, DriveMode::InInCoast),
+    ] {
+        let done = off_after(OFF, rate_hz, drive, |since, scene| {
+            if since.is_zero() {
+                scene.upset = Some(Upset::Fault);
+            } else if since >= BEFORE_THE_RESTART {
+                scene.upset = Some(Upset::Straight);
+            }
+            // It comes at the main loop's next sleep.
+            let handled = since > OFF + OFF && since < BEFORE_THE_RESTART;
+            assert!(!(handled && scene.plant.by_timer()), "{since:?}: no handler was there");
+        });
+        assert_log(&done, Cause::Watchdog, usize::from(rate_hz) * 2 / 5);
+        assert_eq!((done.remote.run().status.reset, done.session.resets().len()), (Reset::CoreFault, 1));
+        machine::assert_clean(&done.session);
+    }
 }
 
 #[test]
@@ -86,7 +149,11 @@ fn a_dead_sampling_timer() {
 
 #[test]
 fn a_hang_with_interrupts_held_off() {
-    for (rate_hz, drive) in [(1000, DriveMode::LockedAntiPhase), (100, DriveMode::SignMagnitudeBrake)] {
+    for (rate_hz, drive) in [
+        (1000, DriveMode::LockedAntiPhase),
+        (100, DriveMode::SignMagnitudeBrake),
+        (1000, DriveMode::InInBrake),
+    ] {
         let done = off_after(OFF, rate_hz, drive, |since, scene| {
             if since.is_zero() {
                 scene.upset = Some(Upset::Hang);
@@ -105,8 +172,7 @@ fn a_main_loop_that_runs_in_a_circle() {
         let done = off_after(OFF, rate_hz, DriveMode::SignMagnitudeBrake, |since, scene| {
             if since.is_zero() {
                 scene.upset = Some(Upset::Circle);
-            } else if since >= Duration::from_millis(400) {
-                // Before the watchdog starts the program anew.
+            } else if since >= BEFORE_THE_RESTART {
                 scene.upset = Some(Upset::Straight);
             }
         });
@@ -182,8 +248,11 @@ fn a_supply_that_cannot_sink_what_a_braking_motor_pumps_into_it() {
 
 #[test]
 fn the_emergency_contact_at_every_rate_and_even_where_it_only_bounces() {
-    for (rate_hz, open_for) in [(100, 1000), (1000, 1000), (100, 1)] {
-        let done = off_after(OFF, rate_hz, DriveMode::LockedAntiPhase, move |since, scene| {
+    let anti_phase = [(100, 1000), (1000, 1000), (100, 1)]
+        .map(|(rate_hz, open_for)| (rate_hz, open_for, DriveMode::LockedAntiPhase));
+    let two_inputs = TWO_INPUTS.map(|drive| (1000, 1000, drive));
+    for (rate_hz, open_for, drive) in anti_phase.into_iter().chain(two_inputs) {
+        let done = off_after(OFF, rate_hz, drive, move |since, scene| {
             scene.plant.emergency = since < Duration::from_millis(open_for);
         });
         assert_log(&done, Cause::Emergency, usize::from(rate_hz) * 2 / 5);
@@ -192,10 +261,32 @@ fn the_emergency_contact_at_every_rate_and_even_where_it_only_bounces() {
 }
 
 #[test]
+fn over_current_with_every_kind_of_driver() {
+    let two_inputs = TWO_INPUTS.map(|drive| (1000, drive));
+    let others = [
+        (100, DriveMode::SignMagnitudeBrake),
+        (2000, DriveMode::SignMagnitudeBrake),
+        (1000, DriveMode::LockedAntiPhase),
+    ];
+    for (rate_hz, drive) in two_inputs.into_iter().chain(others) {
+        let limited = Setup { current_limit_ma: 3000, ..setup(rate_hz, drive) };
+        let done = off(OFF, limited, |since, scene| {
+            // The converter's input sees it at the next look.
+            scene.stop_ns = 50_000;
+            scene.plant.short_a = if since < Duration::from_millis(500) { 5.0 } else { 0.0 };
+        });
+        assert_log(&done, Cause::OverCurrent, usize::from(rate_hz) * 2 / 5);
+        machine::assert_clean(&done.session);
+    }
+}
+
+#[test]
 fn a_cable_pulled_once_the_link_timeout_is_over() {
     let timeout = Duration::from_millis(Setup::default().link_timeout_ms.into());
-    for rate_hz in [100, 1000] {
-        let done = off_after(timeout + OFF, rate_hz, DriveMode::SignMagnitudeBrake, move |since, scene| {
+    let two_inputs = TWO_INPUTS.map(|drive| (1000, drive));
+    let others = [(100, DriveMode::SignMagnitudeBrake), (1000, DriveMode::SignMagnitudeBrake)];
+    for (rate_hz, drive) in others.into_iter().chain(two_inputs) {
+        let done = off_after(timeout + OFF, rate_hz, drive, move |since, scene| {
             scene.cable.out = since < 2 * timeout;
         });
         assert_log(&done, Cause::LinkLoss, usize::from(rate_hz) * 2 / 5);

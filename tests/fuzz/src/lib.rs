@@ -1,4 +1,5 @@
-//! What every target does with an input: read it as the program would, and hold what is true of every answer.
+//! What every target does with an input: read it as the program would, and hold what is true of every answer. The link's has its own
+//! ([`link`]).
 //!
 //! A panic that the readers' own guard turns into "the file is damaged" is an answer like any other; one that gets past it, a stack
 //! that overflows and an allocation beyond [`MOST_MEMORY`] end the target, and libFuzzer keeps the input.
@@ -13,6 +14,7 @@ use readers::{told, wrong};
 
 #[path = "../../../host/tests/formats_support/mod.rs"]
 pub mod formats_support;
+pub mod link;
 pub mod packing;
 #[path = "../../../host/tests/formats_support/readers.rs"]
 pub mod readers;

@@ -1,4 +1,4 @@
-//! What fuzzing begins with: small logs of every format.
+//! What fuzzing begins with: small logs of every format, and messages of the link.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -33,6 +33,7 @@ pub fn write(directory: &Path) -> std::io::Result<()> {
         ("mcap", mcap()),
         ("sheets", vec![fixture!("sheet.xls")]),
         ("packed", parts()),
+        ("link", crate::link::seeds()),
     ];
     for (family, seeds) in families.into_iter().chain(more) {
         let family = directory.join(family);

@@ -1,150 +1,33 @@
 //! What a person without hardware does: starts the bench with something hidden, captures, fits on the board, discovers.
+//!
+//! The commands for a board are those that README, docs and book print, with the bench's port.
 
 use std::collections::BTreeSet;
-use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
-use std::net::{Shutdown, TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::Ordering::Relaxed;
-use std::sync::atomic::{AtomicBool, AtomicUsize};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::Duration;
-use std::{env, fs, thread};
+use std::{fs, thread};
 
+use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_virtual_motor::Motor;
 use serde_json::Value;
 
-/// Virtual seconds in a second. Half of the link's timeout is then 125 ms on the wall: a busy machine keeps up.
-const SPEED: &str = "2";
+#[path = "../../../documented.rs"]
+mod documented;
+mod hands;
 
-/// A running bench; it ends with the test.
-struct Bench {
-    child: Child,
-    address: String,
-    counts_per_rev: String,
-}
+use hands::{Bench, Extension, bench, fresh_directory, json, program, root};
 
-impl Bench {
-    fn start(hidden: &[&str]) -> Self {
-        let mut child = bench(hidden)
-            .args(["--port", "0", "--speed", SPEED])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the bench starts");
-        let mut line = String::new();
-        let said = child.stdout.take().expect("piped above");
-        BufReader::new(said).read_line(&mut line).expect("the bench says where it is");
-        let word = |after: &str| {
-            let rest = line.split_once(after).expect("the bench's line").1;
-            rest.split([';', '\n']).next().expect("one word at least").trim().to_owned()
-        };
-        let (address, counts_per_rev) = (word("answers at "), word("--counts-per-rev "));
-        Bench { child, address, counts_per_rev }
-    }
-
-    /// `motorlens VERB... --port ... --json`.
-    fn program(&self, verb: &[&str]) -> Command {
-        let mut command = program(verb);
-        command.args(["--port", &self.address]);
-        command
-    }
-}
-
-/// A line between program and bench that can be pulled out and plugged in again.
-struct Extension {
-    address: String,
-    plugged: Arc<AtomicBool>,
-    /// Bytes that came from the board.
-    carried: Arc<AtomicUsize>,
-}
-
-impl Extension {
-    fn to(bench: &str) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-        let address = format!("tcp://{}", listener.local_addr().expect("bound above"));
-        let (plugged, carried) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicUsize::new(0)));
-        let bench = bench.trim_start_matches("tcp://").to_owned();
-        let (state, count) = (Arc::clone(&plugged), Arc::clone(&carried));
-        // Ends with the test's process.
-        thread::spawn(move || {
-            for near in listener.incoming().map_while(Result::ok) {
-                if state.load(Relaxed) {
-                    let far = TcpStream::connect(&bench).expect("the bench is there");
-                    let nobody = Arc::new(AtomicUsize::new(0));
-                    for (from, to, count) in [(&near, &far, &nobody), (&far, &near, &count)] {
-                        let ends = (from.try_clone().expect("a socket"), to.try_clone().expect("a socket"));
-                        let (state, count) = (Arc::clone(&state), Arc::clone(count));
-                        thread::spawn(move || carry(ends, &state, &count));
-                    }
-                }
-            }
-        });
-        Extension { address, plugged, carried }
-    }
-
-    /// Waits until the board has said so much; a second of log at 1 kHz is about 12 KiB.
-    fn wait_for(&self, bytes: usize) {
-        while self.carried.load(Relaxed) < bytes {
-            thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    fn plug(&self, plugged: bool) {
-        self.plugged.store(plugged, Relaxed);
-    }
-}
-
-/// Copies bytes until either end closes or the plug is out; then closes both.
-fn carry((mut from, mut to): (TcpStream, TcpStream), plugged: &AtomicBool, carried: &AtomicUsize) {
-    from.set_read_timeout(Some(Duration::from_millis(5))).expect("a socket");
-    let mut buffer = [0; 4096];
-    while plugged.load(Relaxed) {
-        match from.read(&mut buffer) {
-            Ok(length) if length > 0 && to.write_all(&buffer[..length]).is_ok() => {
-                carried.fetch_add(length, Relaxed);
-            }
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
-            _ => break,
-        }
-    }
-    // Closed already, where the other direction was first.
-    let _ = (from.shutdown(Shutdown::Both), to.shutdown(Shutdown::Both));
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        // It may have ended by itself; then there is nothing to end.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// With `hidden`, the effects by number or by name.
-fn bench(hidden: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_motorlens-bench"));
-    command.arg("--image").arg(motorlens_bench::machine::image()).args(hidden);
-    command
-}
-
-fn program(verb: &[&str]) -> Command {
-    let program = env::var_os("MOTORLENS_PROGRAM")
-        .expect("MOTORLENS_PROGRAM names the host program; run the bench by `cargo xtask test --only bench`");
-    let mut command = Command::new(program);
-    command.args(verb).args(["--json", "--quiet"]);
-    command
-}
-
-fn json(mut command: Command) -> Value {
-    let output = command.stderr(Stdio::inherit()).output().expect("the program starts");
-    assert!(output.status.success(), "{command:?}: {}", output.status);
-    serde_json::from_slice(&output.stdout).expect("one document")
-}
-
-fn fresh_directory(name: &str) -> PathBuf {
-    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&directory);
-    directory
-}
+/// The printed commands by what is the same in all of them; the last is run on an emulated Uno (`xtask/src/avr.rs`).
+const CHECK: &str = "device check --port PORT";
+const CHECK_DRIVER: &str = "device check --port PORT --drive brake --supply 12";
+const CAPTURE: &str = "capture --port PORT --programme default --counts-per-rev COUNTS --out DIR";
+const CAPTURE_WIRED: &str =
+    "capture --port PORT --programme default --divider 11 --amplifier 165 --counts-per-rev COUNTS --out DIR";
+const CAPTURE_PLANNED: &str =
+    "capture --port PORT --programme programme.json --counts-per-rev COUNTS --out DIR";
+const FIT: &str = "device fit --port PORT --counts-per-rev COUNTS --coulomb";
+const LISTEN: &str = "capture --listen --port PORT --supply 12 --counts-per-rev COUNTS --out DIR";
 
 /// Names of the effects that a number hides. The board measures its supply, so the log's voltage holds the sag already.
 fn revealed(number: &str) -> BTreeSet<String> {
@@ -159,9 +42,7 @@ fn revealed(number: &str) -> BTreeSet<String> {
 fn discovers(hidden: &[&str], truth: &BTreeSet<String>) {
     let out = fresh_directory(&format!("hidden{}", hidden.join("-").replace(['=', ','], "-")));
     let bench = Bench::start(hidden);
-    let mut capture = bench.program(&["capture", "--divider", "11", "--amplifier", "165"]);
-    capture.args(["--programme", "default", "--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
-    let captured = json(capture);
+    let captured = json(bench.printed(CAPTURE_WIRED, &out));
     let logs = captured["logs"].as_array().expect("a list");
     assert_eq!(logs.len(), 7);
     for log in logs {
@@ -199,18 +80,40 @@ fn capture_and_discover_find_frictions_under_which_the_usual_model_is_far_off() 
 }
 
 #[test]
-fn the_board_fits_the_run_that_it_holds_and_finds_the_motor() {
-    let out = fresh_directory("device-fit");
+fn the_readmes_commands_check_the_wires_capture_and_fit_on_the_board_as_they_are_printed() {
+    let out = fresh_directory("readme");
     let bench = Bench::start(&["--effect", "coulomb=0.4"]);
-    let mut capture = bench.program(&["capture", "--programme", "multisine", "--seconds", "2"]);
-    capture.args(["--counts-per-rev", &bench.counts_per_rev, "--out"]).arg(&out);
-    json(capture);
-    let mut fit = bench.program(&["device", "fit", "--coulomb"]);
-    fit.args(["--counts-per-rev", &bench.counts_per_rev]);
-    let fit = json(fit);
+    assert_eq!(bench.counts_per_rev, "5000", "as the README has it");
+    let checked = json(bench.printed(CHECK, &out));
+    assert_eq!(checked["ok"], true, "{checked}");
+    let captured = json(bench.printed(CAPTURE, &out));
+    let logs = captured["logs"].as_array().expect("a list");
+    assert!(logs.len() == 7 && logs.iter().all(|log| log["missing"] == 0), "{captured}");
+    let fit = json(bench.printed(FIT, &out));
     let gain = fit["fit"]["gain"]["value"].as_f64().expect("a number");
     let truth = Motor::paper().gain();
     assert!((gain / truth - 1.0).abs() < 0.05, "{gain} on the board for {truth} rad/s per V");
+}
+
+#[test]
+fn the_books_command_plays_a_programme_that_was_planned() {
+    let out = fresh_directory("planned");
+    fs::create_dir_all(&out).expect("a directory");
+    let step = Programme::single("planned", Shape::Step { level_v: 6.0 }, 1.0);
+    let step = serde_json::to_string(&step).expect("a programme is JSON");
+    fs::write(out.join("programme.json"), step).expect("the directory is there");
+    let bench = Bench::start(&["--hidden", "1"]);
+    let mut capture = bench.printed(CAPTURE_PLANNED, &out);
+    capture.current_dir(&out);
+    let captured = json(capture);
+    assert_eq!((&captured["logs"][0]["samples"], &captured["logs"][1]), (&Value::from(1000), &Value::Null));
+}
+
+#[test]
+fn every_command_for_a_board_that_a_document_prints_is_run_as_it_is_printed() {
+    let run = [CHECK, CHECK_DRIVER, CAPTURE, CAPTURE_WIRED, CAPTURE_PLANNED, FIT, LISTEN];
+    let printed: BTreeSet<String> = documented::lines(&root()).iter().map(documented::Line::shape).collect();
+    assert_eq!(printed, run.map(str::to_owned).into_iter().collect());
 }
 
 #[test]
@@ -279,6 +182,8 @@ fn device_check_finds_the_bench_wired_right_and_where_its_motor_breaks_away() {
     assert_eq!(checked["ok"], true, "{checked}");
     let stall = checked["stall_voltage_v"].as_f64().expect("it turned");
     assert!((0.1..4.0).contains(&stall), "{checked}");
+    let checked = json(bench.printed(CHECK_DRIVER, Path::new("")));
+    assert_eq!(checked["ok"], true, "{checked}");
     // A driver that is not of the kind that is stated does not follow.
     let mut other = bench.program(&["device", "check"]);
     other.args(["--drive", "in-in"]);
