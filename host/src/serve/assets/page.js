@@ -133,7 +133,7 @@ function busy(what) {
   $("running").hidden = !what;
   $("doing").textContent = what || "";
   if (!what) $("progress").removeAttribute("value");
-  for (const b of document.querySelectorAll("#next, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo")) b.disabled = Boolean(what);
+  for (const b of document.querySelectorAll("#next, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo, #read-as-change")) b.disabled = Boolean(what);
   if (state && !state.data.can_undo) $("undo").disabled = true;
   if (!what) giveFocusBack();
 }
@@ -212,9 +212,9 @@ const told = {
   step(e) { showStep(e.step); },
   playing(e) { nextLive(e); },
   live(e) { showLive(e); },
-  done(e) { ended(e.message); renew(); },
+  done(e) { readWell(); ended(e.message); renew(); },
   stopped(e) { ended(e.message); },
-  failed(e) { ended(""); alarm(e.error); renew(); },
+  failed(e) { readFailed(); ended(""); alarm(e.error); renew(); },
   behind() { renew(); },
 };
 function ended(message) { busy(null); endLive(); $("status").textContent = message; }
