@@ -1,6 +1,6 @@
 //! `diagnose`: which effects a model is missing.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use motorlens_shared::effects::Kind;
 
@@ -10,7 +10,7 @@ use super::{Console, prose, watch};
 use crate::diagnose::discover::{Discovery, diagnose};
 use crate::diagnose::ladder::Ranked;
 use crate::error::Result;
-use crate::findings::{Action, Findings};
+use crate::findings::{Action, Findings, Standing};
 use crate::model_file::Model;
 use crate::report::Suspect;
 use crate::report::missing::{self, Setting};
@@ -39,9 +39,16 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let unit = unit(&logs.records);
     console.answer(&findings, || prose::headed(&standing, &story(&found, &findings, unit)));
     if !console.json() {
-        console.say(prose::next(&standing.next, Some(&args.model), &args.input.logs));
+        console.say(steps(&standing, Some(&args.model), &args.input.logs));
     }
     Ok(())
+}
+
+/// What to do next, and what to go on with once a data problem that comes first is mended.
+pub fn steps(standing: &Standing, model: Option<&Path>, logs: &[PathBuf]) -> String {
+    let later = standing.also.as_ref().map(|also| prose::next(also, model, logs));
+    let later = later.map_or_else(String::new, |text| text.replacen("next:", "after that:", 1));
+    prose::next(&standing.next, model, logs) + &later
 }
 
 /// What `model` is missing on `logs`, watched.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use motorlens_shared::effects::Kind;
 
+use super::diagnose::steps;
 use super::input::{LogArgs, Logs};
 use super::{Console, prose, watch};
 use crate::atomic_file;
@@ -45,7 +46,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(prose::next(&standing.next, args.out.as_deref(), &args.input.logs));
+        console.say(steps(&standing, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
+use super::diagnose::steps;
 use super::discover::search;
 use super::input::LogArgs;
 use super::{Console, prose};
@@ -59,7 +60,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         effects: found.effects.clone(),
     };
     console.answer(&document, || {
-        let next = prose::next(&findings.standing().next, None, &args.input.logs);
+        let next = steps(&findings.standing(), None, &args.input.logs);
         let faults = prose::shown_by_the_fit(&findings);
         let told = format!("{}\n{faults}report: {}\n{next}", document.summary, args.out.display());
         prose::headed(&story.standing, &told)

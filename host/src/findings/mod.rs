@@ -1,5 +1,6 @@
 //! The one public result of a diagnosis: what terminal, JSON, report and page tell.
 
+mod mend;
 mod standing;
 mod verdict;
 mod yardstick;
@@ -24,6 +25,7 @@ use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
+pub use mend::Mend;
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
 pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;
@@ -42,6 +44,8 @@ pub struct Findings {
     pub next_step: NextStep,
     #[serde(skip)]
     badge: &'static str,
+    #[serde(skip)]
+    also: Option<NextStep>,
     /// Error of the accepted model in multiples of the noise level.
     pub left_over: Option<f64>,
     /// Fraction of the error above the noise level that the effects explain.
@@ -154,6 +158,7 @@ impl Findings {
                     || shown_by_fit::too_little_excitation(&parameters).is_some()),
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
+            mend: Mend::first(of_logs),
         });
         later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
         if suggested.is_none() {
@@ -170,6 +175,7 @@ impl Findings {
             headline: standing.headline,
             next_step: standing.next,
             badge: standing.badge,
+            also: standing.also,
             left_over: errors.left_over(),
             explained_share: errors.explained_share(),
             speed_reading: found.evidence.whole.speeds().and_then(Quantity::speed_in_words),
@@ -211,6 +217,7 @@ impl Findings {
             headline: standing.headline,
             next_step: standing.next,
             badge: standing.badge,
+            also: standing.also,
             left_over: None,
             explained_share: None,
             speed_reading: None,
@@ -236,7 +243,8 @@ impl Findings {
     /// What a person is told first.
     pub fn standing(&self) -> Standing {
         let (verdict, headline) = (Some(self.verdict), self.headline.clone());
-        Standing { verdict, badge: self.badge, headline, next: self.next_step.clone() }
+        let (next, also) = (self.next_step.clone(), self.also.clone());
+        Standing { verdict, badge: self.badge, headline, next, also }
     }
 
     /// Faults that only the fit has shown; those of the logs were told before it.

@@ -9,7 +9,7 @@ use super::session::Doubt;
 use super::view::View;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::{Doubted, Facts, Standing, errors_of, named};
+use crate::findings::{Doubted, Facts, Mend, Standing, errors_of, named};
 use crate::log::Warning;
 use crate::model_file::Model;
 use crate::report::{Story, Suspect, missing, shown_by_fit};
@@ -75,6 +75,7 @@ impl Scene {
                 .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
+            mend: Mend::first(&self.faults),
         })
     }
 
