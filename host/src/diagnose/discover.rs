@@ -9,6 +9,7 @@ use super::ladder::{Ranked, Rung, rung};
 use super::plan::{self, Limits, Plan};
 use crate::compare::laid_out;
 use crate::error::Result;
+use crate::findings::Experiment;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Values;
 use crate::fit::reading::fast_scatter;
@@ -179,6 +180,13 @@ impl Discovery {
     pub fn plan(&self, limits: Limits) -> Option<Plan> {
         let models: Vec<&Fitted> = self.selected.rivals.first()?.models.iter().collect();
         plan::choose(&self.evidence.whole, &models, limits)
+    }
+
+    /// What to run next within the limits of the rig.
+    pub fn experiment(&self, within: Limits) -> Experiment {
+        let open = self.selected.rivals.first();
+        let open: Vec<&Fitted> = open.map_or_else(Vec::new, |rivals| rivals.models.iter().collect());
+        Experiment::after(&self.evidence, self.selected.model(), &open, &self.limits, within)
     }
 
     /// Sets of effects that this data cannot tell apart, the accepted one of each first.

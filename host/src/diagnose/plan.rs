@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::contained::extended;
 use super::discover::reading_noise;
+use super::evidence::Evidence;
 use crate::findings::multiple;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
@@ -19,13 +20,23 @@ use crate::log::Record;
 use crate::select::fitted::Fitted;
 
 /// What the rig allows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Highest voltage, V.
     pub volts: f64,
     /// Longest programme, s.
     pub seconds: f64,
 }
+
+impl Limits {
+    /// Where nobody says otherwise: the voltage that the records of `evidence` reached, and a few seconds.
+    pub fn of(evidence: &Evidence) -> Self {
+        Self { volts: evidence.highest_voltage(), seconds: SECONDS }
+    }
+}
+
+/// Length of a programme where nobody says otherwise, s.
+pub const SECONDS: f64 = 8.0;
 
 /// A programme, and what it is expected to show.
 #[derive(Debug, Clone)]
