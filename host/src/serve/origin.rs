@@ -7,7 +7,7 @@ use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::data::{Data, Entry};
+use super::data::{Data, Entry, Role};
 use crate::error::{Error, Result};
 use crate::log::guess::{Look, look};
 use crate::log::{EncoderShaft, ReadOptions, Record, read};
@@ -90,6 +90,8 @@ pub struct Origin {
     content: Option<Bytes>,
     /// How it was read.
     pub options: ReadOptions,
+    /// Whether its columns were looked at once more and said to be so.
+    confirmed: bool,
     look: OnceLock<Look>,
 }
 
@@ -98,17 +100,18 @@ impl Origin {
     pub fn dropped(name: &str, content: Bytes, options: ReadOptions) -> Self {
         // Only the last part of the name, so that it stays within the directory where it is kept.
         let name = Path::new(name).file_name().map_or_else(|| PathBuf::from("log.csv"), PathBuf::from);
-        Self { name, content: Some(content), options, look: OnceLock::new() }
+        Self { name, content: Some(content), options, confirmed: false, look: OnceLock::new() }
     }
 
     /// A file on this machine.
     pub fn on_disk(name: PathBuf, options: ReadOptions) -> Self {
-        Self { name, content: None, options, look: OnceLock::new() }
+        Self { name, content: None, options, confirmed: false, look: OnceLock::new() }
     }
 
-    /// The same file, read otherwise.
-    pub fn read_otherwise(&self, options: ReadOptions) -> Self {
-        Self { name: self.name.clone(), content: self.content.clone(), options, look: OnceLock::new() }
+    /// The same file, read once more.
+    fn read_again(&self, options: ReadOptions) -> Self {
+        let (name, content) = (self.name.clone(), self.content.clone());
+        Self { name, content, options, confirmed: true, look: OnceLock::new() }
     }
 
     /// The name of the file without its place.
@@ -212,6 +215,12 @@ impl Data {
         }
     }
 
+    /// Whether a person looked once more at the columns of all files that are fitted: what only perhaps is wrong with them is right then.
+    pub fn is_confirmed(&self) -> bool {
+        let mut fitted = self.entries.iter().filter(|entry| entry.role == Role::Fit);
+        fitted.all(|entry| entry.origin.as_ref().is_some_and(|origin| origin.confirmed))
+    }
+
     /// What the dialogue shows of the file of record `entry`, and how many other files are read the same way.
     pub fn mapping_of(&self, entry: usize) -> Result<Value> {
         let origin = self.origin_of(entry)?;
@@ -248,7 +257,7 @@ impl Data {
         let too = |other: &Arc<Origin>| Arc::ptr_eq(other, &origin) || alike && other.is_read_like(&origin);
         let mut anew = Vec::new();
         for old in self.origins().into_iter().filter(too) {
-            let new = old.read_otherwise(rig.options(map, old.options.clone())?);
+            let new = old.read_again(rig.options(map, old.options.clone())?);
             let records = new.records()?;
             anew.push((old, Arc::new(new), records));
         }
@@ -286,7 +295,6 @@ fn replace(all: &mut Vec<Entry>, old: &Arc<Origin>, new: &Arc<Origin>, records: 
 
 #[cfg(test)]
 mod tests {
-    use super::super::data::Role;
     use super::*;
 
     /// A log in milliseconds whose second column may be volts or a duty.
@@ -342,6 +350,7 @@ mod tests {
         assert!(speed(&one, 1).abs() < 0.1 * speed(&data, 1).abs());
         assert_eq!(speed(&both, 0), speed(&both, 1));
         assert_eq!(both.entries.len(), 2);
+        assert_eq!([&data, &one, &both].map(Data::is_confirmed), [false, false, true]);
     }
 
     #[test]

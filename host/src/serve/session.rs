@@ -216,6 +216,7 @@ impl Session {
             chosen: self.chosen.clone(),
             doubt: self.doubt,
             title: self.title.clone(),
+            confirmed: self.data.is_confirmed(),
         }
     }
 }

@@ -8,13 +8,13 @@ use motorlens_browser_tests::{Browser, Server, run};
 use super::{FRESH, alone, diagnosed, opened};
 
 /// Gives the page `log`, and waits until it asks about its columns.
-fn asked_about(browser: &mut Browser, log: &Path) {
+pub fn asked_about(browser: &mut Browser, log: &Path) {
     browser.give_file("#file", log);
     browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
 }
 
 /// Takes the columns as they are said to be, and waits for the record `title`.
-fn taken(browser: &mut Browser, title: &str) {
+pub fn taken(browser: &mut Browser, title: &str) {
     browser.click("#use");
     browser.wait(&format!(
         "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == '{title}' && {FRESH}"
