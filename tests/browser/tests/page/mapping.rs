@@ -47,8 +47,6 @@ fn gear_shaft_and_supply_are_taken_from_the_dialogue_and_changed_after_the_log_w
     let mut browser = opened(&server);
     loaded(&mut browser, &arduino(directory.path(), "one.csv", 0.0), "one");
     assert_eq!(browser.value("ask('/api/state').then((s) => s.gear_ratio)"), 50.0);
-    let model = "fetch('/export/model.json').then((r) => r.text())";
-    assert!(browser.value(model).as_str().is_some_and(|model| model.contains("output")));
     let at_12 = gain(&mut browser);
 
     // The same dialogue, filled with what is in use.
