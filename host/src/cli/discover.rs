@@ -51,7 +51,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// The climb on `logs`, watched.
+/// The forward selection on `logs`, watched.
 pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Discovery, Findings)> {
     logs.warn(console);
     let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");

@@ -59,7 +59,7 @@ impl Default for Options {
 pub struct Discovery {
     /// Accepted effects in order.
     pub effects: Vec<Kind>,
-    /// What a perfect model would leave, rms in the measured unit.
+    /// The noise level, rms in the measured unit.
     pub noise_floor: f64,
     /// What it leaves.
     pub adequacy: Adequacy,
@@ -195,7 +195,7 @@ impl Discovery {
     }
 }
 
-/// What a perfect model would leave: from a repeated programme where there is one, else from the counting or, where that is more, the
+/// The noise level: from a repeated programme where there is one, else from the counting or, where that is more, the
 /// fast scatter of the readings: the decimals of a file are not what an encoder counts.
 pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem) -> f64 {
     let all: Vec<Record> = records.iter().chain(validation).cloned().collect();

@@ -140,7 +140,7 @@ fn limit(
 ) -> Option<DetectionLimit> {
     let spec = kind.spec();
     let kinds = model.kinds();
-    // What a simpler law of the model has already is not looked for.
+    // What a simpler equation of the model has already is not looked for.
     let there =
         |name: &str| parts(kind).any(|(part, at)| kinds.contains(&part) && spec.parameters[at].name == name);
     let size = spec.parameters.iter().position(|p| p.strength && !there(p.name))?;

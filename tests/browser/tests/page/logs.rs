@@ -148,7 +148,7 @@ fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let bad = directory.path().join("bad.csv");
     let mut text = "t,u,w\n".to_owned();
     let mut w = 0.0;
-    // The time of one row stands twice in the log: that is odd, but no reason to refuse it.
+    // The time of one row stands twice in the log: a data quality problem, but no reason to refuse it.
     for k in (0..800).flat_map(|k| if k == 300 { vec![k, k] } else { vec![k] }) {
         let t = f64::from(k) * 0.01;
         let v = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();
