@@ -48,7 +48,8 @@ function onPage(remedy) {
   if (/^say which column|^choose the columns/.test(remedy)) return "say in the row below the names what each column is: the time, the voltage (or duty), and the angle or the speed; each once";
   const told = FIELDS.map(([option, id]) => [id, remedy.match(new RegExp(`${option} ([\\d.]+)`))]).filter(([, found]) => found);
   if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
-  return remedy.replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
+  const again = state && state.data.entries.some((e) => e.file !== null);
+  return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
     .replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
 }
 
