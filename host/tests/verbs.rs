@@ -197,7 +197,7 @@ fn discover_diagnose_and_compare_say_one_thing_of_one_model_and_its_records() {
 #[test]
 fn plan_and_discover_propose_one_experiment_for_weak_records() {
     let directory = tempfile::tempdir().unwrap();
-    // Smooth sines leave dry friction and its rivals open; a motor that coasts cannot show most effects at any size.
+    // Smooth sines leave dry friction and its rival open; slow triangles do not heat the winding.
     run(directory.path(), "simulate --excitation paper --effect coulomb=0.4 --out paper --quiet").ends(0);
     run(directory.path(), "simulate --rate 100 --out s --quiet").ends(0);
     let paper = std::fs::read_dir(directory.path().join("paper")).unwrap();
@@ -205,7 +205,7 @@ fn plan_and_discover_propose_one_experiment_for_weak_records() {
     let mut paper: Vec<String> =
         paper.filter(|name| name.ends_with(".csv")).map(|name| format!("paper/{name}")).collect();
     paper.sort();
-    for logs in [paper.join(" "), "s/pulse-and-coast.csv --motor s/motor.toml".to_owned()] {
+    for logs in [paper.join(" "), "s/triangle.csv".to_owned()] {
         let json = |verb: &str| run(directory.path(), &format!("{verb} {logs} --json")).ends(0).json();
         let (found, planned) = (json("discover"), json("plan"));
         assert!(found["next_experiment"].is_object(), "{logs}: {}", found["verdict"]);
