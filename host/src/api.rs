@@ -288,10 +288,11 @@ pub fn plan(
     observer: Observer,
 ) -> Result<Option<NextExperiment>> {
     watched(observer, move |tell| {
-        let asked = search::Options { library: options.library.clone(), most: 1 };
+        // The loop of `discover`: an experiment that is proposed after its first step may be another one.
+        let asked = search::Options { library: options.library.clone(), most: options.most };
         let found = search::discover(records, &options.validation, &options.motor, &asked, &mut told(tell))?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
-        Ok(NextExperiment::of(found.plan(Limits { volts, seconds }), &found.limits))
+        Ok(found.experiment(Limits { volts, seconds }).next)
     })
 }
 

@@ -87,7 +87,7 @@ fn close(kind: Kind, data: Excitation, seed: u64, disturbance: f64) -> Option<Cl
 }
 
 impl Closed {
-    /// At most two effects are left, the truth among them, where of nested laws the simpler one stands for both.
+    /// At most two effects are left, the truth among them, where of nested equations the simpler one stands for both.
     fn settled(&self) -> bool {
         let left = simplest(&self.after);
         left.len() <= 2 && left.iter().any(|kind| kind.name() == self.truth)
@@ -155,7 +155,7 @@ fn the_planned_experiment_leaves_at_most_two_rivals_with_the_truth_among_them() 
     assert_eq!(found.settled, found.cases);
 }
 
-/// Eight effects, two sorts of poor records, motors that no development saw, calm and under a torque disturbance.
+/// Eight effects, two sorts of poor records, motors that no development saw, without and under a torque disturbance.
 #[test]
 fn plans_settle_what_poor_records_leave_open_on_many_motors() {
     if std::env::var_os("MOTORLENS_LONG_TESTS").is_none() {

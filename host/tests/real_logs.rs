@@ -1,4 +1,4 @@
-//! Logs of real motors, as their owners published them: they are read in place, and what is odd about them is known.
+//! Logs of real motors, as their owners published them: they are read in place, and their data quality problems are known.
 //!
 //! Most files are no part of this project. `MOTORLENS_DATA` names their directory; `../shared/data` beside the
 //! workspace is tried otherwise. Where they are absent, each test says so and ends. Two rigs' logs are in `python/examples/data`.

@@ -238,7 +238,7 @@ fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
     run(here, "tune m.json --period 2").ends(2);
 }
 
-/// A weight, a spring and the teeth of the rotor: the table has the torque looked up at both angles, and says that it pays.
+/// A weight, a spring and cogging torque: the table has the torque looked up at both angles, and says that it pays.
 #[test]
 fn tune_compensates_torques_that_depend_on_the_angle_by_the_effects_own_law() {
     let directory = tempfile::tempdir().unwrap();

@@ -195,6 +195,33 @@ fn discover_diagnose_and_compare_say_one_thing_of_one_model_and_its_records() {
 }
 
 #[test]
+fn plan_and_discover_propose_one_experiment_for_weak_records() {
+    let directory = tempfile::tempdir().unwrap();
+    // Smooth sines leave dry friction and its rival open; slow triangles do not heat the winding.
+    run(directory.path(), "simulate --excitation paper --effect coulomb=0.4 --out paper --quiet").ends(0);
+    run(directory.path(), "simulate --rate 100 --out s --quiet").ends(0);
+    let paper = std::fs::read_dir(directory.path().join("paper")).unwrap();
+    let paper = paper.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut paper: Vec<String> =
+        paper.filter(|name| name.ends_with(".csv")).map(|name| format!("paper/{name}")).collect();
+    paper.sort();
+    for logs in [paper.join(" "), "s/triangle.csv".to_owned()] {
+        let json = |verb: &str| run(directory.path(), &format!("{verb} {logs} --json")).ends(0).json();
+        let (found, planned) = (json("discover"), json("plan"));
+        assert!(found["next_experiment"].is_object(), "{logs}: {}", found["verdict"]);
+        for key in ["next_experiment", "no_experiment", "rivals"] {
+            assert_eq!(found[key], planned[key], "{logs}: {key}");
+        }
+        // Whoever allows less gets no longer one and no more volts.
+        let small = json("plan --seconds 5 --volts 4");
+        let segments =
+            small["next_experiment"]["programme"]["segments"].as_array().cloned().unwrap_or_default();
+        let seconds: f64 = segments.iter().map(|segment| number(&segment["seconds"])).sum();
+        assert!(seconds < 5.01, "{logs}: {seconds} s");
+    }
+}
+
+#[test]
 fn effects_lists_the_registry_and_explains_one() {
     let directory = tempfile::tempdir().unwrap();
     let all = run(directory.path(), "effects --json").ends(0).json();

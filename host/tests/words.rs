@@ -1,7 +1,7 @@
 //! Users read the words of system identification, control and mechatronics, and none that were coined here.
 //!
 //! Looked through are the documents, the book, the help of every verb, what the registry and the glossary say, the page and the report,
-//! and the sentences that the program prints.
+//! the sentences that the program prints, and the comments of the sources.
 
 mod repository;
 
@@ -203,10 +203,40 @@ fn the_sentences_that_the_program_prints() {
     free_of_coined_words(files.iter().map(|path| (path.display().to_string(), sentences(&text_of(path)))));
 }
 
+/// What has another meaning in a comment: numbers, teeth of gears and of sawtooths, a beat of two rates; and a name that is in the code.
+const ELSEWHERE: [&str; 7] = ["odd", "teeth", "heats", "a beat", "the beat", "rung", "rungs"];
+
+/// The comments of a source, a line each, without the code in them.
+fn comments(code: &str) -> String {
+    let comment = |line: &str| {
+        let line = line.trim_start();
+        let parts = line.split('`').step_by(2).collect::<Vec<_>>();
+        if line.starts_with("//") { parts.join(" ") } else { String::new() }
+    };
+    code.lines().map(comment).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn the_comments_of_the_sources() {
+    let crates =
+        ["host", "host/kernel", "host/virtual-motor", "host/bench-motor", "shared", "firmware", "python"];
+    let mut all = Vec::new();
+    for path in crates.iter().flat_map(|one| files_below(root().join(one).join("src"), &["rs"])) {
+        for (line, words) in comments(&text_of(&path)).lines().enumerate() {
+            let found = coined(words).into_iter();
+            let found =
+                found.filter(|word| !ELSEWHERE.iter().any(|other| word.starts_with(&format!("\"{other}\""))));
+            all.extend(found.map(|word| format!("{}:{}: {word}", path.display(), line + 1)));
+        }
+    }
+    assert!(all.is_empty(), "coined words:\n{}", all.join("\n"));
+}
+
 #[test]
 fn a_coined_word_is_found_and_a_right_one_is_not() {
     assert_eq!(coined("Taken back: the TEETH, by a climb.").len(), 3);
     assert!(coined("Hooke's law; `diagnose::climb`; climbing stairs; programme").is_empty());
     assert_eq!(sentences("let x = \"a b\"; // \"c d\"\n//! \"e f\""), "a b | c d\n");
+    assert_eq!(comments("let law = 1;\n    /// A `law` of [`Laws`], odd."), "\n/// A   of [ ], odd.");
     assert_eq!(seen("<p title=\"law\">a {{ law }} b</p>"), "a  b");
 }

@@ -29,7 +29,7 @@ impl NativeRecord {
     fn name(&self) -> &str {
         &self.0.name
     }
-    /// What was found odd, in sentences.
+    /// Data quality problems, in sentences.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.0.warnings.iter().map(|w| format!("{}: {}; {}", w.place, w.what, w.fix)).collect()

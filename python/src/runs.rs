@@ -15,7 +15,7 @@ use crate::records::{Given, bytes, kinds, motor, records};
 use crate::text;
 use crate::watch::watched;
 
-/// A free run for each record: its name, its quantity, and times, measured and simulated values.
+/// An open-loop simulation for each record: its name, its quantity, and times, measured and simulated values.
 pub(crate) type Run<'py> = (String, String, Bound<'py, PyBytes>, Bound<'py, PyBytes>, Bound<'py, PyBytes>);
 
 #[pyfunction]

@@ -81,7 +81,7 @@ pub struct Coefficients<S> {
     pub xf: S,
     /// Half the step, s.
     pub half_step: S,
-    /// 1 / uv and 1 / wf, for the implicit laws of current and friction.
+    /// 1 / uv and 1 / wf, for the implicit equations of current and friction.
     pub inverse_uv: S,
     pub inverse_wf: S,
     /// Torque that changes the speed by one unit in one step, V per rad/s, and half the viscous torque.

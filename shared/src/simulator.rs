@@ -111,8 +111,8 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         self.advance_seen::<false>(motion, voltages, index, S::zero());
     }
 
-    /// [`Self::advance`] where the measured shaft is so far `ahead` of the model's, rad: laws that are tied to an angle (teeth, an
-    /// unbalance, a spring, a disc off centre) act where it was seen. A guided run.
+    /// [`Self::advance`] where the measured shaft is so far `ahead` of the model's, rad: equations that are tied to an angle (cogging torque, an
+    /// unbalance, a spring, an eccentric encoder) act where it was seen. A simulation at the measured angle.
     #[inline(always)]
     pub fn advance_guided(&self, motion: &mut Motion<S>, voltages: &[S::Element], index: usize, ahead: S) {
         self.advance_seen::<true>(motion, voltages, index, ahead);
@@ -172,7 +172,7 @@ impl<S: Scalar, E: Effects<S>> Simulator<S, E> {
         self.read_seen(motion, motion.state)
     }
 
-    /// [`Self::read`] in a guided run, see [`Self::advance_guided`].
+    /// [`Self::read`] in a simulation at the measured angle, see [`Self::advance_guided`].
     #[inline(always)]
     pub fn read_guided(&self, motion: &Motion<S>, ahead: S) -> S {
         self.read_seen(motion, motion.state.turned(ahead))

@@ -1,4 +1,4 @@
-//! One step of the motor: the exact linear map, then the laws that can only be met at the end of the step.
+//! One step of the motor: the exact linear map, then the equations that can only be met at the end of the step.
 //!
 //! Dry friction, a brush voltage drop and extra resistance are solved implicitly (each a soft threshold or a
 //! quotient), so that a motor at rest is exactly at rest and no sign function has to be smoothed.
@@ -46,7 +46,7 @@ impl<S: Scalar> State<S> {
 pub struct Drive<S> {
     /// Voltage that the bridge is told to apply, V: late, and less a dead zone.
     pub asked: S,
-    /// Voltage on the winding before the laws below, V.
+    /// Voltage on the winding before the equations below, V.
     pub voltage: S,
     /// Torque on the rotor, positive drives forward, V.
     pub torque: S,

@@ -59,7 +59,7 @@ fn energy(base: &Base<f64>, state: &State<f64>) -> f64 {
 }
 
 /// The step up to which losses take no more than is there, s. Below its knee a brush drop is a resistance of drop / knee
-/// times the winding's, and shortens the electrical time constant so much; in longer steps the law takes the current to
+/// times the winding's, and shortens the electrical time constant so much; in longer steps the equation takes the current to
 /// fade as the winding alone would let it, and the speed may gain what the brush seems to have held back.
 fn longest_step(base: &Base<f64>, kind: Option<Kind>, parameters: &[f64]) -> f64 {
     match (kind, parameters) {

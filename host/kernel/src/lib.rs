@@ -51,7 +51,7 @@ pub struct Course<'a, S: Scalar> {
     pub reading_age_s: f64,
     /// Whether the encoder turns with the rotor: whose speed goes with the reading.
     pub encoder_on_motor: bool,
-    /// What was measured at the start and at the end of every cell, rad: laws tied to an angle then act where the
+    /// What was measured at the start and at the end of every cell, rad: equations tied to an angle then act where the
     /// shaft was seen, whatever the model's has drifted to. Empty where the run is free.
     pub guide: &'a [S::Element],
     /// Which of these are near a sample: what the shaft is ahead by there holds until a later one is more than a count away,
@@ -124,7 +124,7 @@ pub fn run<S: Shown, E: Effects<S>>(
     let mut readings = [start; CHUNK];
     let guided = course.guide.len().min(course.seen.len()) > course.cells;
     // Held at the reading itself, a spring would be driven away for as long as the run lasts by what a count lacks; held at the
-    // edge of a count, teeth would push a standing shaft that the model balances elsewhere in it.
+    // edge of a count, cogging torque would push a standing shaft that the model balances elsewhere in it.
     let lacking = S::lit(course.count);
     let mut first = 0;
     while first < course.cells {

@@ -1,4 +1,4 @@
-//! What an effect does, as SVG: the speed with and without it, the difference, and its law as page and report draw it.
+//! What an effect does, as SVG: the speed with and without it, the difference, and its equation as page and report draw it.
 
 use motorlens_shared::effects::Kind;
 use plotters::coord::Shift;

@@ -39,7 +39,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let unit = unit(&logs.records);
     console.answer(&findings, || prose::headed(&standing, &story(&found, &findings, unit)));
     if !console.json() {
-        console.say(next::told(&standing.next, Some(&args.model), &args.input.logs));
+        console.say(next::steps(&standing, Some(&args.model), &args.input.logs));
     }
     Ok(())
 }

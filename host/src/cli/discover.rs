@@ -45,12 +45,12 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         console.say(format!("model: {}", path.display()));
     }
     if !console.json() {
-        console.say(next::told(&standing.next, args.out.as_deref(), &args.input.logs));
+        console.say(next::steps(&standing, args.out.as_deref(), &args.input.logs));
     }
     Ok(())
 }
 
-/// The climb on `logs`, watched.
+/// The forward selection on `logs`, watched.
 pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Discovery, Findings)> {
     logs.warn(console);
     let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");

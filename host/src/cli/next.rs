@@ -92,6 +92,13 @@ fn reading_again(mut words: impl Iterator<Item = String>) -> String {
 /// More characters of file names than these are not repeated.
 const LONGEST: usize = 400;
 
+/// What to do next, and what to go on with once a data problem that comes first is mended.
+pub fn steps(standing: &Standing, model: Option<&Path>, logs: &[PathBuf]) -> String {
+    let later = standing.also.as_ref().map(|also| told(also, model, logs));
+    let later = later.map_or_else(String::new, |text| text.replacen("next:", "after that:", 1));
+    told(&standing.next, model, logs) + &later
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,9 +10,9 @@ use super::input::LogArgs;
 use super::{Console, next};
 use crate::atomic_file;
 use crate::diagnose::discover::Options;
-use crate::diagnose::plan::{Limits, Plan};
+use crate::diagnose::plan::{Limits, SECONDS};
 use crate::error::Result;
-use crate::findings::{Action, Findings, NextExperiment, NextStep, Verdict};
+use crate::findings::{Action, Experiment, Findings, NextExperiment, NextStep, Verdict};
 use crate::sentence::capital;
 
 /// Options of `plan`.
@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(long, value_name = "VOLTS")]
     volts: Option<f64>,
     /// Longest programme, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 8.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = SECONDS)]
     seconds: f64,
     /// Write the programme here, for motorlens capture --programme
     #[arg(short, long, value_name = "PROGRAMME.json")]
@@ -55,10 +55,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     };
     let (found, findings) = or_bad_data(found, logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());
-    let plan = found.plan(Limits { volts, seconds: args.seconds });
-    let no_experiment = plan.as_ref().and_then(Plan::why_none);
-    let next_experiment = NextExperiment::of(plan, &found.limits);
-    let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment, no_experiment };
+    let Experiment { next, none } = found.experiment(Limits { volts, seconds: args.seconds });
+    let answer = Answer { schema: 1, rivals: found.open_sets(), next_experiment: next, no_experiment: none };
     if let (Some(path), Some(next)) = (&args.out, &answer.next_experiment) {
         let text = serde_json::to_string_pretty(&next.programme).unwrap_or_default();
         atomic_file::write(path, text + "\n")?;

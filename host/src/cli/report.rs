@@ -59,7 +59,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         effects: found.effects.clone(),
     };
     console.answer(&document, || {
-        let next = next::told(&findings.standing().next, None, &args.input.logs);
+        let next = next::steps(&findings.standing(), None, &args.input.logs);
         let faults = prose::shown_by_the_fit(&findings);
         let told = format!("{}\n{faults}report: {}\n{next}", document.summary, args.out.display());
         prose::headed(&story.standing, &told)

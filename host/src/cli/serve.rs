@@ -34,7 +34,13 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         for warning in &loaded.warnings {
             console.say(super::prose::fault(warning));
         }
-        Session::new(loaded.records, loaded.validation, args.reading.motor_file()?)?
+        let options = args.reading.options()?;
+        // What is left of a record that was divided by its times is no whole file, to be read anew.
+        if args.reading.skip.is_empty() && args.reading.judge_by.is_empty() {
+            Session::of_files(loaded.records, loaded.validation, &options)?
+        } else {
+            Session::new(loaded.records, loaded.validation, options.motor)?
+        }
     };
     serve::serve(session, args.port, |address| {
         let url = format!("http://{address}");

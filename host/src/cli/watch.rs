@@ -27,7 +27,7 @@ fn bar_within(width: usize) -> usize {
     width.saturating_sub(longest + " 21/21 effects 10s ".len()).clamp(6, 30)
 }
 
-/// Watches a climb: the bar counts effects tried, every rung is a line that stays.
+/// Watches a forward selection: the bar counts effects tried, every model of its sequence is a line that stays.
 pub fn climb<'a>(
     console: &'a Console,
     bar: &'a ProgressBar,

@@ -1,4 +1,4 @@
-//! What the motor was doing at every sample of a free run, as far as the measurement shows it.
+//! What the motor was doing at every sample of an open-loop simulation, as far as the measurement shows it.
 
 use super::free_run::FreeRun;
 use crate::fit::grid::Quantity;

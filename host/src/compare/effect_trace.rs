@@ -1,7 +1,7 @@
-//! One effect along the records: what the measurement asks for beyond a model without it, and what its law says.
+//! One effect along the records: what the measurement asks for beyond a model without it, and what its equation says.
 //!
 //! Both are had alike, as the difference from a run of the same model with the effect taken out: once of the
-//! measurement, once of the run with the effect. So the law of any effect, be it a torque, a voltage, a gap or a fault
+//! measurement, once of the run with the effect. So the equation of any effect, be it a torque, a voltage, a gap or a fault
 //! of the sensor, is drawn in the same quantity as what it is to explain, and smoothed alike.
 
 use std::f64::consts::TAU;
@@ -12,7 +12,7 @@ use super::residual_views::{around, reach, reversals};
 use crate::fit::layout::BaseValues;
 use crate::log::timing::median_interval;
 
-/// What the records show of an effect, and what the effect's law says: both of one unit, one value a moment.
+/// What the records show of an effect, and what the effect's equation says: both of one unit, one value a moment.
 #[derive(Debug, Clone, Default)]
 pub struct Pair {
     /// Measurement beyond the model without the effect.
@@ -158,7 +158,7 @@ mod tests {
     use super::super::residual_torque::testing::{BASE, made};
     use super::*;
 
-    /// A made run whose law is known: its "with" is the true motor.
+    /// A made run whose equation is known: its "with" is the true motor.
     fn trace(torque: impl Fn(f64, f64) -> f64) -> EffectTrace {
         let without = made(torque);
         let with = FreeRun { simulated: without.measured.clone(), ..without.clone() };

@@ -215,7 +215,7 @@ mod tests {
 
     const SHAFTS: Shafts = Shafts { gear_ratio: 3.0, encoder_on_motor: true, order: 2.0 };
 
-    /// A motor that feels `truth`, and a law `says`.
+    /// A motor that feels `truth`, and an equation `says`.
     fn traces(truth: impl Fn(f64, f64) -> f64, says: impl Fn(f64, f64) -> f64) -> [EffectTrace; 1] {
         let without = made(truth);
         let with = FreeRun { simulated: made(says).measured, ..without.clone() };

@@ -1,6 +1,6 @@
 //! Where a model fails: its error sorted by what the motor was doing.
 //!
-//! The error of a free run of the angle carries all that happened before. So every bin has two shares: of the
+//! The error of an open-loop simulation of the angle carries all that happened before. So every bin has two shares: of the
 //! squared error itself, and of its *growth* over 50 ms, which tells where the error is made.
 
 use motorlens_shared::effects::Rig;

@@ -39,7 +39,7 @@ impl FreeRun {
     }
 }
 
-/// The part of the mean of `errors`, rad, that no free run is to blame for: an encoder begins anywhere within a count of `quantum`. An angle
+/// The part of the mean of `errors`, rad, that no open-loop simulation is to blame for: an encoder begins anywhere within a count of `quantum`. An angle
 /// that walks further away keeps its mean.
 pub fn within_a_count(errors: impl ExactSizeIterator<Item = f64>, quantum: f64) -> f64 {
     let n = errors.len() as f64;

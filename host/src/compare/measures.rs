@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Errors of a free run, in the measured unit (rad, or rad/s where only speed was measured).
+/// Errors of an open-loop simulation, in the measured unit (rad, or rad/s where only speed was measured).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measures {
     /// Root of the mean square error.

@@ -1,4 +1,4 @@
-//! Model against measurement: free runs, their errors, and where the model fails.
+//! Model against measurement: open-loop simulations, their errors, and where the model fails.
 
 mod course;
 pub mod dependence;

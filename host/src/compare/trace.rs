@@ -1,4 +1,4 @@
-//! Free runs as a table.
+//! Open-loop simulations as a table.
 
 use std::io::Write;
 use std::path::Path;

@@ -48,7 +48,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Takes a byte. A complete line is given back, with the reason where it is not one of the protocol; empty lines
+    /// Takes a byte. A complete line is returned, with the reason where it is not one of the protocol; empty lines
     /// mean nothing.
     pub fn push(&mut self, byte: u8) -> Option<Result<Line, String>> {
         if byte != b'\n' {

@@ -173,7 +173,7 @@ impl Listen {
     }
 }
 
-/// The record of a run in SI units, with what is odd about it.
+/// The record of a run in SI units, with its data quality problems.
 ///
 /// `supply_v` is the stated supply, in V, where the board measures none. Keys that the board prints and that the log
 /// format does not admit are told as warnings.

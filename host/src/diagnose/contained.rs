@@ -1,4 +1,4 @@
-//! Laws that contain others: a richer law takes a simpler one's place, and a sum goes by the name of its parts while more
+//! Equations that contain others: a richer equation takes a simpler one's place, and a sum goes by the name of its parts while more
 //! is looked for.
 //!
 //! Both at once would fight over the same torque: dry friction beside Stribeck's has no level of its own.
@@ -14,7 +14,7 @@ pub fn parts(kind: Kind) -> impl Iterator<Item = (Kind, usize)> {
     spec.contains.iter().filter_map(part)
 }
 
-/// Whether a model of `kinds` describes what `kind` does: by itself, within a richer law, or by its parts.
+/// Whether a model of `kinds` describes what `kind` does: by itself, within a richer equation, or by its parts.
 pub fn covers(kinds: &[Kind], kind: Kind) -> bool {
     let within = |simple: Kind| kinds.iter().any(|rich| rich.spec().holds(simple.name()));
     within(kind) || (kind.spec().is_sum() && parts(kind).all(|(part, _)| within(part)))
@@ -25,12 +25,12 @@ pub fn may_join(kinds: &[Kind], kind: Kind) -> bool {
     !(covers(kinds, kind) || kind.spec().is_sum() && parts(kind).any(|(part, _)| covers(kinds, part)))
 }
 
-/// Whether `kind` takes the place of a simpler law of `kinds`.
+/// Whether `kind` takes the place of a simpler equation of `kinds`.
 pub fn replaces(kinds: &[Kind], kind: Kind) -> bool {
     parts(kind).any(|(part, _)| kinds.contains(&part))
 }
 
-/// `values` with `kind` of `parameters`: in the place of the simpler laws that it contains, whose sizes it keeps.
+/// `values` with `kind` of `parameters`: in the place of the simpler equations that it contains, whose sizes it keeps.
 pub fn extended(values: &Values, kind: Kind, mut parameters: Vec<f64>) -> Values {
     let mut rest = values.clone();
     for (part, at) in parts(kind) {

@@ -9,6 +9,7 @@ use super::ladder::{Ranked, Rung, rung};
 use super::plan::{self, Limits, Plan};
 use crate::compare::laid_out;
 use crate::error::Result;
+use crate::findings::Experiment;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Values;
 use crate::fit::reading::fast_scatter;
@@ -58,7 +59,7 @@ impl Default for Options {
 pub struct Discovery {
     /// Accepted effects in order.
     pub effects: Vec<Kind>,
-    /// What a perfect model would leave, rms in the measured unit.
+    /// The noise level, rms in the measured unit.
     pub noise_floor: f64,
     /// What it leaves.
     pub adequacy: Adequacy,
@@ -181,13 +182,20 @@ impl Discovery {
         plan::choose(&self.evidence.whole, &models, limits)
     }
 
+    /// What to run next within the limits of the rig.
+    pub fn experiment(&self, within: Limits) -> Experiment {
+        let open = self.selected.rivals.first();
+        let open: Vec<&Fitted> = open.map_or_else(Vec::new, |rivals| rivals.models.iter().collect());
+        Experiment::after(&self.evidence, self.selected.model(), &open, &self.limits, within)
+    }
+
     /// Sets of effects that this data cannot tell apart, the accepted one of each first.
     pub fn open_sets(&self) -> Vec<Vec<Kind>> {
         self.selected.rivals.iter().map(Rivals::kinds).collect()
     }
 }
 
-/// What a perfect model would leave: from a repeated programme where there is one, else from the counting or, where that is more, the
+/// The noise level: from a repeated programme where there is one, else from the counting or, where that is more, the
 /// fast scatter of the readings: the decimals of a file are not what an encoder counts.
 pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem) -> f64 {
     let all: Vec<Record> = records.iter().chain(validation).cloned().collect();

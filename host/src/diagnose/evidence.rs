@@ -24,7 +24,7 @@ use motorlens_shared::effects::{Kind, Search};
 pub struct Evidence {
     /// Simulations that start at the beginning of each record and are never tied to the measurement again.
     pub whole: Problem,
-    /// The same for fits: laws tied to an angle act at the measured one, so that a model that drifts keeps their phase.
+    /// The same for fits: equations tied to an angle act at the measured one, so that a model that drifts keeps their phase.
     pub train: Problem,
     /// Records kept out of every fit and every choice, for simulations only.
     pub kept_out: Option<Problem>,
@@ -82,7 +82,7 @@ impl Evidence {
         problem
     }
 
-    /// What a perfect model would leave at each time scale, from records that repeat a programme: half the variance of what they
+    /// The noise level at each time scale, from records that repeat a programme: half the variance of what they
     /// differ by beyond `model`, which takes off what differs in their voltages. None without repeats.
     pub fn repeat_noise(&self, model: &Values) -> Option<Noise> {
         let kinds = model.kinds();
@@ -111,7 +111,7 @@ impl Evidence {
             .then(|| Noise::of(&apart, self.reading, Response::of(&self.train, model.base.tau_m)))
     }
 
-    /// What a perfect model would leave: measured where a programme was run twice, else white noise of `model`'s quietest scale.
+    /// The noise level: measured where a programme was run twice, else white noise of `model`'s quietest scale.
     pub fn noise_under(&self, model: &Fitted) -> Noise {
         self.repeat_noise(&model.values()).unwrap_or_else(|| model.noise.white())
     }

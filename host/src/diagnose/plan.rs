@@ -1,7 +1,7 @@
 //! The next experiment: which programme would tell the rivals apart.
 //!
 //! Every programme that the firmware can play is run through every rival model. What counts is the difference
-//! that is left between two rivals after the first one's parameters have given way as far as they can, to first
+//! that is left between two rivals after the first one's parameters are partialled out, to first
 //! order: a programme is as good as the pair that it separates least.
 
 use motorlens_shared::effects::Kind;
@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::contained::extended;
 use super::discover::reading_noise;
+use super::evidence::Evidence;
 use crate::findings::multiple;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
@@ -19,13 +20,23 @@ use crate::log::Record;
 use crate::select::fitted::Fitted;
 
 /// What the rig allows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Highest voltage, V.
     pub volts: f64,
     /// Longest programme, s.
     pub seconds: f64,
 }
+
+impl Limits {
+    /// Where nobody says otherwise: the voltage that the records of `evidence` reached, and a few seconds.
+    pub fn of(evidence: &Evidence) -> Self {
+        Self { volts: evidence.highest_voltage(), seconds: SECONDS }
+    }
+}
+
+/// Length of a programme where nobody says otherwise, s.
+pub const SECONDS: f64 = 8.0;
 
 /// A programme, and what it is expected to show.
 #[derive(Debug, Clone)]
@@ -46,15 +57,15 @@ const LEAST_SHOWN: f64 = 0.1;
 const RATE_HZ: u32 = 500;
 /// A longer programme would show nothing new, s.
 const LONGEST_S: f64 = 24.0;
-/// Increments over 50 ms, every 4 ms.
+/// Differences over 50 ms, every 4 ms.
 const SPAN: usize = 25;
 const STRIDE: usize = 2;
 
 /// The programme that best separates `rivals`; none with fewer than two of them.
 ///
-/// A law and a simpler one that it contains are alike wherever it gains nothing, so no programme separates their fits:
-/// among others the richer law does not count. Where nothing else is left, the programme counts that shows most of
-/// what the richer laws would add at their usual size.
+/// An equation and a simpler one that it contains are alike wherever it gains nothing, so no programme separates their fits:
+/// among others the richer equation does not count. Where nothing else is left, the programme counts that shows most of
+/// what the richer equations would add at their usual size.
 pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<Plan> {
     if rivals.len() < 2 {
         return None;
@@ -62,7 +73,7 @@ pub fn choose(problem: &Problem, rivals: &[&Fitted], limits: Limits) -> Option<P
     let kind = |c: &Fitted| c.kinds().last().copied();
     let kinds: Vec<Kind> = rivals.iter().filter_map(|c| kind(c)).collect();
     let simple = simplest(&kinds);
-    // Two richer laws of one simpler law both come down to it.
+    // Two richer equations of one simpler equation both come down to it.
     let all_nested = simple.len() < 2;
     let judged: Vec<Fitted> = if all_nested {
         rivals.iter().map(|c| in_usual_shape(c)).collect()
@@ -126,7 +137,7 @@ pub fn showing(
     best.into_iter().map(|best| shown(best).map(|(_, programme)| programme)).collect()
 }
 
-/// `c` with the usual shape of what its last law has beside the simpler ones: where its size came out as nothing, the shape
+/// `c` with the usual shape of what its last equation has beside the simpler ones: where its size came out as nothing, the shape
 /// is anything.
 fn in_usual_shape(c: &Fitted) -> Fitted {
     let mut usual = c.clone();
@@ -140,13 +151,13 @@ fn in_usual_shape(c: &Fitted) -> Fitted {
     usual
 }
 
-/// Those of `kinds` that contain no other of them: of nested laws that fit alike the simpler suffices.
+/// Those of `kinds` that contain no other of them: of nested equations that fit alike the simpler suffices.
 pub fn simplest(kinds: &[Kind]) -> Vec<Kind> {
     let rich = |k: &Kind| kinds.iter().any(|other| nested(*k, *other).is_some_and(|(_, rich)| rich == *k));
     kinds.iter().copied().filter(|k| !rich(k)).collect()
 }
 
-/// The simpler and the richer of two laws of which one contains the other.
+/// The simpler and the richer of two equations of which one contains the other.
 fn nested(a: Kind, b: Kind) -> Option<(Kind, Kind)> {
     let within = |(simple, rich): &(Kind, Kind)| simple != rich && rich.spec().holds(simple.name());
     [(a, b), (b, a)].into_iter().find(within)
@@ -196,7 +207,7 @@ fn played(programme: &Programme, problem: &Problem) -> Option<Grid> {
     Some(Grid::new(&record, problem.rig.count_rad))
 }
 
-/// What each of `points` expects to see on `grid`, as increments over 50 ms in the unit that `problem` has measured: of the angle, or the mean
+/// What each of `points` expects to see on `grid`, as differences over 50 ms in the unit that `problem` has measured: of the angle, or the mean
 /// speed in that time.
 fn increments(problem: &Problem, layout: &Layout, points: &[Vec<f64>], grid: &Grid) -> Vec<DVector<f64>> {
     let speed = problem.grids.iter().any(|grid| grid.quantity != Quantity::Angle);

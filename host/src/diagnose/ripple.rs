@@ -1,8 +1,8 @@
 //! Orders of torque ripple: to which of them the records answer.
 //!
-//! A guided run answers linearly to the sine and the cosine of a small ripple, because its phase is that of the measured
-//! shaft. So one probe of each tells the best size of both, and what it would be worth, order by order. Strong teeth hold the
-//! shaft and let it go at once, which answers to no small probe: they show where the shaft hardly moves.
+//! A simulation at the measured angle answers linearly to the sine and the cosine of a small ripple, because its phase is that of the measured
+//! shaft. So one probe of each tells the best size of both, and what it would be worth, order by order. A strong cogging torque holds the
+//! shaft and lets it go at once, which answers to no small probe: it shows where the shaft hardly moves.
 
 use motorlens_shared::effects::Kind;
 
@@ -101,7 +101,7 @@ impl Balance {
     }
 }
 
-/// Starting parameters of the orders whose teeth hold the shaft best where it stands: there the voltage, less the back-EMF, is
+/// Starting parameters of the orders whose cogging torque holds the shaft best where it stands: there the voltage, less the back-EMF, is
 /// their torque.
 pub fn holding(problem: &Problem, model: &Values) -> Vec<Vec<f64>> {
     let held = shares(problem, model).into_iter().filter(|(share, _)| *share > HOLDS);
@@ -148,7 +148,7 @@ mod tests {
     use crate::exam::case::{Case, Conditions};
     use motorlens_virtual_motor::Kind as Hidden;
 
-    /// Twelve teeth a turn, which let go at once: small probes answer to any order but theirs.
+    /// Twelve periods of cogging torque a turn, which let go at once: small probes answer to any order but theirs.
     #[test]
     fn teeth_that_hold_the_shaft_show_where_it_stands() {
         let case = Case::new(32_000_206, &[Hidden::Cogging], Conditions { disturbed: 0.25, spoilt: 0.15 });

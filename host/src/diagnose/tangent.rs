@@ -28,7 +28,7 @@ pub struct Projected {
 pub struct Tangent {
     /// Which errors count.
     objective: Objective,
-    /// The axes that may give way.
+    /// The axes that are partialled out.
     pub axes: Vec<usize>,
     /// The model's own cost.
     pub own: f64,
@@ -43,7 +43,7 @@ pub struct Tangent {
 
 impl Tangent {
     /// At the fit `found` on the records of `problem`, for the errors that `objective` counts; the viscous share, which a plain motor
-    /// hardly shows, gives way only where it is `loose`.
+    /// hardly shows, is partialled out only where it is `loose`.
     pub fn of(problem: &Problem, layout: &Layout, found: &Found, loose: bool, objective: Objective) -> Self {
         let free = layout.free();
         let kept: Vec<usize> = (0..free.len()).filter(|k| loose || free[*k] != VISCOUS_SHARE).collect();
@@ -78,7 +78,7 @@ impl Tangent {
     }
 
     /// For each candidate, as it is and at the share of its new effect that fits best: what would be left after the
-    /// model's parameters give way, and by how much they would.
+    /// model's parameters are partialled out, and by how much they would move.
     ///
     /// The share is found along a straight line from the model: right where the run answers linearly to the new effect.
     pub fn project(&self, problem: &Problem, layout: &Layout, xs: &[Vec<f64>]) -> Vec<[Projected; 2]> {

@@ -1,4 +1,4 @@
-//! The genetic algorithm on the full model: the objective is the IAE of the free runs, summed over the records.
+//! The genetic algorithm on the full model: the objective is the IAE of the open-loop simulations, summed over the records.
 
 use std::thread;
 

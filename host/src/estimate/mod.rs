@@ -93,7 +93,7 @@ pub struct Fit {
     pub usual: Option<(Measures, Option<Measures>)>,
     /// Why the records do not give it.
     pub no_usual: Option<String>,
-    /// What a perfect model would leave, rms in the measured unit.
+    /// The noise level, rms in the measured unit.
     pub noise_level: f64,
     /// Best IAE of every generation; one number for methods without generations.
     pub objective_history: Vec<f64>,

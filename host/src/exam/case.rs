@@ -33,7 +33,7 @@ pub struct Case {
     pub held_out: Vec<Record>,
     /// What the user knows.
     pub motor: MotorFile,
-    /// Noise that a perfect model leaves, rad: counting and disturbance, measured by a second run, and what the motor
+    /// Noise level, rad: counting and disturbance, measured by a second run, and what the motor
     /// would have made of the noise on the logged voltage.
     pub floor_rad: f64,
     /// Deviation of the torque disturbance, as a share of the stall torque.
@@ -131,8 +131,8 @@ pub(crate) fn record(plant: &mut VirtualMotor, programme: &Programme, rate: u32,
     }
 }
 
-/// What a perfect model would leave of each of `runs` of one programme: rms(difference) / sqrt(2) over all pairs, judged as a free
-/// run is.
+/// The noise level of each of `runs` of one programme: rms(difference) / sqrt(2) over all pairs, judged as an open-loop
+/// simulation is.
 fn scatter(runs: &[Record], count_rad: f64) -> f64 {
     let pairs =
         runs.iter().enumerate().flat_map(|(k, first)| runs[..k].iter().map(move |second| (first, second)));
@@ -143,7 +143,7 @@ fn scatter(runs: &[Record], count_rad: f64) -> f64 {
     (0.5 * apart.iter().sum::<f64>() / apart.len().max(1) as f64).sqrt()
 }
 
-/// Root mean square of `d`, rad, as a free run is judged: begun anywhere within a count.
+/// Root mean square of `d`, rad, as an open-loop simulation is judged: begun anywhere within a count.
 fn rms(d: &[f64], count_rad: f64) -> f64 {
     let offset = within_a_count(d.iter().copied(), count_rad);
     (d.iter().map(|d| (d - offset).powi(2)).sum::<f64>() / d.len() as f64).sqrt()

@@ -43,11 +43,11 @@ pub struct Answer {
     pub rivals: Vec<Vec<&'static str>>,
     /// What they leave, the accepted model's first in each set.
     pub rival_errors: Vec<Vec<f64>>,
-    /// What the hidden laws themselves leave, where the answer is another.
+    /// What the hidden equations themselves leave, where the answer is another.
     pub truth_errors: Option<f64>,
     /// Verdict.
     pub verdict: Verdict,
-    /// False where the hidden laws themselves explain these data and fit no better than the answer.
+    /// False where the hidden equations themselves explain these data and fit no better than the answer.
     pub told: bool,
     /// Error on the record kept out over the noise floor, before and after.
     pub before: f64,
@@ -62,7 +62,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The accepted effects are those that were hidden, whatever a sum and its parts are called; a law says all that
+    /// The accepted effects are those that were hidden, whatever a sum and its parts are called; an equation says all that
     /// a simpler one says which it contains.
     pub fn exact(&self) -> bool {
         let kinds =

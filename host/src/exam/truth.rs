@@ -1,4 +1,4 @@
-//! What the hidden laws themselves would leave: where they explain the records and fit them no better than the answer,
+//! What the hidden equations themselves would leave: where they explain the records and fit them no better than the answer,
 //! these data cannot tell.
 
 use motorlens_shared::effects::Kind;
@@ -9,7 +9,7 @@ use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
 use crate::select::with;
 
-/// Whether the records of `found` tell the hidden laws, fitted as `truth`, from the accepted ones. They do not where `truth`
+/// Whether the records of `found` tell the hidden equations, fitted as `truth`, from the accepted ones. They do not where `truth`
 /// leaves no more than noise and does not beat the accepted one: no answer could know what does not show.
 /// Where no search leads `truth` itself to the noise, nothing is excused.
 pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
@@ -20,7 +20,7 @@ pub fn is_told(found: &Discovery, truth: Option<&Fitted>) -> bool {
         || truth.beats(answer, &found.evidence, base)
 }
 
-/// The best fit of the laws `truth`, in whatever order they are added to `base`.
+/// The best fit of the equations `truth`, in whatever order they are added to `base`.
 pub fn fitted(evidence: &Evidence, base: &Fitted, truth: &[Kind]) -> Option<Fitted> {
     let in_order = |first: usize| {
         let mut order = (0..truth.len()).map(|k| truth[(first + k) % truth.len()]);
@@ -36,7 +36,7 @@ mod tests {
     use crate::exam::case::{Case, Conditions};
     use motorlens_virtual_motor::Kind as Hidden;
 
-    /// Without the hidden law in the library the answer is worse than it; with it, it is it. A law that does not lead to
+    /// Without the hidden equation in the library the answer is worse than it; with it, it is it. An equation that does not lead to
     /// the noise excuses nothing.
     #[test]
     fn only_laws_that_explain_and_fit_no_better_than_the_answer_are_not_told() {

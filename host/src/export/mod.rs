@@ -1,7 +1,7 @@
 //! The model for other tools.
 //!
 //! C, Python, Modelica and FMU get the exact step of the model itself, written down by the model while it runs on numbers that
-//! record what is computed with them; MuJoCo its own motor, and beside it the laws that it lacks. The others take a few numbers.
+//! record what is computed with them; MuJoCo its own motor, and beside it the equations that it lacks. The others take a few numbers.
 //! What a target cannot express is never dropped in silence: [`Exported::lost`] names it, [`Exported::left`] what it has only where somebody
 //! sees to it, and [`cost`] says what either costs in rad.
 

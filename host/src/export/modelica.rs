@@ -1,7 +1,7 @@
 //! A Modelica block: the model's own step as a function, called at its sampling instants.
 //!
 //! The voltage of a step is its mean, as in a fit, so the block may be driven by any signal. Friction holds exactly and
-//! turns exactly where the model's does; a continuous law would have to be smoothed about zero speed, and creep.
+//! turns exactly where the model's does; a continuous equation would have to be smoothed about zero speed, and creep.
 
 use super::expression::{Printer, Syntax, reach};
 use super::program::{heading, meaning, name};

@@ -1,7 +1,7 @@
 //! A number that writes down what is computed with it.
 //!
 //! The model runs once on [`Recorded`] numbers, as it does on `f64`, and leaves the expressions of every output. So an
-//! exported program holds the very laws of `motorlens_shared`: there is no second copy of them to keep true.
+//! exported program holds the very equations of `motorlens_shared`: there is no second copy of them to keep true.
 //! Operations on constants are carried out as `f64` does them, equal expressions are one, and each choice is written as a
 //! conditional expression, which is how the model makes it anyway.
 

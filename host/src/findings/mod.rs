@@ -1,5 +1,7 @@
 //! The one public result of a diagnosis: what terminal, JSON, report and page tell.
 
+mod experiment;
+mod mend;
 mod standing;
 mod verdict;
 mod yardstick;
@@ -7,13 +9,12 @@ mod yardstick;
 use std::path::Path;
 
 use motorlens_shared::effects::Kind;
-use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
 use crate::compare::measures::Measures;
 use crate::diagnose::discover::Discovery;
 use crate::diagnose::ladder::{Ranked, Rung};
-use crate::diagnose::plan::{Limits, Plan};
+use crate::diagnose::plan::Limits;
 use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::grid::Quantity;
@@ -24,6 +25,8 @@ use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 
+pub use experiment::{Experiment, NextExperiment};
+pub use mend::Mend;
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
 pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;
@@ -42,6 +45,8 @@ pub struct Findings {
     pub next_step: NextStep,
     #[serde(skip)]
     badge: &'static str,
+    #[serde(skip)]
+    also: Option<NextStep>,
     /// Error of the accepted model in multiples of the noise level.
     pub left_over: Option<f64>,
     /// Fraction of the error above the noise level that the effects explain.
@@ -81,42 +86,6 @@ pub struct Findings {
     pub error: Option<serde_json::Value>,
 }
 
-/// An experiment that would settle what these data leave open.
-#[derive(Debug, Clone, Serialize)]
-pub struct NextExperiment {
-    /// What it would show.
-    pub why: String,
-    /// What to play.
-    pub programme: Programme,
-}
-
-impl From<Plan> for NextExperiment {
-    fn from(plan: Plan) -> Self {
-        Self { why: plan.why(), programme: plan.programme }
-    }
-}
-
-impl NextExperiment {
-    /// That of `plan` where it would show anything; else what shows most of the effects that `limits` say are hidden.
-    pub fn of(plan: Option<Plan>, limits: &[DetectionLimit]) -> Option<Self> {
-        plan.filter(Plan::shows).map(Self::from).or_else(|| Self::to_show(limits))
-    }
-
-    /// The programme that most of the effects which the records cannot show ask for.
-    pub fn to_show(limits: &[DetectionLimit]) -> Option<Self> {
-        let asked = || limits.iter().filter_map(|limit| Some((limit.effect, limit.programme.as_ref()?)));
-        let votes = |programme: &Programme| asked().filter(|(_, other)| other.name == programme.name).count();
-        let (_, programme) = asked().max_by_key(|(_, programme)| votes(programme))?;
-        let shown = asked().filter(|(_, other)| other.name == programme.name);
-        let names = shown.map(|(effect, _)| effect.name()).collect::<Vec<_>>().join(", ");
-        let why = format!(
-            "these records cannot confirm {names} at any size; {} would show most of it",
-            programme.name
-        );
-        Some(Self { why, programme: programme.clone() })
-    }
-}
-
 impl Findings {
     /// What a discovery found on logs with the faults `of_logs`.
     pub fn new(found: &Discovery, of_logs: &[Warning]) -> Self {
@@ -136,9 +105,7 @@ impl Findings {
         let ladder = &found.ladder[..without(found.ladder.len())];
         let errors = errors_of(ladder, found.baseline.as_ref(), found.noise_floor);
         let in_model = &found.effects[..without(found.effects.len())];
-        let plan = found.plan(Limits { volts: found.evidence.highest_voltage(), seconds: 8.0 });
-        let no_experiment = plan.as_ref().and_then(Plan::why_none);
-        let next_experiment = NextExperiment::of(plan, &found.limits);
+        let experiment = found.experiment(Limits::of(&found.evidence));
         let accepted = found.selected.model();
         let mut later = shown_by_fit::of_model(&parameters, &found.effects, (&accepted.layout, &accepted.x));
         let standing = Standing::of(&Facts {
@@ -148,12 +115,13 @@ impl Findings {
             suggested,
             doubted: None,
             // A base parameter that is open makes a model of no use as much as a rival does.
-            experiment: next_experiment.is_some()
+            experiment: experiment.next.is_some()
                 && (found.effects.is_empty()
                     || !found.selected.rivals.is_empty()
                     || shown_by_fit::too_little_excitation(&parameters).is_some()),
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
+            mend: Mend::first(of_logs),
         });
         later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
         if suggested.is_none() {
@@ -170,6 +138,7 @@ impl Findings {
             headline: standing.headline,
             next_step: standing.next,
             badge: standing.badge,
+            also: standing.also,
             left_over: errors.left_over(),
             explained_share: errors.explained_share(),
             speed_reading: found.evidence.whole.speeds().and_then(Quantity::speed_in_words),
@@ -177,8 +146,8 @@ impl Findings {
             ladder: found.ladder.clone(),
             candidates: first(&found.candidates, suggested),
             rivals: rivals.clone(),
-            next_experiment,
-            no_experiment,
+            next_experiment: experiment.next,
+            no_experiment: experiment.none,
             // What stands for an accepted effect is a rival, no further effect.
             detection_limits: found.limits.iter().filter(|limit| !rival(limit.effect)).cloned().collect(),
             data_faults: of_logs.iter().cloned().chain(later).collect(),
@@ -211,6 +180,7 @@ impl Findings {
             headline: standing.headline,
             next_step: standing.next,
             badge: standing.badge,
+            also: standing.also,
             left_over: None,
             explained_share: None,
             speed_reading: None,
@@ -236,7 +206,8 @@ impl Findings {
     /// What a person is told first.
     pub fn standing(&self) -> Standing {
         let (verdict, headline) = (Some(self.verdict), self.headline.clone());
-        Standing { verdict, badge: self.badge, headline, next: self.next_step.clone() }
+        let (next, also) = (self.next_step.clone(), self.also.clone());
+        Standing { verdict, badge: self.badge, headline, next, also }
     }
 
     /// Faults that only the fit has shown; those of the logs were told before it.

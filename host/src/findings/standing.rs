@@ -5,6 +5,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
+use super::mend::Mend;
 use super::verdict::{Errors, Verdict, spoken};
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
@@ -23,6 +24,9 @@ pub struct Standing {
     pub headline: String,
     /// What to do next.
     pub next: NextStep,
+    /// What would be next but for a data problem, which comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub also: Option<NextStep>,
 }
 
 /// What is known when the standing is told.
@@ -44,6 +48,8 @@ pub struct Facts<'a> {
     pub hidden: &'a [Kind],
     /// Whether the data have problems of their own.
     pub data_problems: bool,
+    /// What the first of them that changes the answer is mended with, and where it is.
+    pub mend: Option<(Mend, &'a str)>,
 }
 
 /// An effect that held-out data do not confirm.
@@ -72,13 +78,22 @@ impl Standing {
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, left),
             (None, None) => facts.errors.so_far(facts.effects, facts.suggested),
         };
+        let (first, mut next) = (facts.mend, NextStep::after(facts, verdict));
+        let mut also = None;
+        if let Some((mend, place)) = first {
+            let later = std::mem::replace(&mut next, NextStep::mending(mend, place));
+            let goes_on = matches!(later.action, Action::Diagnose | Action::Add | Action::Remove);
+            also = goes_on.then_some(later);
+        }
+        let headline = format!("{headline}{}.", if first.is_some() { FIRST } else { "" });
         let badge = match (facts.doubted, facts.suggested, verdict) {
+            _ if first.is_some() => Verdict::BadData.badge(),
             (Some(_), ..) => "Not confirmed",
             (None, Some(_), _) => "An effect is missing",
             (None, None, Some(verdict)) => facts.errors.badge(verdict, left),
             (None, None, None) => "Not diagnosed yet",
         };
-        Self { verdict, badge, headline: headline + ".", next: NextStep::after(facts, verdict) }
+        Self { verdict, badge, headline, next, also }
     }
 
     /// Of a model with `effects` that was simulated and not diagnosed: its errors on the records that count, and their noise level.
@@ -92,6 +107,7 @@ impl Standing {
             experiment: false,
             hidden: &[],
             data_problems: false,
+            mend: None,
         })
     }
 
@@ -110,9 +126,13 @@ impl Standing {
             badge: Verdict::BadData.badge(),
             headline: Errors::BAD_DATA.to_owned() + ".",
             next: NextStep::new(Action::Data, None),
+            also: None,
         }
     }
 }
+
+/// Said where a data problem changes the answer.
+const FIRST: &str = "; mend the data first, for their problem may be what is found";
 
 /// What can be done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -146,6 +166,12 @@ pub struct NextStep {
     pub label: String,
     /// As the terminal does it; MODEL and LOG... stand for the files.
     pub command: String,
+    /// What mends the data, where that comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mend: Option<Mend>,
+    /// Where the data problem is.
+    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
 }
 
 impl NextStep {
@@ -167,7 +193,13 @@ impl NextStep {
                 ("Use the model".into(), "motorlens export MODEL --format c --out motor.c".into())
             }
         };
-        Self { action, effect, label, command }
+        Self { action, effect, label, command, mend: None, place: None }
+    }
+
+    /// To mend the data problem at `place`.
+    fn mending(mend: Mend, place: &str) -> Self {
+        let place = Some(place.to_owned());
+        Self { label: mend.label().into(), mend: Some(mend), place, ..Self::new(Action::Data, None) }
     }
 
     fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
@@ -242,7 +274,26 @@ mod tests {
             experiment: false,
             hidden: &[],
             data_problems: false,
+            mend: None,
         }
+    }
+
+    #[test]
+    fn a_data_problem_that_changes_the_answer_is_mended_before_anything_is_added_to_the_model() {
+        let mend = Some((Mend::Columns, "run.csv, column voltage_v"));
+        let told = Standing::of(&Facts { suggested: Some(Kind::Delay), mend, ..facts(&[], 101.0) });
+        assert_eq!(
+            (told.badge, told.next.action, told.next.mend),
+            ("Data problem", Action::Data, Some(Mend::Columns))
+        );
+        assert!(told.headline.ends_with(
+            "the best candidate is delay; mend the data first, for their problem may be what is found."
+        ));
+        let also = told.also.unwrap();
+        assert_eq!((also.action, also.effect), (Action::Add, Some(Kind::Delay)));
+        let told = Standing::of(&Facts { mend, ..facts(&["delay (2 ms)".to_owned()], 1.1) });
+        assert_eq!((told.verdict, told.next.action), (Some(Verdict::Explained), Action::Data));
+        assert!(told.also.is_none(), "a model of data that are to be mended is not to be used");
     }
 
     #[test]

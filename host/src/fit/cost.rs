@@ -1,7 +1,7 @@
 //! What a fit makes small.
 //!
-//! The error of a free run drifts: one lost count or one cog too many shifts everything after it. So candidates
-//! are ranked by the error's *increments* over 50 ms, under a pseudo-Huber loss, and polished on the error itself.
+//! The error of an open-loop simulation drifts: one lost count or one cog too many shifts everything after it. So candidates
+//! are ranked by the error's 50 ms differences, under a pseudo-Huber loss, and polished on the error itself.
 
 #![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
 
@@ -13,19 +13,19 @@ use motorlens_shared::lanes::Lanes;
 /// Which error counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Objective {
-    /// Increments over 50 ms, robust: for finding effects.
+    /// Differences over 50 ms, robust: for finding effects.
     Increments,
-    /// The error of the free run, less what its mean may be off for angles: for final parameters.
+    /// The error of the open-loop simulation, less what its mean may be off for angles: for final parameters.
     Position,
-    /// The error of the free run by time scale ([`super::scales`]), each weighted by its own noise, robust.
+    /// The error of the open-loop simulation by time scale ([`super::scales`]), each weighted by its own noise, robust.
     Scales,
 }
 
 /// Time that an increment takes, s.
 pub const SPAN_S: f64 = 0.05;
-/// Samples nearer than this repeat each other's increments.
+/// Samples nearer than this repeat each other's differences.
 const STRIDE_S: f64 = 0.002;
-/// Beyond this many noise units the loss grows linearly.
+/// Beyond this many times the noise the loss grows linearly.
 pub const HUBER: f64 = 6.0;
 
 /// An error beyond this is counted as this, in the measured unit or in that of the noise.
@@ -153,7 +153,7 @@ fn residuals_body(grid: &Grid, objective: Objective, series: &mut Vec<Block>) {
     series.truncate(n);
 }
 
-/// The plain error, an angle's less what its mean may be off, since an encoder starts anywhere within a count: it is the one that a free run has
+/// The plain error, an angle's less what its mean may be off, since an encoder starts anywhere within a count: it is the one that an open-loop simulation has
 /// ([`crate::compare::free_run`]); behind it the error by time scale ([`super::scales`]),
 /// robust and in units of the noise at each scale.
 #[inline(always)]
@@ -374,7 +374,7 @@ mod tests {
         }
     }
 
-    /// As a free run may be moved by a count and no further, a fit that ends further beside the measurement is wrong by that.
+    /// As an open-loop simulation may be moved by a count and no further, a fit that ends further beside the measurement is wrong by that.
     #[test]
     fn what_an_angle_is_off_beyond_a_count_is_an_error() {
         let times: Vec<f64> = (0..256).map(|k| f64::from(k) * 1e-3).collect();

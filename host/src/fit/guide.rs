@@ -5,8 +5,8 @@ use super::grid::{Grid, Quantity};
 use super::simulate::hermite;
 
 impl Grid {
-    /// The same for guided runs: laws tied to an angle act where the shaft was seen, so that a drift of the model does
-    /// not lose the phase of teeth or of an unbalance. Records of speed stay free. Only the samples that are judged are
+    /// The same for simulations at the measured angle: equations tied to an angle act where the shaft was seen, so that a drift of the model does
+    /// not lose the phase of a cogging torque or of an unbalance. Records of speed stay free. Only the samples that are judged are
     /// left: the others guide.
     #[must_use]
     pub fn guided(mut self) -> Self {
@@ -81,7 +81,7 @@ mod tests {
         assert!(guided.len() == free.len() && most < 1e-9, "{most} rad apart");
     }
 
-    /// Ten milliseconds under steps of voltage are no cubic: teeth held to one would push where the shaft never was.
+    /// Ten milliseconds under steps of voltage are no cubic: a cogging torque held to one would push where the shaft never was.
     #[test]
     fn between_samples_the_teeth_act_where_the_model_moves_them() {
         let times: Vec<f64> = (0..800).map(|k| f64::from(k) * 1e-2).collect();

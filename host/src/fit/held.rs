@@ -41,13 +41,13 @@ pub(super) fn date(grids: &mut [Grid], time: f64) {
 
 /// A stamp may be wrong by this share of the samples' interval.
 const STAMP: f64 = 0.4;
-/// A cell that ends within this share of itself of a renewal may show either reading.
+/// A cell that ends within this share of itself of an update may show either reading.
 const EITHER: f64 = 0.02;
 
 /// Puts every sample on the end of a cell in the hold that its reading shows.
 ///
-/// Within a hold a reading stays what it is, but between the ends of a cell with a renewal it would be taken for a blend of two;
-/// and a stamp that is a little wrong may lie on the other side of a renewal than its reading.
+/// Within a hold a reading stays what it is, but between the ends of a cell with an update it would be taken for a blend of two;
+/// and a stamp that is a little wrong may lie on the other side of an update than its reading.
 fn settle_on_ends(grid: &mut Grid, time: f64) {
     let step = grid.step_s;
     let near = (STAMP * grid.interval_s / time).min(0.5);
@@ -79,7 +79,7 @@ fn settle_on_ends(grid: &mut Grid, time: f64) {
     grid.places = places;
 }
 
-/// How old the first reading of `grid` is, from the crowd of its renewals.
+/// How old the first reading of `grid` is, from the crowd of its updates.
 fn rough_age(grid: &Grid, time: f64) -> f64 {
     if beat::tells(&grid.time_s, time) {
         beat::age(&grid.time_s, &grid.measured, grid.quantum, time)
@@ -88,7 +88,7 @@ fn rough_age(grid: &Grid, time: f64) -> f64 {
     }
 }
 
-/// The renewals that the samples of `grid` show, the hold being nearly `about` seconds and the first reading nearly `age` old.
+/// The updates that the samples of `grid` show, the hold being nearly `about` seconds and the first reading nearly `age` old.
 fn numbers(grid: &Grid, about: f64, age: f64) -> Numbers {
     if beat::tells(&grid.time_s, about) {
         Numbers::new(&grid.time_s, &grid.measured, grid.quantum, about, age)
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::log::Record;
 
-    /// Renewals every 20.44 ms on stamps that are wrong by up to a tenth of a millisecond: whatever their stamps say, the
+    /// Updates every 20.44 ms on stamps that are wrong by up to a tenth of a millisecond: whatever their stamps say, the
     /// samples of one reading lie in one hold, and no two readings share one.
     #[test]
     fn samples_of_a_held_record_lie_in_the_hold_whose_reading_they_show() {

@@ -89,10 +89,10 @@ fn best_reading(grids: &[Grid], misfit: impl Fn(&[Grid]) -> f64) -> Option<Quant
     (best.0 + DECIDES < own && worse > 0).then_some(best.1)
 }
 
-/// Laws on which others build that belong to the usual motor.
+/// Equations on which others build that belong to the usual motor.
 const BUILT_ON: usize = 2;
 
-/// How many laws of the library build on `kind`: on the usual ones most.
+/// How many equations of the library build on `kind`: on the usual ones most.
 pub fn built_on(kind: Kind) -> usize {
     Kind::ALL
         .iter()
@@ -123,7 +123,7 @@ fn misfit_of(problem: &Problem, layout: &Layout, x: &[f64]) -> f64 {
     0.5 * count * new.max(f64::MIN_POSITIVE).ln()
 }
 
-/// The negative log-likelihood of the best fit with the effects of `values`, the usual laws and all that is only late.
+/// The negative log-likelihood of the best fit with the effects of `values`, the usual equations and all that is only late.
 fn misfit(grids: &[Grid], values: &Values, rig: &Rig, prior: &Prior) -> f64 {
     let rig = Rig { reference_speed: values.base.gain * rig.nominal_v, ..*rig };
     let mut problem = Problem::new(grids.to_vec(), rig, *prior).sketch(SKETCH);

@@ -207,7 +207,7 @@ impl Noise {
 /// digit, which is no proof that the motor has no noise there.
 const BELIEVED: f64 = 1.0;
 
-/// Variances of `pooled` squares by octave, as a disturbance can make them: what such a torque leaves, taken back through the motor's
+/// Variances of `pooled` squares by octave, as a disturbance can make them: what such a torque leaves, mapped back through the motor's
 /// `response`, does not rise from one octave to the next longer one. Octaves where it would are pooled (isotonic regression: R. Barlow et
 /// al., *Statistical Inference under Order Restrictions*, 1972). So what a wrong model leaves at long times is not called noise, and the few
 /// coefficients there need not tell their variance by themselves.

@@ -1,6 +1,6 @@
 //! The error of a simulation by time scale: a wavelet transform by lifting.
 //!
-//! A logged error is coloured: counting is white, a disturbance torque makes it wander, a wrong law shows at the scale of the
+//! A logged error is coloured: counting is white, a disturbance torque makes it wander, a wrong equation shows at the scale of the
 //! motion it spoils. On wavelet coefficients such noise is nearly uncorrelated, so that one variance a scale whitens it
 //! (G. Wornell, *Signal Processing with Fractals*, 1996, ch. 3; D. Percival and A. Walden, *Wavelet Methods for Time Series
 //! Analysis*, 2000, ch. 9). A least-squares sum with these weights sees every horizon from two samples to the whole record.

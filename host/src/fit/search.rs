@@ -79,7 +79,7 @@ impl Added {
 #[derive(Debug, Default)]
 pub struct Beginning(BTreeMap<usize, Added>);
 
-/// Weight of the prior against residuals of one noise unit.
+/// Weight of the prior against residuals of the size of the noise.
 pub(crate) const PRIOR_WEIGHT: f64 = 9.0;
 
 impl Problem {

@@ -144,7 +144,7 @@ impl Problem {
         other.grids
     }
 
-    /// Fits the base alone: the error itself first, then its increments. Records that begin in motion do so from now on as it has them.
+    /// Fits the base alone: the error itself first, then its 50 ms differences. Records that begin in motion do so from now on as it has them.
     pub fn fit_base(&mut self, start: &Values) -> (Layout, Vec<f64>) {
         let layout = self.layout(&[]);
         let x = layout.pack(start);

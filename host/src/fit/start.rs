@@ -100,7 +100,7 @@ impl Problem {
     }
 }
 
-/// A first speed is believed where the first moments of a record are this many noise units off without it ...
+/// A first speed is believed where the first moments of a record are this many times the noise off without it ...
 const OFF: f64 = 3.0;
 /// ... and no more than this with it: a reading, and the first one, are known to a count.
 const AS_COUNTED: f64 = 2.0;
@@ -136,7 +136,7 @@ impl Problem {
     }
 }
 
-/// The speed with which a record begins in motion, as its first moments have it, rad/s: near enough for a search among laws that are
+/// The speed with which a record begins in motion, as its first moments have it, rad/s: near enough for a search among equations that are
 /// straight nowhere near rest. None where it begins at rest.
 fn begins_in_motion(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> Option<f64> {
     let k = grid.time_s.iter().position(|t| t - grid.time_s[0] >= FIRST_LOOK_S)?;
@@ -168,7 +168,7 @@ fn opening(layout: &Layout, x: &[f64], grid: &Grid) -> Grid {
     grid.first(grid.time_s.iter().take_while(|t| **t <= until).count().max(4).min(grid.len()))
 }
 
-/// How far `x` runs from `grid`: root mean square, noise units.
+/// How far `x` runs from `grid`: root mean square, multiples of the noise.
 fn distance(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> f64 {
     let mut series: Vec<Block> = Vec::new();
     predict_block(layout, &[x.to_vec()], &problem.rig, grid, &mut series);

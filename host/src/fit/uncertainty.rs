@@ -2,7 +2,7 @@
 //!
 //! Residuals of a motor are anything but white, so J^T J alone promises far too narrow intervals. The covariance here is the sandwich
 //! H^-1 M H^-1 (Huber 1967, White 1980) of the fit by time scale ([`super::scales`]), whose residuals are nearly uncorrelated: each
-//! coefficient adds its own square to M, those of half a second together, within which what a law misses hangs together (Newey and West
+//! coefficient adds its own square to M, those of half a second together, within which what an equation misses hangs together (Newey and West
 //! 1987). What the parameters have fitted away of a long scale's few coefficients, their leverage of the [noise](super::noise) of that
 //! scale, is added again (J. MacKinnon and H. White, *J. Econometrics* 29, 1985), and each of them adds that noise at least: so few do
 //! not prove that there is less.

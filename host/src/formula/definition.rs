@@ -23,7 +23,7 @@ pub struct Written {
     /// What it looks like in data.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub signature: String,
-    /// Where the law is from.
+    /// Where the equation is from.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
     /// Its parameters, in order.

@@ -48,7 +48,7 @@ pub const FUNCTIONS: [(&str, Operation); 18] = [
 ];
 
 const POWER: Operation = Operation::FunctionOfTwo("pow", f64::powf);
-/// Longer formulas are no laws of physics, and nesting must end somewhere.
+/// Longer formulas are no equations of physics, and nesting must end somewhere.
 const LONGEST: usize = 400;
 
 /// Where a formula cannot be understood, and why.

@@ -102,7 +102,7 @@ pub struct Loaded {
     pub records: Vec<Record>,
     /// To judge by: the logs of `--validate` and the ranges of `--judge-by`.
     pub validation: Vec<Record>,
-    /// What was found odd where it belongs to no record of these.
+    /// Data quality problems where one belongs to no record of these.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,6 +1,6 @@
 //! How long a sensor holds its readings, and how old they are when a record begins.
 //!
-//! A reading that is renewed every `time` seconds changes only in the samples that follow a renewal, whatever the motor
+//! A reading that is renewed every `time` seconds changes only in the samples that follow an update, whatever the motor
 //! does. So the instants of its changes, turned around a circle once every `time`, crowd on one side of it: where, tells
 //! the age; how sharply the crowd depends on `time`, its precision, which is a small part of a sample over a record.
 
@@ -27,7 +27,7 @@ const LONGEST: f64 = 64.0;
 const SHORTEST: f64 = 1.03;
 /// A change by this many of the smallest would have shown sooner, were the reading not held.
 const FAST: f64 = 2.5;
-/// Of the crowd that even renewals make, at least this share; and so many times what chance makes.
+/// Of the crowd that even updates make, at least this share; and so many times what chance makes.
 const CROWD: f64 = 0.75;
 const ABOVE_CHANCE: f64 = 5.0;
 /// Of two changes in a row, this share may come early: stamps jitter.
@@ -89,7 +89,7 @@ fn changes(time_s: &[f64], values: &[f64]) -> Vec<Change> {
         .collect()
 }
 
-/// Mean distance of renewals in fast motion, in samples, and the share of it by which that may be wrong.
+/// Mean distance of updates in fast motion, in samples, and the share of it by which that may be wrong.
 fn coarse(changes: &[Change]) -> Option<(f64, f64)> {
     let smallest = changes.iter().map(|c| c.by).fold(f64::MAX, f64::min);
     let fast = |c: &Change| c.by > FAST * smallest;
@@ -175,7 +175,7 @@ mod tests {
             assert!((found.time_s / hold_s - 1.0).abs() < 3e-5, "{} for {hold_s}", found.time_s);
             let wrong = (found.age_s - age_s) / hold_s;
             let wrong = (wrong - wrong.round()).abs() * hold_s;
-            // Renewals at the samples themselves are known to within one of them.
+            // Updates at the samples themselves are known to within one of them.
             assert!(wrong < 0.51 * interval, "{} s old for {age_s}", found.age_s);
         }
     }

@@ -32,13 +32,13 @@ impl FromStr for Hold {
     }
 }
 
-/// Something odd in the data that did not stop the reading.
+/// A data quality problem that did not stop the reading.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Warning {
     /// File, and line or column where one is to blame.
     #[serde(rename = "where")]
     pub place: String,
-    /// What is odd.
+    /// What the problem is.
     #[serde(rename = "fault")]
     pub what: String,
     /// What the user can do.
@@ -46,7 +46,7 @@ pub struct Warning {
 }
 
 impl Warning {
-    /// What is odd, as people read it: programs look for the `kind_of_fault:` before some of them.
+    /// The problem, as people read it: programs look for the `kind_of_fault:` before some of them.
     pub fn told(&self) -> String {
         match self.what.split_once(": ") {
             Some((kind, rest)) if kind.bytes().all(|b| b == b'_' || b.is_ascii_lowercase()) => {

@@ -20,7 +20,7 @@ const BETTER: f64 = 0.7;
 const NO_ANSWER: f64 = 0.35;
 const TOLD: f64 = 0.45;
 
-/// The voltage stands still between renewals, and the motor answers to a smoother one.
+/// The voltage stands still between updates, and the motor answers to a smoother one.
 pub(super) fn stale_voltage(record: &Record) -> Option<Odd> {
     let volts = &record.voltage_v;
     let changes: Vec<usize> = (1..volts.len()).filter(|k| volts[*k] != volts[*k - 1]).collect();
@@ -135,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Each renewal turns a slow shaft by a small part of a count: only a long log tells, and a short one says nothing of either.
+    /// Each update turns a slow shaft by a small part of a count: only a long log tells, and a short one says nothing of either.
     #[test]
     fn a_slow_motor_tells_a_stale_voltage_in_a_long_log() {
         let name =

@@ -115,7 +115,7 @@ fn cut(record: Record, pauses: &[usize], resets: &[usize]) -> Vec<Record> {
     parts.collect()
 }
 
-/// Takes back the advice to cut at a gap where that is done.
+/// Removes the advice to cut at a gap where that is done.
 pub(super) fn cut_already(warnings: &mut Vec<Warning>) {
     warnings.retain(|warning| !warning.what.starts_with(super::samples::MISSING));
 }

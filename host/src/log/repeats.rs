@@ -26,7 +26,7 @@ pub fn find_repeats(records: &[Record]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// What a perfect model would leave on either of two records of the same programme: rms(difference) / sqrt(2), in rad
+/// The noise level on either of two records of the same programme: rms(difference) / sqrt(2), in rad
 /// where both measured the angle, else in rad/s. The mean difference does not count, since an encoder starts
 /// anywhere. `None` if the programmes differ or there is no common measured column.
 pub fn noise_floor(first: &Record, second: &Record) -> Option<f64> {

@@ -1,9 +1,9 @@
 //! Whether a motor answers to each step of a voltage that is renewed regularly.
 //!
-//! A voltage in steps is a smooth course and a sawtooth on top, one tooth a renewal. Where the drive itself holds the voltage, the
+//! A voltage in steps is a smooth course and a sawtooth on top, one tooth an update. Where the drive itself holds the voltage, the
 //! shaft follows the teeth as a first-order motor does, `tau w' + w = gain v`, a little late perhaps; where only the log holds it,
 //! they drove nothing. So the angle is compared with the answer to the teeth alone, both freed of what is slower than a tooth by
-//! taking off their mean over one renewal, twice: it holds none of the teeth, and all of the rest but its fourth derivative.
+//! taking off their mean over one update, twice: it holds none of the teeth, and all of the rest but its fourth derivative.
 
 use super::weak::Regression;
 
@@ -12,7 +12,7 @@ use super::weak::Regression;
 pub(super) struct Answer {
     /// Share of the teeth's answer that is in the motion, at the lateness where that is largest: near 1, or near 0.
     pub share: f64,
-    /// Its standard deviation, with a renewal for a sample.
+    /// Its standard deviation, with an update for a sample.
     pub deviation: f64,
 }
 

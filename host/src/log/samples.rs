@@ -284,7 +284,7 @@ impl Samples {
         }
     }
 
-    /// Ends the record: its columns, and what was odd about it.
+    /// Ends the record: its columns, and its data quality problems.
     ///
     /// # Errors
     /// Bad input if too many rows had to be left out or too few are left.

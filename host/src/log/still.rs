@@ -1,7 +1,7 @@
 //! Records in which the motor stands still: each tells the voltage that friction holds, and nothing else.
 //!
 //! Such a record scatters by nothing, so that weighed by its own scatter it would outweigh all others, and a model without friction
-//! would be bent to it. So it takes no part in a fit. What it tells is said.
+//! would be biased by it. So it takes no part in a fit. What it tells is said.
 
 use super::motion::{correlation, low_pass, peak, slope, span};
 use super::timing::median_interval;

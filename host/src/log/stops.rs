@@ -13,7 +13,7 @@ const PUSHES: f64 = 0.3;
 const FULL: f64 = 0.6;
 /// Shortest stay at the stop, s, together.
 const STAY_S: f64 = 0.1;
-/// A stop gives way by this share of the whole way.
+/// A stop yields by this share of the whole way.
 const SOFT: f64 = 0.004;
 /// Ranges named in a message.
 const NAMED: usize = 4;

@@ -1,4 +1,4 @@
-//! What is odd about the content of records, though each could be used as it is.
+//! Data quality problems in the content of records, though each could be used as it is.
 //!
 //! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
@@ -33,12 +33,12 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// What reader and judge found odd, and everything odd about the content: all that is told before any physics.
+/// The data quality problems that reader and judge found, and those of the content: all that is told before any physics.
 pub fn data_faults<'a>(records: impl IntoIterator<Item = &'a Record> + Clone) -> Vec<Warning> {
     together(faults_of(records.clone()).into_iter().chain(suspicions(records)))
 }
 
-/// Everything odd about `records`, each by itself and against each other.
+/// Data quality problems of `records`, each by itself and against each other.
 pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
     let alone = [
         beyond_supply,

@@ -114,12 +114,12 @@ pub(super) fn content_faults_of<'a>(
     judged
 }
 
-/// What the reader and the judge of its content found odd about `record`.
+/// The data quality problems that the reader and the judge of its content found in `record`.
 pub fn faults(record: &Record) -> Vec<Warning> {
     faults_of([record])
 }
 
-/// What the reader and the judge of their content found odd about `records`, one after the other.
+/// The data quality problems that the reader and the judge of their content found in `records`, one after the other.
 pub(super) fn faults_of<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
     let of = |(record, faults): (&Record, Vec<Fault>)| {
         let judged: Vec<Warning> = faults.into_iter().map(|fault| fault.to_warning(record)).collect();

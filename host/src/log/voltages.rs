@@ -1,4 +1,4 @@
-//! What is odd about a voltage: it is a duty, lacks its sign, or has one level only.
+//! Data quality problems of a voltage: it is a duty, lacks its sign, or has one level only.
 
 use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;

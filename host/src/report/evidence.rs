@@ -14,7 +14,7 @@ const HEIGHT: u32 = 240;
 /// Fewer places than this show nothing.
 const FEWEST_PLACES: usize = 4;
 
-/// From where an effect is seen, best first, and what its law looks like from the first of them.
+/// From where an effect is seen, best first, and what its equation looks like from the first of them.
 struct Row(&'static [View], &'static str);
 
 /// The row of `kind`.
@@ -126,7 +126,7 @@ fn titles(view: View) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// The heading of the plot that shows `kind` best, and what its law looks like there.
+/// The heading of the plot that shows `kind` best, and what its equation looks like there.
 pub fn look(kind: Kind) -> (&'static str, &'static str) {
     let Row(views, look) = row(kind);
     (titles(views[0]).0, look)
@@ -149,7 +149,7 @@ pub fn figures(kind: Kind, values: &Values, rig: &Rig, runs: [&[FreeRun]; 2]) ->
     let seen = views.iter().map(|view| (*view, view.sorted(&traces, &shafts)));
     let mut seen = seen.filter(|(_, sorted)| sorted.at.len() >= FEWEST_PLACES);
     let chosen = match kind {
-        // Nobody knows a user's law: it is seen from where it accounts for most.
+        // Nobody knows a user's equation: it is seen from where it accounts for most.
         Kind::Formula(_) => seen.max_by(|a, b| a.1.agreement.total_cmp(&b.1.agreement)),
         _ => seen.next(),
     };
@@ -243,9 +243,9 @@ fn one_sided(view: View, at: &[f64]) -> bool {
     even && (at.iter().all(|x| *x > 0.0) || at.iter().all(|x| *x < 0.0))
 }
 
-/// A law that nowhere reaches this share of what is seen has no size.
+/// An equation that nowhere reaches this share of what is seen has no size.
 const NOTHING: f64 = 1e-3;
-/// A law whose values differ by less than this share of their size is level.
+/// An equation whose values differ by less than this share of their size is level.
 const LEVEL: f64 = 0.05;
 
 /// Where the line lies, and how well the dots lie on it.

@@ -15,7 +15,7 @@ pub struct Card {
     pub effect: String,
     /// Registry's line of plain words.
     pub title: &'static str,
-    /// Registry's law.
+    /// Registry's equation.
     pub equation: &'static str,
     /// What it looks like in data.
     pub signature: &'static str,

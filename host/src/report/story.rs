@@ -41,7 +41,7 @@ pub struct Torques {
 pub struct Suspect {
     /// What the diagnosis says.
     pub ranked: Ranked,
-    /// Its law over the records; only the first few and the accepted have it.
+    /// Its equation over the records; only the first few and the accepted have it.
     pub figures: Vec<Figure>,
 }
 

@@ -38,7 +38,10 @@ pub struct RecordRow {
 /// The errors behind `standing`, in the measured unit.
 pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Standing) -> String {
     // Beside a headline that doubts the last step, all steps together would praise it.
-    let doubted = standing.next.action == Action::Remove;
+    let doubted = [Some(&standing.next), standing.also.as_ref()]
+        .into_iter()
+        .flatten()
+        .any(|step| step.action == Action::Remove);
     let ladder = if doubted { &ladder[ladder.len().saturating_sub(2)..] } else { ladder };
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let error = |m: f64| in_words(m, unit);

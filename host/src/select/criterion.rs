@@ -29,7 +29,7 @@ fn is_beyond(gain: Gain, (nats, share): (f64, f64), all: f64, places: usize) -> 
     gain.total > (nats + (places as f64).ln()).max(share * all)
 }
 
-/// Whether it is worth a further law: what is missing of [`SHARE`] must be made up for by the simulation error, which surely `falls` by so
+/// Whether it is worth a further equation: what is missing of [`SHARE`] must be made up for by the simulation error, which surely `falls` by so
 /// many factors of e; where that halves, any share will do. It is asked only where it decides: it takes a fit to each part of the records.
 pub(super) fn is_worth(gain: Gain, all: f64, places: usize, falls: impl FnOnce() -> f64) -> bool {
     let explains = |share: f64| is_beyond(gain, (WORTH, share), all, places);
@@ -83,7 +83,7 @@ pub(super) fn is_trifle(kind: Kind, parameters: &[f64], highest: f64) -> bool {
 /// where it is surely lower by it.
 pub(super) const AS_GOOD: f64 = 0.1;
 
-/// A further law must explain this share of all that is explained so far: the laws are idealised, and what the form of one misses,
+/// A further equation must explain this share of all that is explained so far: the equations are idealised, and what the form of one misses,
 /// another must not be called in for (proportion of deviance explained: A. Cameron and F. Windmeijer, *Journal of Econometrics* 77, 1997).
 pub(super) const SHARE: f64 = 0.05;
 

@@ -181,7 +181,7 @@ pub fn with(data: &Evidence, model: &Fitted, kind: Kind) -> Option<Fitted> {
     forward(data, model, &[kind], 0.0, &mut |_| ()).into_iter().next().map(|found| found.settled(data))
 }
 
-/// Of `fitted`, best score first, the one to believe: of those that do as well as the best the smallest, and of equally small ones the law
+/// Of `fitted`, best score first, the one to believe: of those that do as well as the best the smallest, and of equally small ones the equation
 /// on which most others of the library build: it is the usual one.
 pub fn simplest(data: &Evidence, fitted: &[Fitted], base: &Fitted) -> Option<usize> {
     let best = fitted.first()?;

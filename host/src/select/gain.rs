@@ -6,7 +6,7 @@
 //! whose scatter, with its autocorrelation, say how sure the gain is.
 
 /// One block speaks for at most so much more than the middle one, natural logarithms or standard deviations, when it is asked how sure a
-/// gain is: a few blocks in which a wrong law goes astray are no proof, and must not hide what all others say.
+/// gain is: a few blocks in which a wrong equation goes astray are no proof, and must not hide what all others say.
 const MOST_OF_A_BLOCK: (f64, f64) = (5.0, 3.0);
 
 /// How much better one model is than another on blocks that neither was fitted to.

@@ -56,13 +56,12 @@ impl DetectionLimit {
     }
 }
 
-/// Limits of every effect of `library` that `model`, selected from `base`, lacks, on the records of `data`; programmes stay below `volts`.
+/// Limits of every effect of `library` that `model`, selected from `base`, lacks, on the records of `data`.
 pub fn detection_limits(
     data: &Evidence,
     base: &Fitted,
     model: &Fitted,
     library: &[Kind],
-    volts: f64,
 ) -> Vec<DetectionLimit> {
     let sketched = data.train.clone().sketch(SKETCH);
     let trial = Trial::new(data, &sketched, base, model);
@@ -72,13 +71,17 @@ pub fn detection_limits(
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(data, &problem, model, &tangent, kind, &trial)).collect();
-    let hidden = DetectionLimit::hidden(&limits);
-    let shown =
-        plan::showing(&problem, model, &hidden, reading_noise(&data.train), Limits { volts, seconds: 8.0 });
+    plan_hidden(data, model, &mut limits, Limits::of(data));
+    limits
+}
+
+/// Gives each of `limits` that the records cannot show the programme `within` the rig's limits that would show most of it beside `model`.
+pub fn plan_hidden(data: &Evidence, model: &Fitted, limits: &mut [DetectionLimit], within: Limits) {
+    let hidden = DetectionLimit::hidden(limits);
+    let shown = plan::showing(&data.train, model, &hidden, reading_noise(&data.train), within);
     for (limit, programme) in limits.iter_mut().filter(|l| l.smallest.is_none()).zip(shown) {
         limit.programme = programme;
     }
-    limits
 }
 
 /// The records as they were had `model` been all there is and nothing disturbed it, weighted by its noise.
@@ -137,7 +140,7 @@ fn limit(
 ) -> Option<DetectionLimit> {
     let spec = kind.spec();
     let kinds = model.kinds();
-    // What a simpler law of the model has already is not looked for.
+    // What a simpler equation of the model has already is not looked for.
     let there =
         |name: &str| parts(kind).any(|(part, at)| kinds.contains(&part) && spec.parameters[at].name == name);
     let size = spec.parameters.iter().position(|p| p.strength && !there(p.name))?;

@@ -45,12 +45,12 @@ impl Selected {
     }
 }
 
-/// Candidates of a step that are searched to the end, best first, until one is believed; and as many more of other laws where none is: in the
+/// Candidates of a step that are searched to the end, best first, until one is believed; and as many more of other equations where none is: in the
 /// place of one kind of friction that is not believed the others are tried, and nothing else.
 const TRIED: usize = 3;
 
 /// The model of which what is left counts as all that is to be explained: the first one, or the one that knows how long its readings are
-/// held. That is read off the records, and no idealised law; beside a reading that is 20 ms old nothing else would be worth a word.
+/// held. That is read off the records, and no idealised equation; beside a reading that is 20 ms old nothing else would be worth a word.
 fn reference(steps: &[Fitted]) -> &Fitted {
     let held = |model: &&Fitted| {
         let values = model.values();
@@ -193,7 +193,7 @@ pub fn alike(data: &Evidence, accepted: &Fitted, tried: Vec<Fitted>, base: &Fitt
     (!near.is_empty()).then(|| Rivals { models: std::iter::once(accepted.clone()).chain(near).collect() })
 }
 
-/// `model`, or the model with a simpler law in the place of one that contains it, where the richer one does not beat that: both are
+/// `model`, or the model with a simpler equation in the place of one that contains it, where the richer one does not beat that: both are
 /// searched to the end, the simpler from where the richer ended. Its score stays above the `least`, that of the model before.
 fn simpler(data: &Evidence, model: Fitted, least: f64, base: &Fitted) -> Fitted {
     let values = model.values();
@@ -215,7 +215,7 @@ fn simpler(data: &Evidence, model: Fitted, least: f64, base: &Fitted) -> Fitted 
     model
 }
 
-/// Whether `kind` of a model with this `spread` may be nothing, or all that it adds to the simpler law of its parameter `beside`: no size is two
+/// Whether `kind` of a model with this `spread` may be nothing, or all that it adds to the simpler equation of its parameter `beside`: no size is two
 /// standard deviations from zero (Wald's test). What has no size is something.
 fn may_be_nothing(spread: &Spread, kind: Kind, beside: Option<usize>) -> bool {
     let spec = kind.spec();

@@ -52,8 +52,8 @@ fn shapes(kind: Kind) -> usize {
     spec.probes.iter().map(shape).collect::<BTreeSet<_>>().len().max(1)
 }
 
-/// `values` with the time constant and the viscous share that are usual, where the fit has bent them far from that: what a model lacks
-/// it makes up for by its base, and next to a bent base no law looks right. None where they are near.
+/// `values` with the time constant and the viscous share that are usual, where the fit has biased them far from that: what a model lacks
+/// it makes up for by its base, and next to a biased base no equation looks right. None where they are near.
 pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
     let prior = &problem.prior;
     let (tau_e, share) = (values.base.tau_e, values.base.viscous_share);
@@ -67,7 +67,7 @@ pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
     Some(usual)
 }
 
-/// The models from which `kind` is looked for beside `values` itself: with the usual time constants where the fit has bent them, and with the
+/// The models from which `kind` is looked for beside `values` itself: with the usual time constants where the fit has biased them, and with the
 /// viscous share that the effect asks for.
 pub fn besides(problem: &Problem, values: &Values, kind: Kind) -> Vec<Values> {
     let damped = match kind.spec().search {
@@ -96,7 +96,7 @@ pub fn plain_starts(problem: &Problem, values: &Values, kind: Kind) -> Vec<Start
     problem.costed(&layout, Objective::Scales, xs)
 }
 
-/// Starts for `values` with `kind` added, cheapest first. The model's own parameters give way to first order (`tangent`); what was
+/// Starts for `values` with `kind` added, cheapest first. The model's own parameters are partialled out to first order (`tangent`); what was
 /// foreseen so is run.
 pub fn starts(problem: &Problem, values: &Values, tangent: &Tangent, kind: Kind) -> (Layout, Vec<Start>) {
     let (layout, xs) = laid_out(problem, values, kind, sizes(problem, values, tangent, kind));

@@ -13,6 +13,7 @@ use serde_json::json;
 use super::App;
 use super::fits::kept;
 use super::jobs::{self, Answer, End, Job, refused};
+use super::origin::Origin;
 use super::session::Session;
 use crate::log::{FEWEST_SAMPLES, Record, Warning, breakaway, part, servo, still_beside};
 use crate::motor_file::MotorFile;
@@ -38,6 +39,8 @@ pub struct Entry {
     pub role: Role,
     /// Ranges that are left out, s, in order and apart.
     pub cuts: Vec<[f64; 2]>,
+    /// The file that it was read from, where its columns can be mapped anew.
+    pub origin: Option<Arc<Origin>>,
 }
 
 /// Shorter ends between two cuts are left out with them, s.
@@ -46,7 +49,7 @@ const SHORTEST_S: f64 = 0.2;
 impl Entry {
     /// `record` whole.
     pub fn new(record: Record, role: Role) -> Self {
-        Self { record: Arc::new(record), role, cuts: Vec::new() }
+        Self { record: Arc::new(record), role, cuts: Vec::new(), origin: None }
     }
 
     /// What is left of the record: a piece between two cuts is a record of its own, for the shaft moved on meanwhile.
@@ -260,6 +263,7 @@ impl Data {
         let entry = |e: &Entry| {
             let r = &e.record;
             json!({ "name": r.name, "role": e.role, "cuts": e.cuts, "samples": r.len(), "seconds": r.duration_s(),
+                    "file": e.origin.as_ref().map(|origin| origin.file()),
                     "parts": if e.role == Role::Out { 0 } else { e.pieces().len() } })
         };
         json!({ "entries": self.entries.iter().map(entry).collect::<Vec<_>>(), "can_undo": self.can_undo() })

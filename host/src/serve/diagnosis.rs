@@ -4,8 +4,8 @@ use motorlens_shared::effects::Kind;
 
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
-use crate::diagnose::plan::{self, Limits};
-use crate::findings::NextExperiment;
+use crate::diagnose::plan::Limits;
+use crate::findings::{Experiment, NextExperiment};
 use crate::formula;
 use crate::report::{DRAWN, Suspect, evidence};
 use crate::select::DetectionLimit;
@@ -33,9 +33,6 @@ pub struct Diagnosis {
     pub suggested: Option<Kind>,
 }
 
-/// Longest programme that is proposed, s.
-const LONGEST_S: f64 = 8.0;
-
 impl Diagnosis {
     /// What `candidates`, tried on `model`, tell; `base` is the model without effects,
     /// `floor` the noise of the readings, rms.
@@ -62,14 +59,12 @@ impl Diagnosis {
         let suspects = suspects.collect();
         let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
         let among: Vec<&Fitted> = found.iter().flat_map(|set| &set.models).collect();
-        let volts = evidence.highest_voltage();
-        let next = plan::choose(&evidence.whole, &among, Limits { volts, seconds: LONGEST_S });
         let limits = if suggested.is_some() {
             Vec::new()
         } else {
-            detection_limits(evidence, base, model, &formula::all(), volts)
+            detection_limits(evidence, base, model, &formula::all())
         };
-        let next = NextExperiment::of(next, &limits);
+        let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
         let rivals = found.iter().map(Rivals::kinds).collect();
         let left = Adequacy::of(evidence, base, model, floor);
         Self { suspects, rivals, next, limits, left, suggested, candidates }

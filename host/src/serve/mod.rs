@@ -12,6 +12,7 @@ mod effect_file;
 mod fits;
 mod guard;
 mod jobs;
+mod origin;
 mod puzzle;
 mod runs;
 mod scene;
@@ -121,6 +122,8 @@ fn router(session: Session, port: u16) -> Router {
         .route("/api/guess", post(upload::guess))
         .route("/api/upload", post(upload::upload))
         .route("/api/use", post(upload::take))
+        .route("/api/mapping/{entry}", get(upload::mapping))
+        .route("/api/map", post(upload::map))
         .route("/api/data", post(data::change))
         .route("/api/effect", post(effect_file::offer))
         .route("/api/against", post(answers::against))

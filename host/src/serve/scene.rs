@@ -9,7 +9,7 @@ use super::session::Doubt;
 use super::view::View;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::{Doubted, Facts, Standing, errors_of, named};
+use crate::findings::{Doubted, Facts, Mend, Standing, errors_of, named};
 use crate::log::Warning;
 use crate::model_file::Model;
 use crate::report::{Story, Suspect, missing, shown_by_fit};
@@ -40,6 +40,8 @@ pub struct Scene {
     pub(super) chosen: Fitted,
     pub(super) doubt: Option<Doubt>,
     pub(super) title: String,
+    /// Whether a person looked once more at the columns of all files.
+    pub(super) confirmed: bool,
 }
 
 impl Scene {
@@ -61,6 +63,8 @@ impl Scene {
     /// The verdict and what to do next.
     pub fn standing(&self) -> Standing {
         let diagnosis = self.diagnosis.as_deref();
+        let mut sure = self.faults.clone();
+        sure.retain(|fault| !(self.confirmed && fault.what.starts_with("perhaps_")));
         Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.baseline.as_ref(), self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
@@ -75,6 +79,7 @@ impl Scene {
                 .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
+            mend: Mend::first(&sure),
         })
     }
 

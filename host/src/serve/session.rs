@@ -15,7 +15,7 @@ use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::findings::Yardstick;
 use crate::fit::layout::Values;
-use crate::log::{Record, Warning, data_faults};
+use crate::log::{ReadOptions, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::report::falls::judged;
@@ -94,6 +94,16 @@ impl Session {
     /// Records that no fit can use.
     pub fn new(records: Vec<Record>, validation: Vec<Record>, motor: MotorFile) -> Result<Self> {
         Self::of(Data::new(records, validation, motor))
+    }
+
+    /// The same of records that were read with `options`: their columns can be mapped anew on the page.
+    ///
+    /// # Errors
+    /// Records that no fit can use.
+    pub fn of_files(records: Vec<Record>, validation: Vec<Record>, options: &ReadOptions) -> Result<Self> {
+        let mut data = Data::new(records, validation, options.motor.clone());
+        data.came_from(options);
+        Self::of(data)
     }
 
     /// The same with the roles and cuts of `data`.
@@ -206,6 +216,7 @@ impl Session {
             chosen: self.chosen.clone(),
             doubt: self.doubt,
             title: self.title.clone(),
+            confirmed: self.data.is_confirmed(),
         }
     }
 }

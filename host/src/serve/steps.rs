@@ -13,7 +13,7 @@ use crate::select::fitted::{Fitted, SETTLED};
 pub struct Step {
     /// 0 is the start.
     pub round: usize,
-    /// Error on the records fitted, in noise units.
+    /// Error on the records fitted, in multiples of the noise.
     pub error: f64,
     /// Every parameter.
     pub parameters: Vec<Moving>,

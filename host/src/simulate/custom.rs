@@ -53,7 +53,7 @@ impl Custom {
         self.kind.name()
     }
 
-    /// The law that the virtual motor obeys.
+    /// The equation that the virtual motor obeys.
     pub fn law(&self) -> Law {
         let Kind::Formula(UserDefined(definition)) = self.kind else {
             unreachable!("only formulas become laws")

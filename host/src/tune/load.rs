@@ -1,6 +1,6 @@
 //! Torques that the angle alone decides, as a controller commands against them: weight, spring, cogging, and users' formulas.
 //!
-//! Each is the effect's own law with the shaft at rest, so there is no second copy of it to go wrong. A constant load stands in kG.
+//! Each is the effect's own equation with the shaft at rest, so there is no second copy of it to go wrong. A constant load stands in kG.
 
 use motorlens_shared::effects::{Active, Effect, Memory, Now, Setting};
 use motorlens_shared::step::{Drive, State};

@@ -2,7 +2,7 @@
 //!
 //! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
 //! lag of the effects. Then the whole model, effects and encoder included, follows a profile under those gains, with one
-//! compensation after the other added, and answers steps. A torque that depends on the angle is compensated by the effect's own law, at the angle that is
+//! compensation after the other added, and answers steps. A torque that depends on the angle is compensated by the effect's own equation, at the angle that is
 //! wanted and at the one that is measured: whichever tracks better stays for what is added next.
 
 mod load;

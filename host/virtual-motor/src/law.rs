@@ -1,8 +1,8 @@
-//! A law from outside this crate: any function of the motion, at one of six places.
+//! An equation from outside this crate: any function of the motion, at one of six places.
 
 use std::fmt;
 
-/// What a law sees. Output side: the load.
+/// What an equation sees. Output side: the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// Voltage at the motor's terminals, V; 0 while they float.
@@ -21,7 +21,7 @@ pub struct Moment {
     pub time: f64,
 }
 
-/// What a law's value is. Torques as volts: the voltage whose stall torque they equal.
+/// What an equation's value is. Torques as volts: the voltage whose stall torque they equal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LawPort {
     /// A torque that drives the output shaft forward, V.
@@ -54,7 +54,7 @@ impl fmt::Debug for Law {
     }
 }
 
-/// The values of all laws at a moment, by port.
+/// The values of all equations at a moment, by port.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sums {
     pub torque: f64,
@@ -80,7 +80,7 @@ pub(crate) fn sums(laws: &[Law], moment: &Moment) -> Sums {
     sums
 }
 
-/// What the laws of the sensor add to the angle, rad of the output shaft.
+/// What the equations of the sensor add to the angle, rad of the output shaft.
 pub(crate) fn sensed(laws: &[Law], moment: &Moment) -> f64 {
     laws.iter().filter(|law| law.port == LawPort::Sensor).map(|law| (law.value)(moment)).sum()
 }

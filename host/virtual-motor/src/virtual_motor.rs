@@ -69,7 +69,7 @@ impl VirtualMotor {
         Self { motor: motor.clone(), mechanics, driver, sensor, state, laws: Vec::new(), rng }
     }
 
-    /// The same motor under further laws; at rest.
+    /// The same motor under further equations; at rest.
     #[must_use]
     pub fn with_laws(mut self, laws: Vec<Law>) -> Self {
         self.laws = laws;
@@ -177,7 +177,7 @@ impl VirtualMotor {
         self.sensor.look(&mut self.state.encoder, angle, speed, dt, &mut self.rng);
     }
 
-    /// What the laws see while `voltage` is at the terminals.
+    /// What the equations see while `voltage` is at the terminals.
     fn moment(&self, voltage: f64) -> Moment {
         let m = &self.state.motion;
         Moment {

@@ -64,7 +64,7 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
         let coasted = self.keep * s.load_speed;
         s.load_angle += S::lit(0.5) * part * (s.load_speed + coasted);
         s.load_speed = coasted;
-        // How far rotor and load overlap (signed). Teeth that met within the step were braked for a part of it: as far as
+        // How far rotor and load overlap (signed). Gears that met within the step were braked for a part of it: as far as
         // they overlap.
         let overlap = (s.angle - s.load_angle).shrink(self.half_gap);
         let closing = part * (s.speed - s.load_speed);
@@ -108,7 +108,7 @@ mod tests {
         assert!((linear..linear + 0.04).contains(&rebound), "{rebound} {linear}");
     }
 
-    /// Teeth that meet just before the end of a step are braked for that moment only: where they meet within it makes
+    /// Gears that meet just before the end of a step are braked for that moment only: where they meet within it makes
     /// no jump, which no search could find its way across.
     #[test]
     fn the_moment_of_meeting_makes_no_jump() {

@@ -32,7 +32,7 @@ pub(super) const SPEC: Spec = Spec {
     source: "mean of a bridge over a PWM period, in discontinuous and continuous conduction",
     signature: "no electrical braking at zero command; speed is far from proportional to duty",
     parameters: &[
-        // Bridges float in most of the off part or in none; a few per cent are what another law leaves over.
+        // Bridges float in most of the off part or in none; a few per cent are what another equation leaves over.
         strength("share", "1", "1: floats in all of the off part; 0: brakes", Scale::One, [0.1, 0.5, 1.0]),
         shape("frequency", "Hz", "of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
     ],

@@ -29,7 +29,7 @@ pub(super) const SPEC: Spec = Spec {
     contains: &[],
 };
 
-/// Torque of `order` periods per motor revolution: teeth are no pure sine, so the second harmonic belongs to it. Memory holds
+/// Torque of `order` periods per motor revolution: cogging torque is no pure sine, so the second harmonic belongs to it. Memory holds
 /// what the last step added to the speed.
 #[derive(Debug, Clone, Copy)]
 pub struct Cogging<S> {
@@ -78,7 +78,7 @@ mod tests {
         close(motion.state.angle, libm::asin(0.5) / (4.0 * RIG.gear_ratio), 1e-6);
     }
 
-    /// The harmonic alone has two balances where the teeth have one.
+    /// The harmonic alone has two balances where the whole torque has one.
     #[test]
     fn the_second_harmonic_goes_twice_as_often() {
         let (_, motion) = run(Kind::Cogging, &[0.0, 0.0, 1.0, 0.0, 4.0], &[0.5; 4000]);

@@ -32,7 +32,7 @@ pub(super) const SPEC: Spec = Spec {
     source: "mean of a one-quadrant chopper over a PWM period, in discontinuous and continuous conduction",
     signature: "speeds up at once and runs down slowly, also where the voltage is lowered and not taken off",
     parameters: &[
-        // A driver brakes or does not; a few per cent are what another law leaves over.
+        // A driver brakes or does not; a few per cent are what another equation leaves over.
         strength("share", "1", "1: never brakes; 0: brakes", Scale::One, [0.1, 0.5, 1.0]),
         shape("frequency", "Hz", "of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
     ],

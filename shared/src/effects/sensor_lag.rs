@@ -61,7 +61,7 @@ impl<S: Scalar> SensorLag<S> {
                 let whole = if hold > 0.0 { libm::floor(step / hold + 1e-9) } else { 0.0 };
                 if step > hold { (step - whole * hold).max(0.0) } else { step }
             }),
-            // Of several renewals in a step the last counts, and there is one in every step.
+            // Of several updates in a step the last counts, and there is one in every step.
             renewed_above: S::pick_gt(h, hold, -hold, S::zero()),
             on_motor: setting.encoder_on_motor,
         }

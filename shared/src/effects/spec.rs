@@ -129,9 +129,9 @@ pub struct Spec {
     pub port: Port,
     /// A line of plain words.
     pub title: &'static str,
-    /// The law, in the symbols of [`crate::base`].
+    /// The equation, in the symbols of [`crate::base`].
     pub equation: &'static str,
-    /// Where the law is from.
+    /// Where the equation is from.
     pub source: &'static str,
     /// What it looks like in data.
     pub signature: &'static str,

@@ -49,7 +49,7 @@ pub fn close(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} is not {b} within {tolerance}");
 }
 
-/// By what factor half the step lowers the error of where a swinging run ends: 2 for a law that acts late, 4 for one that
+/// By what factor half the step lowers the error of where a swinging run ends: 2 for an equation that acts late, 4 for one that
 /// acts at the middle of the step.
 pub fn gain_of_half_steps(kind: Kind, parameters: &[f64]) -> f64 {
     let end = |per_step: usize| {

@@ -109,7 +109,7 @@ fn every_effect_sets_only_what_its_row_declares() {
             dry,
             meshing: drive.meshing != plain.meshing,
             turning: dry,
-            // That a law acts between rotor and load is not in what drives them.
+            // That an equation acts between rotor and load is not in what drives them.
             parts: kind.spec().laws.parts,
         };
         assert_eq!(set, kind.spec().laws, "{kind}");

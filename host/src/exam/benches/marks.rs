@@ -15,7 +15,7 @@ pub struct Marks {
     pub bench: &'static str,
     /// Cases.
     pub cases: usize,
-    /// One effect on a calm motor: one that is there stands first; all that is asked and no other accepted.
+    /// One effect on a motor without a disturbance torque: one that is there stands first; all that is asked and no other accepted.
     pub calm: [Part; 2],
     /// The same under a disturbance of 1-5 %.
     pub disturbed: [Part; 2],

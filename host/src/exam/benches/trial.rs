@@ -104,7 +104,7 @@ pub struct Answer {
     pub seconds: f64,
 }
 
-/// Whether `found` says all that `name` says: it is named, or lies within a richer law, or is the sum of others that are.
+/// Whether `found` says all that `name` says: it is named, or lies within a richer equation, or is the sum of others that are.
 fn says(found: &[&'static str], name: &str) -> bool {
     let within = |part: &str| {
         found

@@ -1,8 +1,8 @@
 //! How long a sensor holds its readings where that is about a sampling interval, or less.
 //!
-//! Between two samples of even motion such readings move by `speed x hold x m`, where `m` counts the renewals in between:
-//! one more now and then, or none. What they move beyond `speed x interval` beats with the renewals; where all of it falls
-//! into place once every reading is dated at its renewal, the readings are held. [`super::hold`] tells longer holds from
+//! Between two samples of even motion such readings move by `speed x hold x m`, where `m` counts the updates in between:
+//! one more now and then, or none. What they move beyond `speed x interval` beats with the updates; where all of it falls
+//! into place once every reading is dated at its update, the readings are held. [`super::hold`] tells longer holds from
 //! the instants of changes, which say nothing where nearly every sample changes.
 
 mod moves;
@@ -102,7 +102,7 @@ pub fn age(time_s: &[f64], values: &[f64], count: f64, hold_s: f64) -> f64 {
     if moves.is_empty() { 0.0 } else { likely_age(&moves, 1.0 / hold_s, mean_interval(time_s)) }
 }
 
-/// Single moves that stand out, and the rates that they leave open: about every so many moves one has a renewal more, or
+/// Single moves that stand out, and the rates that they leave open: about every so many moves one has an update more, or
 /// less, than all others.
 fn skips(moves: &[Move], interval: f64) -> Option<(Vec<Move>, [f64; 2])> {
     let late = |m: &Move| m.excess / (m.speed * interval);
@@ -124,7 +124,7 @@ fn skips(moves: &[Move], interval: f64) -> Option<(Vec<Move>, [f64; 2])> {
     })
 }
 
-/// The renewals at rates within `band` that leave least of `moves`, told by the beat of `telling`; and what they leave.
+/// The updates at rates within `band` that leave least of `moves`, told by the beat of `telling`; and what they leave.
 fn lock(telling: &[Move], moves: &[Move], band: [f64; 2], interval: f64) -> Option<(Renewals, f64)> {
     let width = FIRST.min(telling.len());
     let spans = |first: &usize| span(&telling[*first..*first + width]);

@@ -1,6 +1,6 @@
-//! The renewal that every sample shows, and the hold and ages that agree with all of them.
+//! The update that every sample shows, and the hold and ages that agree with all of them.
 //!
-//! A sample at `t` shows renewal `n` just where `n hold <= t + age < (n + 1) hold`. Every sample narrows what this leaves to
+//! A sample at `t` shows update `n` just where `n hold <= t + age < (n + 1) hold`. Every sample narrows what this leaves to
 //! the age of its record, and all records together to the hold, to a few millionths.
 
 use super::FAST;
@@ -9,20 +9,20 @@ use super::renewals::Renewals;
 use crate::log::hold::top;
 use crate::log::timing::mean_interval;
 
-/// What a move shows is a whole number of renewals to within this.
+/// What a move shows is a whole number of updates to within this.
 const CLEAR: f64 = 0.25;
-/// Fewest counts between two renewals that tell them apart.
+/// Fewest counts between two updates that tell them apart.
 const APART: f64 = 4.0;
-/// Motion may be less even where the renewals are nearly known.
+/// Motion may be less even where the updates are nearly known.
 const EVEN: f64 = 1.0;
-/// A number that contradicts a first guess of the renewals by more than this share of a hold was misread.
+/// A number that contradicts a first guess of the updates by more than this share of a hold was misread.
 const MISREAD: f64 = 0.05;
 /// The hold is known to within this share.
 const KNOWN: f64 = 5e-5;
 /// Fewest samples that tell an age.
 const FEWEST: usize = 20;
 
-/// Samples of a record, and the renewals that they show.
+/// Samples of a record, and the updates that they show.
 #[derive(Debug)]
 pub struct Numbers {
     /// Time since the first sample, s, and number.
@@ -37,7 +37,7 @@ impl Numbers {
         let guess = Renewals { rate: 1.0 / hold_s, age: age_s };
         let shown = |pair: &[Move]| -> Option<[f64; 2]> {
             let (t, by) = (pair[0].to, more(&pair[0], guess)?);
-            // A sample of one renewal more makes the move before it longer and the one behind it shorter.
+            // A sample of one update more makes the move before it longer and the one behind it shorter.
             let one = pair[1].from == t && more(&pair[1], guess)? == -by;
             let number = guess.number(t) + by;
             let turns = (t + age_s) / hold_s - number;
@@ -94,7 +94,7 @@ pub fn hold_of(records: &[Numbers], about: f64) -> f64 {
     }
 }
 
-/// How many renewals more than `guess` has a move shows; none where it does not show a whole number.
+/// How many updates more than `guess` has a move shows; none where it does not show a whole number.
 fn more(m: &Move, guess: Renewals) -> Option<f64> {
     let around = guess.between(m.around[0], m.around[1]).max(1.0);
     let more = m.by * around / m.around_by - guess.between(m.from, m.to);

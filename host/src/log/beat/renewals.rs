@@ -1,4 +1,4 @@
-//! Renewals of a held reading, and what they leave of its moves.
+//! Updates of a held reading, and what they leave of its moves.
 
 use super::moves::Move;
 
@@ -14,23 +14,23 @@ pub(super) struct Renewals {
 }
 
 impl Renewals {
-    /// Number of the renewal that an instant shows. Instants and ages are positive.
+    /// Number of the update that an instant shows. Instants and ages are positive.
     pub(super) fn number(self, t: f64) -> f64 {
         ((t + self.age) * self.rate) as i64 as f64
     }
 
-    /// Renewals between two instants.
+    /// Updates between two instants.
     pub(super) fn between(self, from: f64, to: f64) -> f64 {
         self.number(to) - self.number(from)
     }
 }
 
-/// How far `ratio` renewals per sample are from a whole number of them.
+/// How far `ratio` updates per sample are from a whole number of them.
 pub(super) fn beat_of(ratio: f64) -> f64 {
     (ratio - ratio.round()).abs()
 }
 
-/// What is left of `moves` once readings are dated at their renewals: sum of squares, counts^2.
+/// What is left of `moves` once readings are dated at their updates: sum of squares, counts^2.
 fn left(moves: &[Move], renewals: Renewals) -> f64 {
     let left = |m: &Move| {
         let around = renewals.between(m.around[0], m.around[1]).max(1.0);
@@ -39,7 +39,7 @@ fn left(moves: &[Move], renewals: Renewals) -> f64 {
     moves.iter().map(|m| left(m).powi(2)).sum()
 }
 
-/// Moves the renewals at both ends of `moves`, by less and less, to where least is left.
+/// Moves the updates at both ends of `moves`, by less and less, to where least is left.
 pub(super) fn settle(moves: &[Move], start: Renewals, interval: f64) -> (Renewals, f64) {
     let ends = [moves[0].from, moves[moves.len() - 1].to];
     let mut turns = ends.map(|t| (t + start.age) * start.rate);

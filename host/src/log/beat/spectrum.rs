@@ -1,17 +1,17 @@
-//! How strongly moves beat with renewals of any rate.
+//! How strongly moves beat with updates of any rate.
 
 use std::f64::consts::TAU;
 
 use super::moves::Move;
 use super::renewals::Renewals;
 
-/// How strongly moves beat with renewals of some rate.
+/// How strongly moves beat with updates of some rate.
 pub(super) struct Beat {
     pub(super) power: f64,
     pub(super) renewals: Renewals,
 }
 
-/// The beats of `moves` with renewals at `lowest`, and at `spacing` more so many times.
+/// The beats of `moves` with updates at `lowest`, and at `spacing` more so many times.
 ///
 /// With `x = (t + age) rate`, a move's excess is `speed / rate` times the drop of `x - floor(x)`, whose first harmonic is
 /// `sin(2 pi x) / pi` from one sample to the next: matched to that, and weighted by the speed, stamps may jitter.
@@ -34,7 +34,7 @@ pub(super) fn beats(moves: &[Move], lowest: f64, spacing: f64, count: usize) -> 
             (from, to) = (times(from, from_next), times(to, to_next));
         }
     }
-    // Renewals in step with the samples do not beat.
+    // Updates in step with the samples do not beat.
     let least = 1e-9 * moves.iter().map(|m| m.speed * m.speed).sum::<f64>();
     let beat = |(k, [y, x, norm]): (usize, &[f64; 3])| {
         let rate = lowest + k as f64 * spacing;

@@ -38,7 +38,7 @@ fn hold_and_age_are_found_around_and_below_the_sampling_interval() {
         (2e-3, 0.655_9, 0.3),
         (1e-3, 0.703_1, 0.0),
         (1e-3, 0.951_3, 0.0),
-        // A skip every 120 samples, and one renewal more every 80.
+        // A skip every 120 samples, and one update more every 80.
         (5e-3, 1.008_4, 0.0),
         (5e-3, 0.496_9, 0.0),
     ] {

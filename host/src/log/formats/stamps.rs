@@ -10,7 +10,7 @@ use crate::log::timing::median_interval;
 /// Stamps of one clock are this share of an interval or less off its beat, of at least this share of the stamps.
 const OFF_BEAT: f64 = 0.25;
 const ON_BEAT: f64 = 0.9;
-/// Of a longer pause nothing is known of the beat.
+/// Of a longer pause nothing is known of the interval.
 const LONGEST_COUNTED: f64 = 10.0;
 /// A motion that stood still meanwhile goes on by no more than this many times what it did around the pause, ...
 const GOES_ON: f64 = 1.5;
@@ -34,7 +34,7 @@ pub struct Readings {
 impl Readings {
     /// Those of a motion, with those that its logger left out because they repeat the one before.
     ///
-    /// Such a logger writes no value twice in a row, keeps to a beat, and what it left out is a motion that stood still: it goes on after
+    /// Such a logger writes no value twice in a row, keeps to an even interval, and what it left out is a motion that stood still: it goes on after
     /// a pause as slowly as it stopped, or as fast as a motor may that was driven then. Where readings were lost on the way, it does not.
     pub fn of_motion(series: &Series) -> Readings {
         let count = series.numbers.len().min(series.times.len());

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::super::formats::{self, Shown};
+use super::super::mapping::Mapping;
 use super::super::preamble;
 use super::super::read::Json;
 use super::super::sample;
@@ -35,6 +36,64 @@ pub struct Look {
     pub told: Option<String>,
     /// The motors of such a file of which one has to be chosen, by `voltage=voltage-MOTOR`; empty where there is no choice.
     pub motors: Vec<String>,
+}
+
+impl Look {
+    /// For every column what it is where the file is read by `map`, written as in `kinds`.
+    pub fn kinds_by(&self, map: &Mapping) -> Vec<String> {
+        let mut kinds = vec![String::new(); self.names.len()];
+        let place = |column: &str| {
+            let named = self.names.iter().position(|name| name == column);
+            named.or_else(|| column.parse().ok().filter(|k| *k < self.names.len()))
+        };
+        for source in map.sources() {
+            let quantity = source.quantity;
+            // The guess knows the unit of a column that the mapping gives none.
+            let unit = |k: usize| {
+                let guessed =
+                    self.kinds[k].strip_prefix(quantity.key()).and_then(|rest| rest.strip_prefix(':'));
+                let unit = if source.written.is_empty() { guessed } else { Some(source.written.as_str()) };
+                unit.unwrap_or(quantity.si()).to_owned()
+            };
+            if let Some(k) = place(&source.column) {
+                kinds[k] = format!("{quantity}:{}", unit(k));
+                continue;
+            }
+            let pairs = source.column.match_indices(['+', '-']).map(|(at, sign)| {
+                let (one, other) = source.column.split_at(at);
+                (place(one.trim()), sign, place(other[1..].trim()))
+            });
+            for (one, sign, other) in pairs {
+                let (Some(one), Some(other)) = (one, other) else { continue };
+                // The unit of a time in two columns is that of the fraction, that of a bridge both sides'.
+                let (whole, second) = match quantity {
+                    Quantity::Time => (quantity.si().to_owned(), unit(other)),
+                    _ => (unit(one), String::new()),
+                };
+                kinds[one] = format!("{quantity}:{whole}");
+                kinds[other] = format!("{quantity}{sign}:{second}");
+                break;
+            }
+        }
+        // Canonical columns that the mapping does not speak of are read all the same.
+        let given = |quantity: Quantity| map.source(quantity).is_some();
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| !given(*quantity)) {
+            let motion = matches!(quantity, Quantity::Angle | Quantity::Speed);
+            let replaced = motion && map.names_motion()
+                || quantity == Quantity::Voltage && given(Quantity::Duty)
+                || quantity == Quantity::Time && given(Quantity::Interval);
+            let own = self.names.iter().position(|name| quantity.canonical() == Some(name.as_str()));
+            if let Some(k) = own.filter(|k| !replaced && kinds[*k].is_empty()) {
+                kinds[k] = format!("{quantity}:{}", quantity.si());
+            }
+        }
+        kinds
+    }
+
+    /// Whether the columns have names: numbers alone tell no kind of file from another.
+    pub fn is_named(&self) -> bool {
+        self.names.iter().any(|name| name.parse::<f64>().is_err())
+    }
 }
 
 /// Looks at the file at `path`, whether it is a text or of a binary format.
@@ -130,6 +189,22 @@ mod tests {
         let proposal = look.proposal.unwrap();
         assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:255,angle=enc:counts");
         assert!(proposal.supply_volts.is_some() && proposal.counts_per_rev.is_some());
+    }
+
+    #[test]
+    fn a_mapping_in_use_is_shown_in_the_columns_that_it_names() {
+        let rows: String = (0..60).map(|k| format!("{},{k},{},{k},0\n", 10 * k, k % 7 * 30)).collect();
+        let look = looked(&format!("t_ms,in1,in2,enc,supply_v\n{rows}"));
+        let kinds = |map: &str| look.kinds_by(&map.parse().unwrap());
+        assert_eq!(
+            kinds("time=t_ms:ms,duty=1-2:255,angle=enc:counts*-1"),
+            ["time:ms", "duty:255", "duty-:", "angle:counts*-1", "supply:V"]
+        );
+        assert_eq!(
+            kinds("time=0+3:us,voltage=in1:mV,speed=in2"),
+            ["time:s", "voltage:mV", "speed:rad/s", "time+:us", "supply:V"]
+        );
+        assert!(look.is_named() && !looked("0,1,2\n1,2,3\n2,3,4\n").is_named());
     }
 
     #[test]

@@ -1,6 +1,9 @@
 "use strict";
 // Logs dropped on the page: what are their columns? Guessed, shown, remembered.
 let queue = [], dropped = null, sent = [];
+// The file that was read without asking, as one of the same columns; and files of which the page was wrong to think so.
+let readAs = null;
+const unsure = new Set();
 const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "duty:1500..2000", "duty-:", "voltage-:", "direction:sign", "direction:sign*-1", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
 const kindWords = (kind) => (!kind ? "not used" : kind.endsWith("-:") ? `taken off the ${kind.slice(0, -2)}: the bridge's other side` : kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time"));
 
@@ -45,33 +48,60 @@ function onPage(remedy) {
   if (/^say which column|^choose the columns/.test(remedy)) return "say in the row below the names what each column is: the time, the voltage (or duty), and the angle or the speed; each once";
   const told = FIELDS.map(([option, id]) => [id, remedy.match(new RegExp(`${option} ([\\d.]+)`))]).filter(([, found]) => found);
   if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
-  return remedy.replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
-    .replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
+  const again = state && state.data.entries.some((e) => e.file !== null);
+  return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
+    .replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
 }
 
 async function openAll(files) {
   queue = [...files];
   sent = [];
+  readAs = null;
   await ask("/api/use", { replace: false, forget: true });
   await openNext();
 }
 async function openNext() {
   dropped = queue.shift();
   if (!dropped) return;
-  $("log-name").textContent = dropped.name;
-  $("log-fault").hidden = true;
+  const table = dropped.table = await looked(dropped);
+  let fault = null;
+  if (table.like && !unsure.has(dropped.name)) {
+    try { await sendLike(table); } catch (error) { fault = error; }
+    if (!fault) return queue.length ? openNext() : takeIn();
+  }
   $("log-alike").hidden = !queue.length;
-  $("log-records").hidden = sent.length > 0;
-  const table = await looked(dropped);
-  dropped.table = table;
-  const guess = table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : table.told || "This format tells itself what its columns are." };
+  $("log-records").hidden = sent.some((s) => s.asked);
+  if (!sent.some((s) => s.asked)) $("mapping").elements.keep.value = sent.length ? "join" : "replace";
+  const like = table.like && { ...table.like, words: `As ${table.like.file}, which has the same columns.` };
+  showMapping(dropped.name, like || (table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : table.told || "This format tells itself what its columns are." }));
+  if (fault) tell(fault);
+}
+// How the file of a record that is here is read, to be changed.
+async function openAgain(entry) {
+  const { table, in_use, others } = await ask(`/api/mapping/${entry}`);
+  queue = [];
+  dropped = { name: in_use.file, table, entry };
+  $("log-alike").hidden = !others;
+  $("log-all").checked = true;
+  $("log-records").hidden = true;
+  showMapping(in_use.file, { ...in_use, words: table.names.length ? "As it is read now. Angles and speeds are of the output shaft." : table.told || "This format tells itself what its columns are." });
+}
+// The dialogue, filled with what was guessed, remembered, or is in use.
+function showMapping(name, guess) {
+  const { table } = dropped, again = dropped.entry !== undefined;
+  $("log-verb").textContent = again ? "Columns of" : "Open";
+  $("log-name").textContent = name;
+  $("log-fault").hidden = true;
+  $("log-role").hidden = again;
   $("log-motors").hidden = !table.motors.length;
-  $("log-motor").replaceChildren(...table.motors.map((name) => element("option", { value: name, textContent: name })));
+  $("log-motor").replaceChildren(...table.motors.map((motor) => element("option", { value: motor, textContent: motor })));
+  if (guess.motor) $("log-motor").value = guess.motor;
   $("log-words").textContent = guess.words;
   const rig = guess.rig || {};
-  for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || $(id).value || "";
+  // What is in use is shown as it is; else what was typed for the file before holds on.
+  for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || (again ? "" : $(id).value) || "";
   $("log-turned").checked = Boolean(guess.turned);
-  if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft;
+  if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft === "output" ? "output" : "";
   const choose = element("tr", {}, ...table.names.map((name, k) => {
     const kind = guess.kinds[k] || "", kinds = KINDS.includes(kind) ? KINDS : [...KINDS, kind];
     const select = element("select", { className: "column", onchange: showRaw }, ...kinds.map((value) => element("option", { value, textContent: kindWords(value) })));
@@ -105,9 +135,9 @@ function showRaw() {
 
 const RIG = [["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["metres_per_rev", "log-metres"], ["rate_hz", "log-rate"], ["gear_ratio", "log-gear"], ["encoder_shaft", "log-shaft"]];
 const rigChosen = () => Object.fromEntries(RIG.map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
-function mapOf({ kinds: before, canonical, motors }, kinds) {
-  if (motors.length) return `voltage=voltage-${$("log-motor").value}:V`;
-  if ($("log-turned").checked) kinds = kinds.map((kind) => (/^(angle|speed):/.test(kind) ? kind + "*-1" : kind).replace("*-1*-1", ""));
+function mapOf({ kinds: before, canonical, motors }, kinds, turned = $("log-turned").checked, motor = $("log-motor").value) {
+  if (motors.length) return `voltage=voltage-${motor}:V`;
+  if (turned) kinds = kinds.map((kind) => (/^(angle|speed):/.test(kind) ? kind + "*-1" : kind).replace("*-1*-1", ""));
   if (canonical && kinds.every((kind, k) => kind === before[k])) return "";
   const parts = kinds.map((kind, k) => [kind.slice(0, kind.indexOf(":")), k, kind.slice(kind.indexOf(":") + 1)]).filter(([quantity]) => quantity);
   // The fraction of a time in two columns has the unit of both; of a bridge, what is taken off has that of the first.
@@ -118,32 +148,65 @@ function mapOf({ kinds: before, canonical, motors }, kinds) {
   };
   return parts.filter(([quantity]) => !/[+-]$/.test(quantity)).map(written).join(",");
 }
-async function send(file, table, kinds) {
+async function send(file, map, rig, role, asked) {
   if (file.size > LARGEST) throw tooLarge(file);
-  const asked = { name: file.name, role: new FormData($("mapping")).get("role"), map: mapOf(table, kinds), ...rigChosen() };
-  const reply = await fetch(`/api/upload?${new URLSearchParams(asked)}`, { method: "POST", body: file });
+  const reply = await fetch(`/api/upload?${new URLSearchParams({ name: file.name, role, map, ...rig })}`, { method: "POST", body: file });
   const answer = await reply.json();
   if (!reply.ok) throw answer;
-  sent.push(file.name);
+  sent.push({ name: file.name, asked });
 }
+// Reads a file as one that is here and has the same columns, and keeps in mind what to say of it.
+async function sendLike(table) {
+  const { file, kinds, rig, turned, motor } = table.like;
+  const told = Object.fromEntries(Object.entries(rig).filter(([, value]) => value));
+  await send(dropped, mapOf(table, kinds, turned, motor), told, "fit", false);
+  const columns = kinds.map((kind, k) => kind && `${table.names[k]} is ${kindWords(kind)}`).filter(Boolean);
+  const known = RIG.filter(([key, id]) => told[key] && id !== "log-shaft").map(([key, id]) => `${labelOf(id).split(",")[0]} ${told[key]}`);
+  const names = sent.filter((s) => !s.asked).map((s) => s.name);
+  readAs = { file: dropped.name, words: `${listed(names)} ${names.length > 1 ? "are" : "is"} read as ${file}: ${[...columns, ...(turned ? ["turned round"] : []), ...known].join("; ")}.` };
+}
+async function takeIn() {
+  const replace = sent.some((s) => s.asked) && new FormData($("mapping")).get("keep") === "replace";
+  await ask("/api/use", { replace, ...rigChosen() });
+  $("dialog").close();
+}
+// What the server could not use is asked about the next time.
+function readFailed() { for (const { name } of sent) unsure.add(name); if (sent.length) readAs = null; readEnded(); }
+function readWell() { for (const { name } of sent) unsure.delete(name); readEnded(); }
+// While files are asked about, another work may end.
+function readEnded() { if (!$("dialog").open) sent = []; }
+// Says in one line which file was read without asking, and lets one change it.
+function showReadAs({ entries }) {
+  const there = readAs && entries.some((e) => e.file === readAs.file);
+  $("read-as").hidden = !there;
+  $("read-as-words").textContent = there ? readAs.words : "";
+}
+$("read-as-change").addEventListener("click", guard(() => openAgain(state.data.entries.findIndex((e) => e.file === readAs.file))));
+function tell(error) { $("log-fault").textContent = words(error); $("log-fault").hidden = false; $("log-fault").scrollIntoView({ block: "nearest" }); }
 $("mapping").addEventListener("submit", async (event) => {
   event.preventDefault();
-  const table = dropped.table, { names } = table, kinds = kindsChosen();
+  const { table, entry } = dropped, kinds = kindsChosen(), map = mapOf(table, kinds), rig = rigChosen();
+  const keep = () => { if (kinds.length && map) remember(table.names, { kinds, rig, turned: $("log-turned").checked }); };
   try {
-    await send(dropped, table, kinds);
-    if (kinds.length && mapOf(table, kinds)) remember(names, { kinds, rig: rigChosen(), turned: $("log-turned").checked });
+    if (entry !== undefined) {
+      await ask("/api/map", { entry, alike: !$("log-alike").hidden && $("log-all").checked, map, ...rig });
+      keep();
+      $("dialog").close();
+      return;
+    }
+    const role = new FormData($("mapping")).get("role");
+    await send(dropped, map, rig, role, true);
+    keep();
     if ($("log-all").checked) {
       while (queue.length) {
         dropped = queue.shift();
         dropped.table = { ...table, rows: [] };
         $("log-name").textContent = dropped.name;
-        await send(dropped, table, kinds);
+        await send(dropped, map, rig, role, true);
       }
     }
-    if (queue.length) return await openNext();
-    await ask("/api/use", { replace: new FormData($("mapping")).get("keep") === "replace", ...rigChosen() });
-    $("dialog").close();
-  } catch (error) { $("log-fault").textContent = words(error); $("log-fault").hidden = false; $("log-fault").scrollIntoView({ block: "nearest" }); }
+    await (queue.length ? openNext() : takeIn());
+  } catch (error) { tell(error); }
 });
 $("cancel").addEventListener("click", () => { queue = []; $("dialog").close(); });
 $("file").addEventListener("change", guard(async (event) => { const files = [...event.target.files]; event.target.value = ""; await openAll(files); }));

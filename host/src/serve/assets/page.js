@@ -133,7 +133,7 @@ function busy(what) {
   $("running").hidden = !what;
   $("doing").textContent = what || "";
   if (!what) $("progress").removeAttribute("value");
-  for (const b of document.querySelectorAll("#next, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo")) b.disabled = Boolean(what);
+  for (const b of document.querySelectorAll("#next, #also, #diagnose, #add-effect, .add, .run-next, #puzzle, .chip button, #run, #connect button, #entries input, #entries button, #cut, #brush, #undo, #read-as-change")) b.disabled = Boolean(what);
   if (state && !state.data.can_undo) $("undo").disabled = true;
   if (!what) giveFocusBack();
 }
@@ -190,12 +190,27 @@ const NEXT = {
   add: (next) => ask("/api/add", { effect: next.effect }),
   remove: (next) => ask("/api/remove", { effect: next.effect }),
   experiment: () => proposeNext(),
-  data: () => $("data").scrollIntoView(),
+  data: (next) => mendData(next),
   look: () => $("fails").scrollIntoView(),
   export: () => { location.href = "/export/model.json"; },
 };
-function showStanding({ verdict, badge, headline, next }) {
-  $("verdict").dataset.verdict = verdict || next.action;
+// A data problem is mended where it is: the columns of its record, its bad seconds, or what is said of it.
+async function mendData({ mend, where }) {
+  const { entries } = state.data, of = (name) => name && where && where.includes(name);
+  const by = entries.findIndex((e) => of(e.file)), at = by < 0 ? entries.findIndex((e) => of(e.name + ",")) : by;
+  const file = entries[Math.max(at, 0)].file;
+  if (mend === "columns" && file !== null) return openAgain(Math.max(at, 0));
+  if (mend === "range" && at >= 0) {
+    const record = state.records.findIndex((r) => r.name.replace(/ \(part \d+\)$/, "") === entries[at].name);
+    if (record >= 0 && record !== chosen()) { $("record").value = record; part = null; await showRecord(); }
+    if ($("brush").getAttribute("aria-pressed") !== "true") $("brush").click();
+    $("compare").scrollIntoView();
+    return $("brush").focus({ preventScroll: true });
+  }
+  ($("data-faults").hidden ? $("data") : $("data-faults")).scrollIntoView();
+}
+function showStanding({ verdict, badge, headline, next, also }) {
+  $("verdict").dataset.verdict = next.mend ? "bad_data" : verdict || next.action;
   $("badge").textContent = badge;
   // No line begins with the unit of the number before it.
   $("headline").textContent = headline.replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
@@ -203,6 +218,11 @@ function showStanding({ verdict, badge, headline, next }) {
   $("next").title = next.command;
   $("next").hidden = false;
   $("next").onclick = guard(() => NEXT[next.action](next));
+  $("also").hidden = !also;
+  if (also) {
+    $("also").textContent = also.label;
+    $("also").onclick = guard(() => NEXT[also.action](also));
+  }
 }
 
 // What the server tells of its work.
@@ -212,9 +232,9 @@ const told = {
   step(e) { showStep(e.step); },
   playing(e) { nextLive(e); },
   live(e) { showLive(e); },
-  done(e) { ended(e.message); renew(); },
+  done(e) { readWell(); ended(e.message); renew(); },
   stopped(e) { ended(e.message); },
-  failed(e) { ended(""); alarm(e.error); renew(); },
+  failed(e) { readFailed(); ended(""); alarm(e.error); renew(); },
   behind() { renew(); },
 };
 function ended(message) { busy(null); endLive(); $("status").textContent = message; }

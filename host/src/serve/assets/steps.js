@@ -101,6 +101,7 @@ async function showLadder() {
   $("falls-figures").replaceChildren(...answer.figures.map((f) => figureElement(f)));
   $("falls").dataset.lastOverFloor = answer.last_over_floor;
   $("summary").textContent = answer.summary;
+  $("models").closest("table").classList.toggle("judged", answer.rows.some((r) => r.validation));
   rows("models", answer.rows, (r) => [r.step, r.fit, r.validation || "none", r.multiple || "not known", r.rise || ""], (r) => (r.rise ? "rise" : ""));
   showStanding(answer.standing);
 }

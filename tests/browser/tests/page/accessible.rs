@@ -4,7 +4,8 @@ use std::path::Path;
 
 use motorlens_browser_tests::{Browser, Server, run};
 
-use super::{added, alone, diagnosed, opened};
+use super::logs::asked_about;
+use super::{FRESH, added, alone, diagnosed, opened};
 
 /// The checker, as npm installs it.
 fn checker() -> String {
@@ -45,6 +46,52 @@ fn the_page_breaks_no_rule_in_light_dark_and_on_a_phone() {
         browser.size(width, 900, width < 500);
         assert_eq!(violations(&mut browser), serde_json::json!([]), "{scheme}, {width} px");
     }
+}
+
+#[test]
+fn the_page_breaks_no_rule_with_its_dialogue_open_and_after_a_wrong_effect() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let log = directory.path().join("keys.csv");
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{},{:.4},{:.5}\n", 10 * k, 6.0 * (2.0 * t).sin(), 5.0 * (2.0 * t - 0.1).sin())
+    };
+    std::fs::write(&log, "t,u,w\n".to_owned() + &(0..400).map(row).collect::<String>()).unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    let none_in = |browser: &mut Browser, state: &str| {
+        for (scheme, width) in [("light", 1280), ("dark", 1280), ("dark", 390)] {
+            browser.prefer(scheme);
+            browser.size(width, 900, width < 500);
+            assert_eq!(violations(browser), serde_json::json!([]), "{state}, {scheme}, {width} px");
+        }
+        browser.prefer("light");
+        browser.size(1280, 900, false);
+    };
+    asked_about(&mut browser, &log);
+    none_in(&mut browser, "the dialogue of a new log");
+    browser.click("#cancel");
+
+    browser.value("$('effect').value = 'lost_counts'");
+    browser.click("#add-effect");
+    browser.wait(&format!("document.querySelectorAll('.chip').length == 1 && {FRESH}"));
+    assert_eq!(browser.text("#badge"), "Not confirmed");
+    none_in(&mut browser, "a wrong effect added");
+    browser.click("#reveal");
+    browser.wait("!$('answer').hidden");
+    none_in(&mut browser, "a wrong answer");
+
+    diagnosed(&mut browser);
+    browser.value("document.querySelectorAll('#cards details').forEach((d) => { d.open = true; })");
+    none_in(&mut browser, "all candidates open");
+
+    asked_about(&mut browser, &log);
+    browser.click("#use");
+    browser.wait(&format!("state.title == 'keys' && {FRESH}"));
+    browser.click("#entries .columns");
+    browser.wait("$('dialog').open");
+    none_in(&mut browser, "the columns of a log that is there");
 }
 
 #[test]

@@ -8,13 +8,13 @@ use motorlens_browser_tests::{Browser, Server, run};
 use super::{FRESH, alone, diagnosed, opened};
 
 /// Gives the page `log`, and waits until it asks about its columns.
-fn asked_about(browser: &mut Browser, log: &Path) {
+pub fn asked_about(browser: &mut Browser, log: &Path) {
     browser.give_file("#file", log);
     browser.wait("document.querySelector('#dialog').open && document.querySelector('#preview select')");
 }
 
 /// Takes the columns as they are said to be, and waits for the record `title`.
-fn taken(browser: &mut Browser, title: &str) {
+pub fn taken(browser: &mut Browser, title: &str) {
     browser.click("#use");
     browser.wait(&format!(
         "!document.querySelector('#dialog').open && document.querySelector('#title').textContent == '{title}' && {FRESH}"
@@ -148,7 +148,7 @@ fn a_good_log_is_taken_and_a_bad_one_gets_a_clear_message() {
     let bad = directory.path().join("bad.csv");
     let mut text = "t,u,w\n".to_owned();
     let mut w = 0.0;
-    // The time of one row stands twice in the log: that is odd, but no reason to refuse it.
+    // The time of one row stands twice in the log: a data quality problem, but no reason to refuse it.
     for k in (0..800).flat_map(|k| if k == 300 { vec![k, k] } else { vec![k] }) {
         let t = f64::from(k) * 0.01;
         let v = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();

@@ -6,6 +6,7 @@ mod device;
 mod guard;
 mod keyboard;
 mod logs;
+mod mapping;
 mod overview;
 mod plots;
 mod report;

@@ -3,7 +3,7 @@
 use base64::Engine;
 use motorlens_browser_tests::{Browser, Server, run};
 
-use super::{alone, opened};
+use super::{added, alone, diagnosed, opened};
 
 #[test]
 fn the_report_draws_all_five_steps_from_its_one_file() {
@@ -40,6 +40,36 @@ fn the_report_draws_all_five_steps_from_its_one_file() {
     let pages = paper.windows(12).filter(|word| word == b"/Type /Page\n").count();
     println!("the report of the default protocol has {pages} pages");
     assert!((1..=10).contains(&pages), "{pages} pages");
+}
+
+/// Tables that are wider than their place, by their names.
+const TOO_WIDE: &str = "[...document.querySelectorAll('main .table')].filter((t) => t.clientWidth && t.scrollWidth > t.clientWidth).map((t) => `${t.getAttribute('aria-label')}: ${t.scrollWidth} of ${t.clientWidth}`)";
+
+#[test]
+fn no_table_of_the_report_or_the_page_scrolls_sideways_on_a_phone() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().to_str().unwrap();
+    run(&["demo", "--quiet", "--out", out]);
+    let mut browser = Browser::start(390, 844);
+    browser.size(390, 844, true);
+    browser.open(&format!("file://{out}/report.html"));
+    browser.wait("document.querySelector('.plot canvas')");
+    browser.value("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
+    assert!(browser.number("document.querySelectorAll('main .table').length") >= 6.0);
+    for step in ["compare", "missing", "add", "falls", "glossary"] {
+        browser.screenshot(&format!("#{step}"), &format!("small-report-{step}"));
+    }
+    assert_eq!(browser.value(TOO_WIDE), serde_json::json!([]), "the report");
+    assert!(browser.number("document.documentElement.scrollWidth") <= 390.0);
+
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    diagnosed(&mut browser);
+    added(&mut browser);
+    browser.size(390, 844, true);
+    browser.value("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
+    assert_eq!(browser.value(TOO_WIDE), serde_json::json!([]), "the page");
 }
 
 #[test]

@@ -160,3 +160,23 @@ fn a_puzzle_is_set_found_and_revealed() {
     assert!(!answer.contains('='), "{answer}");
     assert!(answer.starts_with("Right."), "{answer}");
 }
+
+#[test]
+fn a_wrong_answer_to_a_puzzle_is_told_as_wrong_with_what_it_misses() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    browser.value("document.querySelector('#status').textContent = ''");
+    browser.value("ask('/api/puzzle', { seed: 3 })");
+    browser.wait(&format!("/^Puzzle 3/.test(document.querySelector('#status').textContent) && {FRESH}"));
+    browser.value("$('effect').value = 'lost_counts'");
+    browser.click("#add-effect");
+    browser.wait(&format!("document.querySelectorAll('.chip').length == 1 && {FRESH}"));
+    browser.click("#reveal");
+    browser.wait("!$('answer').hidden");
+    let answer = browser.text("#answer");
+    assert!(answer.starts_with("Wrong. Hidden: "), "{answer}");
+    assert!(answer.contains("it misses ") && answer.contains("lost_counts is not in the motor"), "{answer}");
+    assert_eq!(browser.value("$('answer').className"), "answer wrong");
+    browser.screenshot("header", "light-0-wrong-answer");
+}

@@ -1,0 +1,382 @@
+//! The file that a record was read from, and how: its columns can be mapped anew, and another file be read the same way.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use axum::body::Bytes;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::data::{Data, Entry, Role};
+use crate::error::{Error, Result};
+use crate::log::guess::{Look, look};
+use crate::log::{EncoderShaft, ReadOptions, Record, read};
+use crate::motor_file::MotorFile;
+
+/// What the fields of the dialogue say of the rig; a query gives all of it as text.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Rig {
+    /// Supply of the driver, V, where the log has the duty only.
+    pub supply_v: Option<String>,
+    /// Counts per turn of the output shaft.
+    pub counts_per_rev: Option<String>,
+    /// Metres of a linear axis per turn of the output shaft.
+    pub metres_per_rev: Option<String>,
+    /// Rows per second, where no column tells the time.
+    pub rate_hz: Option<String>,
+    /// Turns of the motor per turn of the output shaft.
+    pub gear_ratio: Option<String>,
+    /// Where the encoder sits.
+    pub encoder_shaft: Option<EncoderShaft>,
+}
+
+impl Rig {
+    /// What `options` say, and where they say nothing of the motor what is known of it.
+    fn of(options: &ReadOptions, motor: &MotorFile) -> Self {
+        let text = |value: Option<f64>| value.map(|value| value.to_string());
+        let own = &options.motor;
+        Self {
+            supply_v: text(options.supply_volts),
+            counts_per_rev: text(own.counts_per_rev.or(motor.counts_per_rev)),
+            metres_per_rev: text(own.metres_per_rev.or(motor.metres_per_rev)),
+            rate_hz: text(options.rate_hz),
+            gear_ratio: text(own.gear_ratio.or(motor.gear_ratio)),
+            encoder_shaft: own.encoder_shaft.or(motor.encoder_shaft),
+        }
+    }
+
+    /// The number in a field, if there is one.
+    fn number(field: &Option<String>, name: &str) -> Result<Option<f64>> {
+        let Some(text) = field.as_deref().map(str::trim).filter(|text| !text.is_empty()) else {
+            return Ok(None);
+        };
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() && value > 0.0 => Ok(Some(value)),
+            _ => Err(Error::usage(
+                format!("{name} is \"{text}\""),
+                "give a positive number, or leave it empty",
+            )),
+        }
+    }
+
+    /// What is known of the motor: `before`, but for what the fields say.
+    pub fn motor(&self, before: MotorFile) -> Result<MotorFile> {
+        Ok(MotorFile {
+            counts_per_rev: Self::number(&self.counts_per_rev, "counts per turn")?,
+            metres_per_rev: Self::number(&self.metres_per_rev, "metres per turn")?,
+            gear_ratio: Self::number(&self.gear_ratio, "gear ratio")?,
+            encoder_shaft: self.encoder_shaft,
+            ..before
+        })
+    }
+
+    /// How a file is read with the columns of `map`, empty for canonical ones: `before`, but for what map and fields say.
+    pub fn options(&self, map: &str, before: ReadOptions) -> Result<ReadOptions> {
+        let map = if map.is_empty() { None } else { Some(map.parse()) };
+        let map = map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
+        let supply_volts = Self::number(&self.supply_v, "supply")?;
+        let rate_hz = Self::number(&self.rate_hz, "samples per second")?;
+        let motor = self.motor(before.motor)?;
+        Ok(ReadOptions { map, supply_volts, rate_hz, motor, ..before })
+    }
+}
+
+/// A file, and how it was read.
+#[derive(Debug)]
+pub struct Origin {
+    /// As the user named it; where nothing is kept of it, its place on this machine.
+    pub name: PathBuf,
+    /// What was dropped on the page; none of a file that was named on the command line.
+    content: Option<Bytes>,
+    /// How it was read.
+    pub options: ReadOptions,
+    /// Whether its columns were looked at once more and said to be so.
+    confirmed: bool,
+    look: OnceLock<Look>,
+}
+
+impl Origin {
+    /// A file that was dropped on the page.
+    pub fn dropped(name: &str, content: Bytes, options: ReadOptions) -> Self {
+        // Only the last part of the name, so that it stays within the directory where it is kept.
+        let name = Path::new(name).file_name().map_or_else(|| PathBuf::from("log.csv"), PathBuf::from);
+        Self { name, content: Some(content), options, confirmed: false, look: OnceLock::new() }
+    }
+
+    /// A file on this machine.
+    pub fn on_disk(name: PathBuf, options: ReadOptions) -> Self {
+        Self { name, content: None, options, confirmed: false, look: OnceLock::new() }
+    }
+
+    /// The same file, read once more.
+    fn read_again(&self, options: ReadOptions) -> Self {
+        let (name, content) = (self.name.clone(), self.content.clone());
+        Self { name, content, options, confirmed: true, look: OnceLock::new() }
+    }
+
+    /// The name of the file without its place.
+    pub fn file(&self) -> String {
+        self.name.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+
+    /// What `work` makes of the file; messages call it as the user does.
+    fn with_file<T>(&self, work: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
+        let Some(content) = &self.content else { return work(&self.name) };
+        let io = |source| Error::Io { doing: "cannot keep the log for reading".into(), source };
+        let directory = tempfile::tempdir().map_err(io)?;
+        let path = directory.path().join(&self.name);
+        std::fs::write(&path, content).map_err(io)?;
+        work(&path).map_err(|error| match error {
+            Error::BadInput(mut fault) => {
+                fault.file.clone_from(&self.name);
+                Error::BadInput(fault)
+            }
+            other => other,
+        })
+    }
+
+    /// Its records. They are judged when all are taken in, as a set, as the verbs judge theirs.
+    pub fn records(&self) -> Result<Vec<Record>> {
+        let mut records = self.with_file(|path| read(path, &self.options))?;
+        for record in &mut records {
+            record.path.clone_from(&self.name);
+        }
+        Ok(records)
+    }
+
+    /// What its columns are, looked at once.
+    pub fn look(&self) -> Result<&Look> {
+        if self.look.get().is_none() {
+            // Another request may have been faster; it saw the same.
+            let _ = self.look.set(self.with_file(look)?);
+        }
+        self.look.get().ok_or_else(|| Error::usage("the file cannot be looked at", "open it again"))
+    }
+
+    /// Whether `other` has the same columns and is read the same way.
+    fn is_read_like(&self, other: &Self) -> bool {
+        let alike = |a: &ReadOptions, b: &ReadOptions| {
+            a.map == b.map && a.supply_volts == b.supply_volts && a.rate_hz == b.rate_hz
+        };
+        alike(&self.options, &other.options)
+            && self.look().is_ok_and(|own| other.look().is_ok_and(|look| own.names == look.names))
+    }
+
+    /// The way in which it is read, as the dialogue shows it; `motor` is what is known of its motor.
+    fn in_use(&self, motor: &MotorFile) -> Result<Value> {
+        let look = self.look()?;
+        let map = self.options.map.as_ref();
+        let mut kinds = map.map_or_else(|| look.kinds.clone(), |map| look.kinds_by(map));
+        let of_motion = |kind: &str| kind.starts_with("angle:") || kind.starts_with("speed:");
+        let mut motion = kinds.iter().filter(|kind| of_motion(kind)).peekable();
+        let turned = motion.peek().is_some() && motion.all(|kind| kind.ends_with(TURNED));
+        for kind in kinds.iter_mut().filter(|kind| turned && of_motion(kind)) {
+            kind.truncate(kind.len() - TURNED.len());
+        }
+        let chosen = |motor: &&String| {
+            map.is_some_and(|map| map.written().starts_with(&format!("voltage=voltage-{motor}:")))
+        };
+        Ok(json!({
+            "file": self.file(),
+            "kinds": kinds,
+            "turned": turned,
+            "motor": look.motors.iter().find(chosen),
+            "rig": Rig::of(&self.options, motor),
+        }))
+    }
+}
+
+/// The scale of a column whose sign is turned round.
+const TURNED: &str = "*-1";
+
+impl Data {
+    /// The files that the records come from, each once.
+    fn origins(&self) -> Vec<Arc<Origin>> {
+        let mut all: Vec<Arc<Origin>> = Vec::new();
+        for origin in self.entries.iter().filter_map(|entry| entry.origin.as_ref()) {
+            if !all.iter().any(|known| Arc::ptr_eq(known, origin)) {
+                all.push(Arc::clone(origin));
+            }
+        }
+        all
+    }
+
+    /// Gives every record that was read with `options` the file it came from.
+    pub fn came_from(&mut self, options: &ReadOptions) {
+        let mut all: Vec<Arc<Origin>> = Vec::new();
+        for entry in &mut self.entries {
+            let path = &entry.record.path;
+            let known = all.iter().find(|origin| origin.name == *path).cloned();
+            let origin = known.unwrap_or_else(|| {
+                all.push(Arc::new(Origin::on_disk(path.clone(), options.clone())));
+                Arc::clone(&all[all.len() - 1])
+            });
+            entry.origin = Some(origin);
+        }
+    }
+
+    /// Whether a person looked once more at the columns of all files that are fitted: what only perhaps is wrong with them is right then.
+    pub fn is_confirmed(&self) -> bool {
+        let mut fitted = self.entries.iter().filter(|entry| entry.role == Role::Fit);
+        fitted.all(|entry| entry.origin.as_ref().is_some_and(|origin| origin.confirmed))
+    }
+
+    /// What the dialogue shows of the file of record `entry`, and how many other files are read the same way.
+    pub fn mapping_of(&self, entry: usize) -> Result<Value> {
+        let origin = self.origin_of(entry)?;
+        let others = self.origins().iter().filter(|other| other.is_read_like(&origin)).count();
+        Ok(
+            json!({ "table": origin.look()?, "in_use": origin.in_use(&self.motor)?, "others": others.saturating_sub(1) }),
+        )
+    }
+
+    fn origin_of(&self, entry: usize) -> Result<Arc<Origin>> {
+        let origin = self.entries.get(entry).and_then(|entry| entry.origin.clone());
+        origin.ok_or_else(|| {
+            Error::usage(
+                "this record was not read from a file of which the page knows how",
+                "open its log again",
+            )
+        })
+    }
+
+    /// How a file called `name` that looks like `new` is read without asking again: as one that is there and has the same columns. The same
+    /// file once more is asked about, and so are columns without names.
+    pub fn read_like(&self, new: &Look, name: &str) -> Option<Value> {
+        let origins = self.origins();
+        if !new.is_named() || origins.iter().any(|origin| origin.file() == name) {
+            return None;
+        }
+        let same = |origin: &&Arc<Origin>| origin.look().is_ok_and(|look| look.names == new.names);
+        origins.iter().rfind(same).and_then(|origin| origin.in_use(&self.motor).ok())
+    }
+
+    /// The same with the file of record `entry` read by `map` and `rig`, and with `alike` all files that were read as it was.
+    pub fn mapped(&self, entry: usize, alike: bool, map: &str, rig: &Rig) -> Result<Self> {
+        let origin = self.origin_of(entry)?;
+        let too = |other: &Arc<Origin>| Arc::ptr_eq(other, &origin) || alike && other.is_read_like(&origin);
+        let mut anew = Vec::new();
+        for old in self.origins().into_iter().filter(too) {
+            let new = old.read_again(rig.options(map, old.options.clone())?);
+            let records = new.records()?;
+            anew.push((old, Arc::new(new), records));
+        }
+        let motor = rig.motor(self.motor.clone())?;
+        let mut data = self.changed(|all| {
+            for (old, new, records) in anew {
+                replace(all, &old, &new, records);
+            }
+        });
+        data.motor = motor;
+        Ok(data)
+    }
+}
+
+/// Puts the `records` of `new` in the place of those of `old`; each keeps the role of the record of its name, and its cuts where its times
+/// are the same.
+fn replace(all: &mut Vec<Entry>, old: &Arc<Origin>, new: &Arc<Origin>, records: Vec<Record>) {
+    let came = |entry: &Entry| entry.origin.as_ref().is_some_and(|origin| Arc::ptr_eq(origin, old));
+    let Some(at) = all.iter().position(came) else { return };
+    let (before, mut kept): (Vec<Entry>, Vec<Entry>) = std::mem::take(all).into_iter().partition(came);
+    let ends = |record: &Record| (record.time_s.first().copied(), record.time_s.last().copied());
+    let entries: Vec<Entry> = records
+        .into_iter()
+        .map(|record| {
+            let own = before.iter().find(|entry| entry.record.name == record.name);
+            let role = own.unwrap_or(&before[0]).role;
+            let same = own.filter(|entry| ends(&entry.record) == ends(&record));
+            let cuts = same.map_or_else(Vec::new, |entry| entry.cuts.clone());
+            Entry { cuts, origin: Some(Arc::clone(new)), ..Entry::new(record, role) }
+        })
+        .collect();
+    let behind = kept.split_off(at);
+    *all = kept.into_iter().chain(entries).chain(behind).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A log in milliseconds whose second column may be volts or a duty.
+    fn log() -> Bytes {
+        let row = |k: u32| {
+            let t = 0.01 * f64::from(k);
+            format!("{},{:.3},{:.4}\n", 10 * k, 100.0 * (2.0 * t).sin(), 30.0 * (2.0 * t - 0.1).sin())
+        };
+        Bytes::from("ms,u,w\n".to_owned() + &(0..600).map(row).collect::<String>())
+    }
+
+    fn loaded(names: &[&str], map: &str, rig: &Rig) -> Data {
+        let mut data = Data::default();
+        for name in names {
+            let options = rig.options(map, ReadOptions::default()).unwrap();
+            let origin = Arc::new(Origin::dropped(name, log(), options));
+            let entry = |record| Entry { origin: Some(Arc::clone(&origin)), ..Entry::new(record, Role::Fit) };
+            data.entries.extend(origin.records().unwrap().into_iter().map(entry));
+        }
+        data
+    }
+
+    #[test]
+    fn a_mapping_is_shown_as_it_is_in_use_and_a_new_one_can_be_undone() {
+        let map = "time=0:ms,voltage=1:mV,speed=2:rad/s*-1";
+        let mut data = loaded(&["a.csv"], map, &Rig::default());
+        data.entries[0].role = Role::Validation;
+        data.entries[0].cuts = vec![[1.0, 2.0]];
+        let shown = data.mapping_of(0).unwrap();
+        assert_eq!(shown["in_use"]["kinds"], json!(["time:ms", "voltage:mV", "speed:rad/s"]));
+        assert_eq!((&shown["in_use"]["turned"], &shown["others"]), (&json!(true), &json!(0)));
+        let rig = Rig { supply_v: Some("8".into()), gear_ratio: Some("50".into()), ..Rig::default() };
+        let new = data.mapped(0, false, "time=0:ms,duty=1:255,speed=2", &rig).unwrap();
+        let [old, own] = [&data, &new].map(|data| &data.entries[0]);
+        assert!((own.record.voltage_v[50] / old.record.voltage_v[50] - 8.0 / 255.0 * 1e3).abs() < 1e-6);
+        assert_eq!((own.role, &own.cuts), (Role::Validation, &vec![[1.0, 2.0]]));
+        assert_eq!(new.motor.gear_ratio, Some(50.0));
+        assert_eq!(new.mapping_of(0).unwrap()["in_use"]["rig"]["supply_v"], "8");
+        assert!(new.can_undo());
+        // In other seconds a cut would be another one.
+        let slow = data.mapped(0, false, "time=0:s,voltage=1:V,speed=2", &rig).unwrap();
+        assert!(slow.entries[0].cuts.is_empty());
+    }
+
+    #[test]
+    fn files_that_were_read_the_same_way_may_be_read_anew_together() {
+        let data = loaded(&["a.csv", "b.csv"], "time=0:ms,voltage=1,speed=2", &Rig::default());
+        assert_eq!(data.mapping_of(1).unwrap()["others"], 1);
+        let speed = |data: &Data, k: usize| data.entries[k].record.speed_rad_s.as_ref().unwrap()[100];
+        let map = "time=0:ms,voltage=1,speed=2:deg/s";
+        let [one, both] = [false, true].map(|alike| data.mapped(1, alike, map, &Rig::default()).unwrap());
+        assert_eq!(speed(&one, 0), speed(&data, 0));
+        assert!(speed(&one, 1).abs() < 0.1 * speed(&data, 1).abs());
+        assert_eq!(speed(&both, 0), speed(&both, 1));
+        assert_eq!(both.entries.len(), 2);
+        assert_eq!([&data, &one, &both].map(Data::is_confirmed), [false, false, true]);
+    }
+
+    #[test]
+    fn a_second_file_of_the_same_columns_is_read_as_the_first_and_the_same_file_is_asked_about() {
+        let data = loaded(&["a.csv"], "time=0:ms,voltage=1:mV,speed=2", &Rig::default());
+        let new = Origin::dropped("b.csv", log(), ReadOptions::default());
+        let like = data.read_like(new.look().unwrap(), "b.csv").unwrap();
+        assert_eq!((&like["file"], &like["kinds"][1]), (&json!("a.csv"), &json!("voltage:mV")));
+        assert!(data.read_like(new.look().unwrap(), "a.csv").is_none());
+        let other =
+            Origin::dropped("c.csv", Bytes::from("s,u,w\n0,1,2\n1,2,3\n2,3,4\n"), ReadOptions::default());
+        assert!(data.read_like(other.look().unwrap(), "c.csv").is_none());
+    }
+
+    #[test]
+    fn a_bad_log_gets_a_message_without_the_place_where_it_was_kept() {
+        let text = "time_s,voltage_v,angle_rad\n0,1,2\n1,x,3\n";
+        let origin = Origin::dropped("../../etc/log.csv", Bytes::from(text), ReadOptions::default());
+        let error = origin.records().unwrap_err().to_string();
+        assert!(error.starts_with("log.csv") && error.contains("line 3"), "{error}");
+    }
+
+    #[test]
+    fn a_field_that_is_no_positive_number_is_named() {
+        let rig = Rig { gear_ratio: Some("-3".into()), ..Rig::default() };
+        assert!(rig.motor(MotorFile::default()).unwrap_err().to_string().contains("gear ratio is \"-3\""));
+        assert_eq!(Rig::default().motor(MotorFile::default()).unwrap(), MotorFile::default());
+    }
+}
