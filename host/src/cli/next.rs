@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::findings::NextStep;
+use crate::findings::{NextStep, Standing};
 use crate::log::{ReadArgs, guess};
 
 /// What can be done next, in words and as a command.
