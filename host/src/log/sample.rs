@@ -192,6 +192,7 @@ fn question(sample: &Sample) -> Option<String> {
         guess::levels_question,
         guess::loop_question,
         guess::sampled_question,
+        guess::channels_question,
         guess::error_question,
         guess::half_question,
     ];

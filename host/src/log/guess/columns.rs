@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
 use super::one_motion::{NEAR, agree, leave_out_other_motion, pairs_of, ratio};
 use super::turns::Turn;
-use super::{bridge, drive, leads, registers, sides, words};
+use super::{bridge, companions, drive, leads, registers, sides, words};
 use crate::log::direction;
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;
@@ -39,6 +39,7 @@ impl Part {
 /// The column for each quantity, in the order of [`Quantity::ALL`].
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
+    companions::tell(&mut said, names);
     tell_turns(&mut said, names);
     let values = |index: usize| numbers(rows, index);
     // What has fractions counts nothing.

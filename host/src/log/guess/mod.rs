@@ -5,8 +5,10 @@
 
 mod bridge;
 pub(super) mod by_numbers;
+mod channels;
 mod clocks;
 mod columns;
+mod companions;
 mod drive;
 mod example;
 mod leads;
@@ -23,6 +25,7 @@ pub mod words;
 
 use std::fmt::Write as _;
 
+pub(super) use channels::channels_question;
 pub use columns::{Part, parts};
 pub(super) use drive::half_question;
 pub(super) use example::example;
