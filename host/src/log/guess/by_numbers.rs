@@ -36,7 +36,8 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
         let Some(index) = index else { return };
         let unit = unit_of(quantity, None, &columns[index]);
         let of_time = || quantity == Quantity::Time && is_open_time(&unit, &columns[index]);
-        let guessed = [Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time();
+        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
+        let guessed = is_open || of_time();
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     };
     add(Quantity::Time, found.time);

@@ -168,7 +168,8 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let unit = clocks::plausible(quantity, &unit, &all).map_or(unit, str::to_owned);
         let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
         let of_time = || quantity == Quantity::Time && clocks::is_open_time(&unit, &all);
-        let guessed = !told && ([Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time());
+        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
+        let guessed = !told && (is_open || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     }
     let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);

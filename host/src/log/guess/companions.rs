@@ -11,7 +11,7 @@ const SHARED: usize = 3;
 /// Letters that say something of their own: an error, and the axes of a field-oriented drive.
 const NO_INDEX: [&str; 3] = ["e", "d", "q"];
 /// What is added up over time ends with one of these, ...
-const INTEGRALS: [&str; 3] = ["i", "int", "sum"];
+const INTEGRALS: [&str; 2] = ["i", "int"];
 /// ... but for what belongs to a thing and not to its motion: `motor_i` is its current.
 const THINGS: [&str; 12] =
     ["motor", "mot", "m", "wheel", "joint", "axis", "shaft", "servo", "left", "right", "l", "r"];
@@ -49,27 +49,21 @@ pub(super) fn tell(said: &mut [Said], names: &[String]) {
 
 /// Whether the last letter of column `k` is one that several columns share, one of them a motion.
 fn has_index(words: &[&[String]], k: usize) -> bool {
-    let index = |words: &[String]| {
-        words
-            .split_last()
-            .filter(|(last, stem)| last.chars().count() == 1 && !stem.is_empty())
-            .map(|(last, stem)| (last.clone(), stem.join("_")))
-    };
-    let Some((own, _)) = index(words[k]).filter(|(own, _)| !NO_INDEX.contains(&own.as_str())) else {
-        return false;
-    };
-    let mut stems: Vec<String> = words
-        .iter()
-        .filter_map(|words| index(words))
-        .filter(|(last, _)| *last == own)
-        .map(|(_, s)| s)
-        .collect();
+    let Some((own, _)) = index(words[k]).filter(|(own, _)| !NO_INDEX.contains(own)) else { return false };
+    let of_all = words.iter().filter_map(|words| index(words));
+    let mut stems: Vec<String> = of_all.filter(|(last, _)| *last == own).map(|(_, stem)| stem).collect();
     stems.sort();
     stems.dedup();
     let is_motion = |stem: &String| {
         words::said(stem).quantity.is_some_and(|(q, _)| [Quantity::Angle, Quantity::Speed].contains(&q))
     };
     stems.len() >= SHARED && stems.iter().any(is_motion)
+}
+
+/// The single letter that ends a name of several words, and what stands before it.
+fn index(words: &[String]) -> Option<(&str, String)> {
+    let (last, stem) = words.split_last()?;
+    (last.chars().count() == 1 && !stem.is_empty()).then(|| (last.as_str(), stem.join("_")))
 }
 
 /// Whether column `k` is called the error of a quantity, or what such an error changes by: `ex` and `dex` beside each other, `epsi` beside

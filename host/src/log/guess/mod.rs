@@ -11,6 +11,7 @@ mod columns;
 mod companions;
 mod drive;
 mod example;
+mod full_duty;
 mod leads;
 mod look;
 mod one_motion;
@@ -311,6 +312,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
             .chain(parts.iter().filter_map(|part| drive::said_of_drive(names, rows, part)))
+            .chain(parts.iter().filter_map(|part| full_duty::question(names, rows, part)))
             .chain(turn.map(Turn::said))
             .chain(bridge::question(parts, names, rows))
             .collect(),
