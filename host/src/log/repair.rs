@@ -8,6 +8,7 @@ use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
+use super::slow_sensor::leave_out_held;
 use super::timing::median_interval;
 use super::wraps::unwrap_angle;
 use super::{Record, Warning};
@@ -28,6 +29,7 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);
+    leave_out_held(&mut record);
     let mut pauses = pauses(&record);
     let last_before = |time_s: &f64| record.time_s.partition_point(|t| t <= time_s).checked_sub(1);
     pauses.extend(clipped.iter().filter_map(last_before));
