@@ -348,6 +348,36 @@ mod tests {
         );
     }
 
+    /// A position loop whose drive is at one end or the other, from 0 to 135 degrees in whole numbers.
+    #[test]
+    fn an_angle_that_swings_under_a_switching_drive_is_no_speed() {
+        let (mut x, mut w) = (0.0_f64, 0.0);
+        let rows: Vec<Vec<f64>> = (0..200)
+            .map(|_| {
+                let u = (10.0 * (135.0 - x).round()).clamp(-100.0, 100.0);
+                let row = vec![u, x.round(), 135.0 - x.round()];
+                w += 0.01 * (0.1 * u - w);
+                x += w;
+                row
+            })
+            .collect();
+        assert_eq!(propose(&rows).unwrap().map, "duty=0:100,angle=1:deg");
+    }
+
+    /// Three runs at one level each, one after the other, in the order drive, time, speed, angle.
+    #[test]
+    fn several_runs_in_one_file_are_compared_run_by_run() {
+        let row = |k: f64| {
+            let (run, t) = ((k / 67.0).floor(), 0.01 * (k % 67.0));
+            let u = [-100.0, -80.0, -60.0][run as usize];
+            let (gone, settled) = (1.0 - (-t / 0.1).exp(), 11.0 * u);
+            let angle = -4864.0 - 1100.0 * run + settled * (t - 0.1 * gone);
+            vec![u, t, (settled * gone).round(), angle.round()]
+        };
+        let map = map(row);
+        assert!(map.starts_with("time=1:s,duty=0:100,angle=3:") && map.contains(",speed=2:"), "{map}");
+    }
+
     #[test]
     fn a_speed_that_no_unit_makes_that_of_the_angle_is_left_out() {
         let change = |k: f64| angle(k) - angle((k - 1.0).max(0.0));

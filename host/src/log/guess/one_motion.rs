@@ -68,7 +68,9 @@ pub(super) fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
     let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
     for rows in whole.windows(3) {
         let change = (rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
-        if change.is_finite() {
+        // Where the clock begins anew, another run does.
+        let is_one_run = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
+        if change.is_finite() && is_one_run {
             let speed = rows[1][2];
             (product, changes, speeds) =
                 (product + change * speed, changes + change * change, speeds + speed * speed);
