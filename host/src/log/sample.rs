@@ -195,6 +195,7 @@ fn question(sample: &Sample) -> Option<String> {
         guess::channels_question,
         guess::error_question,
         guess::half_question,
+        guess::numbers_question,
     ];
     questions.into_iter().find_map(|question| question(sample))
 }

@@ -12,6 +12,18 @@ use crate::log::units::Quantity;
 const PERCENT: f64 = 100.0;
 const EIGHT_BITS: f64 = 255.0;
 
+/// The full duty that the bracket of a name tells: `PWM (0-255)`, `pwm [8 bits]`.
+pub(super) fn told(name: &str) -> Option<u32> {
+    let inside = words::bracketed(name).1?.to_lowercase();
+    let number = |text: &str| text.trim().trim_start_matches('+').parse::<u32>().ok();
+    if let Some((bits, _)) = inside.split_once("bit") {
+        let bits = number(bits.trim().trim_end_matches('-')).filter(|bits| (1..=16).contains(bits))?;
+        return Some((1 << bits) - 1);
+    }
+    let (_, last) = inside.rsplit_once("..").or_else(|| inside.rsplit_once(['-', ' ', '\u{2013}']))?;
+    number(last).filter(|full| *full > 1)
+}
+
 /// What is asked of a duty in whole numbers whose highest is none that is full duty for sure.
 pub(super) fn question(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<String> {
     let name = names.get(part.index)?;
@@ -57,6 +69,17 @@ mod tests {
 
     #[test]
     fn a_full_duty_that_may_be_another_is_told_with_the_reason() {
+        for (name, full) in [
+            ("PWM (0-255)", Some(255)),
+            ("pwm [8 bits]", Some(255)),
+            ("inputSignal(8bits)", Some(255)),
+            ("duty (0..1000)", Some(1000)),
+            ("pwm (-255 to 255)", Some(255)),
+            ("pwm [%]", None),
+            ("pwm", None),
+        ] {
+            assert_eq!(super::told(name), full, "{name}");
+        }
         for (levels, name, said) in [
             ([0.0, 200.0, 80.0], "pwm", Some("none of percent")),
             ([0.0, 100.0, 50.0], "pwm", Some("analogWrite(100)")),
