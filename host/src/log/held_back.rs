@@ -16,7 +16,7 @@ const HELD: f64 = 0.7;
 const FREE: f64 = 0.85;
 /// It is held for so many samples and seconds at least: what is shorter is a garbled reading.
 const FEWEST: usize = 5;
-const SHORTEST_S: f64 = 0.05;
+const SHORTEST_S: f64 = 0.15;
 /// Before and after, the speed is within this share of its middle for nearly all of the time, which is longer than so many samples.
 const EVEN: f64 = 0.15;
 const NEARLY_ALL: f64 = 0.9;
@@ -134,9 +134,7 @@ fn departures(time_s: &[f64], speed: &[f64], first: usize) -> Vec<Departure> {
                 lowest: sign * lowest,
             });
         }
-        while outside.last().is_some_and(|last| *last >= from) {
-            outside.pop();
-        }
+        outside.truncate(outside.partition_point(|i| *i < from));
         k = to;
     }
     let even = outside.iter().filter(|i| (speed[**i] / settled - 1.0).abs() <= EVEN).count();

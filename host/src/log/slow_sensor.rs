@@ -132,7 +132,7 @@ mod tests {
     fn logged(hold: usize, quantum: f64) -> Record {
         let time_s: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
         let voltage_v: Vec<f64> = (0..4000).map(|k| [6.0, -3.0, 9.0, 1.0][k / 500 % 4]).collect();
-        let mut speed = 0.0;
+        let mut speed = 0.0_f64;
         let speeds: Vec<f64> = voltage_v
             .iter()
             .map(|volts| {

@@ -95,7 +95,10 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
         // The pins of a bridge: one that is high drives the motor one way.
         let is_pin = range.whole && range.low == 0.0 && range.high == 1.0 && said[index].unit.is_none();
-        if quantity == Quantity::Voltage && plain == 2 && is_pin {
+        // One that is on or off lets another one drive the motor.
+        if quantity == Quantity::Duty && is_pin && words::of(&names[index]) == ["en"] {
+            *guess = None;
+        } else if quantity == Quantity::Voltage && plain == 2 && is_pin {
             *guess = Some((Quantity::Direction, 1));
         } else if quantity == Quantity::Voltage {
             if range.low > 0.0 && range.high - range.low < steady * range.high {
@@ -159,7 +162,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             let range = Range::of(values(index));
             let moves = rows.is_empty() || range.high > range.low;
             let is_clock = quantity == Quantity::Time && !is_below_a_second(said[index].unit, values(index));
-            Some((index, (moves || quantity == Quantity::Supply, is_clock, plain)))
+            // Whole turns are the coarse part of the angle that stands beside them.
+            let is_coarse = quantity == Quantity::Angle && said[index].unit == Some("rev") && range.whole;
+            Some((index, (moves || quantity == Quantity::Supply, is_clock, !is_coarse, plain)))
         });
         let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
         let Some((index, _)) = best else { continue };

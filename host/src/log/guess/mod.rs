@@ -573,6 +573,36 @@ mod tests {
     }
 
     #[test]
+    fn the_fine_angle_behind_the_gear_is_the_motion() {
+        let angle = |k: f64| 1500.0 * (0.02 * k).sin();
+        let apart = rows(|k| {
+            vec![
+                10.0 * k,
+                (200.0 * (0.1 * k).sin()).round(),
+                (angle(k) / 360.0).floor(),
+                angle(k).rem_euclid(360.0),
+            ]
+        });
+        let map = propose(&names("ms;pwm;turns;deg"), &apart).unwrap().map;
+        assert!(map.ends_with("angle=deg:deg"), "{map}");
+        // 30 turns of the motor are one of the shaft.
+        let rpm = |k: f64| 30.0 * 1500.0 * 0.02 * (0.02 * k).cos() * 100.0 / 6.0;
+        let geared = rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).cos(), rpm(k), angle(k)]);
+        let map = propose(&names("t;u;motor_rpm;out_deg"), &geared).unwrap().map;
+        assert_eq!(map, "time=t:s,voltage=u:V,angle=out_deg:deg");
+        let pins = rows(|k| {
+            vec![
+                10.0 * k,
+                f64::from(u8::from((0.1 * k).sin() > 0.0)),
+                (200.0 * (0.1 * k).sin().abs()).round(),
+                9.0 * k,
+            ]
+        });
+        let map = propose(&names("ms;in1;en;count"), &pins).unwrap().map;
+        assert_eq!(map, "time=ms:ms,duty=en:255,direction=in1:sign,angle=count:counts");
+    }
+
+    #[test]
     fn an_angle_in_tenths_is_in_degrees() {
         let tenths =
             rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).sin(), (9000.0 * (0.02 * k).sin()).round() / 10.0]);

@@ -65,6 +65,7 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "drive",
             "control",
             "ctrl",
+            "en",
             "ena",
             "enb",
             "esc",

@@ -136,6 +136,8 @@ pub fn said(name: &str) -> Said {
         (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
         (Some((Interval, plain, _)), Some((Time, _))) => Some((Interval, plain)),
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
+        // The shaft behind the gear: `out_deg`.
+        (Some((Duty, ..)), Some((of @ (Angle | Speed), _))) if any_of(&["out", "output"]) => Some((of, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
         // A potentiometer's or a tachometer's volts.
         (Some((Angle | Speed, ..)), Some((Voltage, _))) => None,
@@ -365,6 +367,8 @@ mod tests {
             ("time(t)", Time, None),
             ("ex_signal(u)", Voltage, None),
             ("system_response(y)", Speed, None),
+            ("out_deg", Angle, Some("deg")),
+            ("EN", Duty, None),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
