@@ -34,12 +34,16 @@ pub(super) fn leave_out_held(record: &mut Record) {
         return;
     }
     let (column, values) = match (&record.angle_rad, &record.speed_rad_s) {
-        // An angle whose hold the model knows stays as it is, and so does one beside a speed that goes on.
-        (Some(angle), None) if hold(&record.time_s, angle).is_none() => ("angle_rad", angle),
+        (Some(angle), None) => ("angle_rad", angle),
         (None, Some(speed)) => ("speed_rad_s", speed),
+        // One of them may go on while the other is held.
         _ => return,
     };
     let Some(rows) = held_rows(values) else { return };
+    // An angle whose hold the model knows stays as it is.
+    if record.angle_rad.is_some() && hold(&record.time_s, values).is_some() {
+        return;
+    }
     let kept = new_readings(values, rows);
     let enough = kept.len() >= FEWEST_SAMPLES;
     let (count, all) = (kept.len(), record.len());
