@@ -253,7 +253,8 @@ pub fn discover_records(records: &[Record], options: &Options, observer: Observe
     watched(observer, move |tell| {
         let asked = search::Options { library: options.library.clone(), most: options.most };
         let found = search::discover(records, &options.validation, &options.motor, &asked, &mut told(tell))?;
-        let findings = Findings::new(&found, &log::data_faults(records.iter().chain(&options.validation)));
+        let faults = log::data_faults(records.iter().chain(&options.validation));
+        let findings = Findings::new(&found, &faults).supposing(records);
         Ok(Discovered { findings, model: found.model })
     })
 }

@@ -52,7 +52,8 @@ pub fn diagnosed(model: &Model, logs: &Logs, console: &Console) -> Result<(Disco
     let found = diagnose(model, &logs.records, &logs.validation, &logs.motor, &mut progress);
     bar.finish_and_clear();
     let found = found?;
-    let findings = Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults());
+    let findings =
+        Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults()).supposing(&logs.records);
     Ok((found, findings))
 }
 

@@ -3,6 +3,7 @@
 mod experiment;
 mod mend;
 mod standing;
+mod supposed;
 mod verdict;
 mod yardstick;
 
@@ -19,7 +20,7 @@ use crate::error::Error;
 use crate::estimate::combinations;
 use crate::fit::grid::Quantity;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::log::Warning;
+use crate::log::{Record, Warning};
 use crate::report::falls::judged;
 use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
@@ -203,6 +204,15 @@ impl Findings {
 }
 
 impl Findings {
+    /// The same, found on `records`: where an effect goes with the angle, the headline says what unit it supposes that only a mapping says.
+    #[must_use]
+    pub fn supposing(mut self, records: &[Record]) -> Self {
+        if let Some(supposed) = supposed::unit_of_angle(&self.effects, records) {
+            self.headline = format!("{} {supposed}.", self.headline);
+        }
+        self
+    }
+
     /// What a person is told first.
     pub fn standing(&self) -> Standing {
         let (verdict, headline) = (Some(self.verdict), self.headline.clone());

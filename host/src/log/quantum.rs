@@ -1,4 +1,9 @@
 //! The step of a quantised column, estimated from its values.
+//!
+//! That most values are multiples of one step is what tells it, as in D. G. Kendall, "Hunting quanta", *Phil. Trans. R. Soc. A* 276, 1974;
+//! of multiples written with few digits the gaps between neighbouring levels are, too. A few readings that lie between the levels (a mean of
+//! two, a garbled digit) would make the step as small as they like, and the noise with it: so the step is the largest one that up to a
+//! twentieth of the readings contradict (trimming; P. J. Huber, *Robust Statistics*, 1981).
 
 /// Share of the gaps between neighbouring levels that must be multiples of the step.
 const AGREEING: f64 = 0.95;
@@ -6,6 +11,11 @@ const AGREEING: f64 = 0.95;
 const TOLERANCE: f64 = 0.2;
 /// Levels closer than this share of the span are one level written with rounding noise.
 const SAME_LEVEL: f64 = 1e-9;
+/// Readings that may lie between the levels, as a share of all, where each level has so many readings in the mean.
+const ODD: f64 = 0.05;
+const OFTEN: usize = 3;
+/// A coarser step holds for so many of the levels too: a motor that mostly stands still has most readings on one.
+const MOST_LEVELS: f64 = 0.8;
 /// With fewer levels there is nothing to agree on.
 const FEWEST_LEVELS: usize = 4;
 
@@ -15,10 +25,42 @@ const FEWEST_LEVELS: usize = 4;
 /// The smallest gap between neighbouring levels, or a half or third of it, is tried as the step and then refined by
 /// least squares over all gaps.
 pub fn quantum(values: &[f64]) -> Option<f64> {
-    let mut levels: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    levels.sort_unstable_by(f64::total_cmp);
-    let span = levels.last()? - levels.first()?;
+    let mut readings: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    readings.sort_unstable_by(f64::total_cmp);
+    let span = readings.last()? - readings.first()?;
+    let mut levels = readings.clone();
     levels.dedup_by(|next, kept| *next - *kept <= SAME_LEVEL * span);
+    let step = step_of(&levels)?;
+    if readings.len() < OFTEN * levels.len() {
+        return Some(step);
+    }
+    Some(coarser(&readings, &levels, step).unwrap_or(step))
+}
+
+/// The largest multiple of `step` of which nearly all `readings`, and most of their `levels`, both in order, are multiples; none where that
+/// is `step` itself.
+fn coarser(readings: &[f64], levels: &[f64], step: f64) -> Option<f64> {
+    let mut begins: Vec<usize> =
+        levels.iter().map(|level| readings.partition_point(|reading| reading < level)).collect();
+    begins.push(readings.len());
+    let counts: Vec<usize> = begins.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let anchor = levels[(0..levels.len()).max_by_key(|k| counts[*k])?];
+    let places: Vec<i64> = levels.iter().map(|level| ((level - anchor) / step).round() as i64).collect();
+    let mut multiples: Vec<i64> =
+        places.windows(2).map(|pair| pair[1] - pair[0]).filter(|m| *m > 1).collect();
+    multiples.sort_unstable();
+    multiples.dedup();
+    let is_step = |multiple: &i64| {
+        let on = || (0..places.len()).filter(|k| places[*k] % multiple == 0);
+        let readings_on: usize = on().map(|k| counts[k]).sum();
+        let readings_on = readings_on as f64 >= (1.0 - ODD) * readings.len() as f64;
+        readings_on && on().count() as f64 >= MOST_LEVELS * places.len() as f64
+    };
+    multiples.into_iter().rev().find(is_step).map(|multiple| multiple as f64 * step)
+}
+
+/// The step of `levels` in order.
+fn step_of(levels: &[f64]) -> Option<f64> {
     if levels.len() < FEWEST_LEVELS {
         return None;
     }
@@ -103,6 +145,17 @@ mod tests {
         let speed: Vec<f64> = (0..400).map(|i| levels[(i * 7) % 8] * 0.1122).collect();
         let found = quantum(&speed).unwrap();
         assert!((found - 0.1122).abs() < 1e-6, "{found}");
+    }
+
+    /// Tens of turns a minute, of which four readings in a hundred lie between.
+    #[test]
+    fn a_few_odd_readings_do_not_make_the_step_small() {
+        let level = |k: usize| 10.0 * ((k * 7) % 19) as f64;
+        let speed: Vec<f64> = (0..200).map(|k| if k % 25 == 3 { 59.0 } else { level(k) }).collect();
+        assert!(quantum(&speed).is_some_and(|step| (step - 10.0).abs() < 1e-6), "{:?}", quantum(&speed));
+        // More than that are a level of their own.
+        let speed: Vec<f64> = (0..200).map(|k| if k % 5 == 3 { 59.0 } else { level(k) }).collect();
+        assert!(quantum(&speed).is_some_and(|step| step < 1.01), "{:?}", quantum(&speed));
     }
 
     #[test]

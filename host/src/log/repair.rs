@@ -8,6 +8,7 @@ use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
+use super::slow_sensor::leave_out_held;
 use super::timing::median_interval;
 use super::wraps::unwrap_angle;
 use super::{Record, Warning};
@@ -28,6 +29,7 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);
+    leave_out_held(&mut record);
     let mut pauses = pauses(&record);
     let last_before = |time_s: &f64| record.time_s.partition_point(|t| t <= time_s).checked_sub(1);
     pauses.extend(clipped.iter().filter_map(last_before));
@@ -35,6 +37,9 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     pauses.dedup();
     // What the motor did in a pause is no jump of its counter.
     let mut resets = record.angle_rad.as_deref().map(far_steps).unwrap_or_default();
+    resets.extend(record.angle_rad.as_deref().map(resets_to_start).unwrap_or_default());
+    resets.sort_unstable();
+    resets.dedup();
     resets.retain(|k| pauses.binary_search(k).is_err());
     cut(record, &pauses, &resets)
 }
@@ -61,6 +66,32 @@ pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
     let goes_on = |k: usize| (values[k + 1] - values[k]) * (values[k + 2] - values[k + 1]) > 0.0;
     let burst = |f: &[usize]| f[2] - f[0] == 2 && (goes_on(f[0]) || goes_on(f[1]));
     if far.windows(3).any(burst) { Vec::new() } else { far }
+}
+
+/// A counter that is set back goes so many times as far at once as in the samples around, ...
+const SET_BACK: f64 = 8.0;
+/// ... or so many times where it surely was more than once.
+const SET_BACK_AGAIN: f64 = 2.5;
+/// Samples before and after that tell how fast the shaft turns.
+const AROUND: usize = 3;
+
+/// Steps of `values` back to where they began, which the motion around them does not make: the counter is set to zero before each test. They
+/// are as long as each test happened to go, so that none stands apart from all others.
+fn resets_to_start(values: &[f64]) -> Vec<usize> {
+    let step = |k: usize| (values[k + 1] - values[k]).abs();
+    let last = values.len().saturating_sub(1);
+    let smallest = (0..last).map(step).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let back = |factor: f64| -> Vec<usize> {
+        let is_reset = |k: &usize| {
+            let around = (k.saturating_sub(AROUND)..(k + 1 + AROUND).min(last)).filter(|other| other != k);
+            let usual = around.map(step).fold(0.0, f64::max);
+            let to_start = (values[k + 1] - values[0]).abs() <= usual + smallest;
+            to_start && step(*k) > factor * usual + SET_BACK * smallest
+        };
+        (0..last).filter(is_reset).collect()
+    };
+    let surely = back(SET_BACK);
+    if surely.len() > 1 { back(SET_BACK_AGAIN) } else { surely }
 }
 
 /// Samples behind which the log pauses, or its clock starts anew.
@@ -215,6 +246,13 @@ pub(super) mod tests {
             reset.angle_rad.as_mut().unwrap()[at..].iter_mut().for_each(|x| *x -= there + 30.0);
         }
         assert_eq!(repaired(reset).len(), 4);
+        // Set to zero before each test, after ways of any length.
+        let mut zeroed = moving(swing);
+        for at in [90, 200, 350, 470, 600, 690] {
+            let there = zeroed.angle_rad.as_ref().unwrap()[at];
+            zeroed.angle_rad.as_mut().unwrap()[at..].iter_mut().for_each(|x| *x -= there);
+        }
+        assert!(repaired(zeroed).len() >= 6);
         let mut paused = moving(swing);
         paused.time_s[400..].iter_mut().for_each(|t| *t += 30.0);
         let parts = repaired(paused);

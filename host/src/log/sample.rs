@@ -192,8 +192,10 @@ fn question(sample: &Sample) -> Option<String> {
         guess::levels_question,
         guess::loop_question,
         guess::sampled_question,
+        guess::channels_question,
         guess::error_question,
         guess::half_question,
+        guess::numbers_question,
     ];
     questions.into_iter().find_map(|question| question(sample))
 }

@@ -4,6 +4,7 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::clipped::clipped;
+use super::held_back::held_back;
 use super::hold::hold;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
 use super::quantum::quantum;
@@ -47,6 +48,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         stale,
         jumps,
         hard_stop,
+        held_back,
         speed_beside_angle,
         blind_near_zero,
         unsigned,

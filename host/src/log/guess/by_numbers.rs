@@ -37,7 +37,8 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
         let Some(index) = index else { return };
         let unit = unit_of(quantity, None, &columns[index]);
         let of_time = || quantity == Quantity::Time && is_open_time(&unit, &columns[index]);
-        let guessed = [Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time();
+        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
+        let guessed = is_open || of_time();
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     };
     add(Quantity::Time, found.time);
@@ -341,6 +342,36 @@ mod tests {
             "{}",
             proposal.assumptions()
         );
+    }
+
+    /// A position loop whose drive is at one end or the other, from 0 to 135 degrees in whole numbers.
+    #[test]
+    fn an_angle_that_swings_under_a_switching_drive_is_no_speed() {
+        let (mut x, mut w) = (0.0_f64, 0.0);
+        let rows: Vec<Vec<f64>> = (0..200)
+            .map(|_| {
+                let u = (10.0 * (135.0 - x).round()).clamp(-100.0, 100.0);
+                let row = vec![u, x.round(), 135.0 - x.round()];
+                w += 0.01 * (0.1 * u - w);
+                x += w;
+                row
+            })
+            .collect();
+        assert_eq!(propose(&rows).unwrap().map, "duty=0:100,angle=1:deg");
+    }
+
+    /// Three runs at one level each, one after the other, in the order drive, time, speed, angle.
+    #[test]
+    fn several_runs_in_one_file_are_compared_run_by_run() {
+        let row = |k: f64| {
+            let (run, t) = ((k / 67.0).floor(), 0.01 * (k % 67.0));
+            let u = [-100.0, -80.0, -60.0][run as usize];
+            let (gone, settled) = (1.0 - (-t / 0.1).exp(), 11.0 * u);
+            let angle = -4864.0 - 1100.0 * run + settled * (t - 0.1 * gone);
+            vec![u, t, (settled * gone).round(), angle.round()]
+        };
+        let map = map(row);
+        assert!(map.starts_with("time=1:s,duty=0:100,angle=3:") && map.contains(",speed=2:"), "{map}");
     }
 
     #[test]

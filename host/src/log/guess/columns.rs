@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
 use super::one_motion::{NEAR, agree, leave_out_other_motion, pairs_of, ratio};
 use super::turns::Turn;
-use super::{bridge, drive, leads, registers, sides, words};
+use super::{bridge, companions, drive, duty_range, leads, registers, sides, words};
 use crate::log::direction;
+use crate::log::numbered::numbers_rows;
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;
 use crate::log::wraps;
@@ -39,6 +40,7 @@ impl Part {
 /// The column for each quantity, in the order of [`Quantity::ALL`].
 pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
+    companions::tell(&mut said, names);
     tell_turns(&mut said, names);
     let values = |index: usize| numbers(rows, index);
     // What has fractions counts nothing.
@@ -64,6 +66,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     };
     for (index, guess) in quantities.iter_mut().enumerate() {
         let Some((quantity, plain)) = *guess else { continue };
+        // `i` may be the number of a row.
+        if quantity == Quantity::Current && numbers_rows(&names[index], &values(index).collect::<Vec<_>>()) {
+            *guess = None;
+            continue;
+        }
         let range = Range::of(values(index));
         // Times in us that stay within those of a servo's pulses are its pulses, and no clock.
         if quantity == Quantity::Time && range.pulse_of_no_duty().is_some() && falls(values(index)) {
@@ -88,7 +95,10 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
         // The pins of a bridge: one that is high drives the motor one way.
         let is_pin = range.whole && range.low == 0.0 && range.high == 1.0 && said[index].unit.is_none();
-        if quantity == Quantity::Voltage && plain == 2 && is_pin {
+        // One that is on or off lets another one drive the motor.
+        if quantity == Quantity::Duty && is_pin && words::of(&names[index]) == ["en"] {
+            *guess = None;
+        } else if quantity == Quantity::Voltage && plain == 2 && is_pin {
             *guess = Some((Quantity::Direction, 1));
         } else if quantity == Quantity::Voltage {
             if range.low > 0.0 && range.high - range.low < steady * range.high {
@@ -141,6 +151,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
                 *guess = Some((Quantity::Target, 1));
             }
         }
+        leave_out_unreached_targets(&mut quantities, &said, &values);
     }
     let words_of_all = names.join(" ").to_lowercase();
     let mut parts: Vec<Part> = Vec::new();
@@ -151,7 +162,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             let range = Range::of(values(index));
             let moves = rows.is_empty() || range.high > range.low;
             let is_clock = quantity == Quantity::Time && !is_below_a_second(said[index].unit, values(index));
-            Some((index, (moves || quantity == Quantity::Supply, is_clock, plain)))
+            // Whole turns are the coarse part of the angle that stands beside them.
+            let is_coarse = quantity == Quantity::Angle && said[index].unit == Some("rev") && range.whole;
+            Some((index, (moves || quantity == Quantity::Supply, is_clock, !is_coarse, plain)))
         });
         let best = candidates.max_by_key(|&(index, rank)| (rank, std::cmp::Reverse(index)));
         let Some((index, _)) = best else { continue };
@@ -163,11 +176,18 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             && Range::of(all.iter().copied()).peak() > FASTEST_GYROSCOPE;
         let register = register.or(in_degrees.then_some("deg/s"));
         let unit = register.map_or_else(|| unit_of(quantity, said[index].unit, &all), str::to_owned);
+        let by_bracket = (quantity == Quantity::Duty).then(|| duty_range::told(&names[index])).flatten();
+        let by_bracket = by_bracket.filter(|full| f64::from(*full) >= Range::of(all.iter().copied()).peak());
+        let unit = by_bracket.map_or(unit, |full| full.to_string());
         let unit = unit + said[index].scale.unwrap_or_default();
         let unit = clocks::plausible(quantity, &unit, &all).map_or(unit, str::to_owned);
-        let told = said[index].unit.is_some() || said[index].register || unit_of_wrap(&all).is_some();
+        let told = said[index].unit.is_some()
+            || said[index].register
+            || by_bracket.is_some()
+            || unit_of_wrap(&all).is_some();
         let of_time = || quantity == Quantity::Time && clocks::is_open_time(&unit, &all);
-        let guessed = !told && ([Quantity::Angle, Quantity::Speed].contains(&quantity) || of_time());
+        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
+        let guessed = !told && (is_open || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     }
     let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
@@ -272,6 +292,30 @@ fn keep_one_axis<V: Iterator<Item = f64>>(
     axes.into_iter().filter(|k| Some(*k) != most).for_each(|k| quantities[k] = None);
 }
 
+/// A target is where the angle goes: of one that most angles lie far beyond it is none, but what drives the motor, or of another axis.
+const MOST_BEYOND: f64 = 0.5;
+
+/// Takes targets back that the first angle does not keep to, where no name says that they are in different units.
+fn leave_out_unreached_targets<V: Iterator<Item = f64>>(
+    quantities: &mut [Option<(Quantity, u8)>],
+    said: &[words::Said],
+    values: &impl Fn(usize) -> V,
+) {
+    let is = |k: usize, wanted: Quantity| quantities[k].is_some_and(|(q, _)| q == wanted);
+    let Some(angle) = (0..quantities.len()).find(|k| is(*k, Quantity::Angle)) else { return };
+    let angles: Vec<f64> = values(angle).collect();
+    let is_unreached = |k: &usize| {
+        let range = Range::of(values(*k));
+        let reach = range.high - range.low;
+        let beyond = |x: &&f64| **x > range.high + reach || **x < range.low - reach;
+        let beyond = angles.iter().filter(beyond).count() as f64;
+        let in_units = said[*k].told || said[angle].told;
+        is(*k, Quantity::Target) && !in_units && reach > 0.0 && beyond > MOST_BEYOND * angles.len() as f64
+    };
+    let unreached: Vec<usize> = (0..quantities.len()).filter(is_unreached).collect();
+    unreached.into_iter().for_each(|k| quantities[k] = None);
+}
+
 /// A bare `v` is a voltage, or the speed of the angle beside it: then it is its change, in some unit of both.
 fn tell_speed_from_voltage(
     quantities: &mut [Option<(Quantity, u8)>],
@@ -351,6 +395,7 @@ pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[
         (Quantity::Angle, None) if range.whole && range.high - range.low > MOST_DEGREES => "counts",
         (Quantity::Target, None) if range.high - range.low > MOST_SERVO_RADIANS => "deg",
         (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
+        (Quantity::Angle, None) if range.high - range.low > MOST_TENTHS && is_in_tenths(values) => "deg",
         (Quantity::Angle | Quantity::Target, None) => "rad",
         (Quantity::Speed, None) => "rad/s",
         (Quantity::Direction, None) => "sign",
@@ -358,6 +403,17 @@ pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[
         (Quantity::Current, None) => "A",
     };
     unit.to_owned()
+}
+
+/// A tenth of a radian is coarser than any encoder; that of a degree is what people write. Angles that span less may be of slow shafts.
+const MOST_TENTHS: f64 = 60.0;
+const TENTHS: f64 = 1e-6;
+
+/// Whether all values have one decimal at most, and some have one.
+fn is_in_tenths(values: &[f64]) -> bool {
+    let off = |x: f64| (x - x.round()).abs();
+    values.iter().all(|value| off(10.0 * value) < TENTHS * value.abs().max(1.0))
+        && values.iter().any(|value| value.fract() != 0.0)
 }
 
 /// The unit of an angle that wraps at a turn of it.

@@ -2,7 +2,7 @@
 //!
 //! A speed is the change of its angle at once, and two wheels start together: neither comes before the other, so neither drives it.
 
-use crate::log::motion::correlation;
+use crate::log::motion::{correlation, ends};
 
 /// How alike a speed and the change of its angle are, more than a speed and what drives it.
 pub(super) const ONE_MOTION: f64 = 0.98;
@@ -51,19 +51,53 @@ pub(super) fn only_rises(values: &[f64]) -> bool {
 }
 
 /// How alike the way by `angle` and by `speed` are, over so many rows that a count more or less does not matter. A speed that is the
-/// difference to the row before has none for the first.
+/// difference to the row before has none for the first. Where the clock begins anew, another run does: no way leads from one to the other.
 pub(super) fn is_change(angle: &[f64], speed: &[f64], time: Option<&Vec<f64>>) -> f64 {
     let rows = (speed.len() / PART).max(2) + 1;
-    let way: Vec<f64> = angle.windows(rows).map(|part| part[rows - 1] - part[0]).collect();
     let since_before = |k: usize| time.map_or(1.0, |time| time[k] - time[k - 1]);
+    let is_one_run = |from: &usize| (from + 1..from + rows).all(|k| since_before(k) >= 0.0);
+    let begins: Vec<usize> = (0..(angle.len() + 1).saturating_sub(rows)).filter(is_one_run).collect();
+    let way: Vec<f64> = begins.iter().map(|from| angle[from + rows - 1] - angle[*from]).collect();
     let by_speed =
-        (0..way.len()).map(|from| (from + 1..from + rows).map(|k| speed[k] * since_before(k)).sum());
+        begins.iter().map(|from| (from + 1..from + rows).map(|k| speed[k] * since_before(k)).sum());
     correlation(&way, &by_speed.collect::<Vec<f64>>())
 }
 
-/// Whether a motion follows its drive as a speed does: an angle goes on while the drive holds.
+/// Whether a motion follows its drive as a speed does: an angle goes on while the drive holds, and for a while after it was reversed.
 pub(super) fn is_speed(drive: &[f64], motion: &[f64]) -> bool {
-    most(&alike(drive, motion)) > most(&alike(drive, &change(motion)))
+    !goes_on(drive, motion) && most(&alike(drive, motion)) > most(&alike(drive, &change(motion)))
+}
+
+/// A drive is reversed from this share of the highest one way to as much the other way, within so many rows.
+const REVERSED: f64 = 0.3;
+const REVERSED_WITHIN: usize = 4;
+/// A motion goes on by this share of its span, in most reversals, of so many or more.
+const GOES_ON: f64 = 0.05;
+const FEWEST_REVERSALS: usize = 2;
+
+/// Whether a motion goes on as before although its drive was reversed: an angle does while the shaft still turns, and a speed falls at once.
+///
+/// Under a controller that switches its drive from one end to the other an angle swings as evenly as a speed would, and nothing else tells.
+fn goes_on(drive: &[f64], motion: &[f64]) -> bool {
+    let full = REVERSED * drive.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let (low, high) = ends(motion);
+    // A drive does work on what it turns, and accelerates it: which way is forth.
+    let along: f64 = change(motion).iter().zip(drive).map(|(change, u)| change * u).sum();
+    let (mut way, mut pushed, mut on) = (0.0_f64, 0, Vec::new());
+    for k in 0..drive.len() {
+        if drive[k].abs() < full {
+            continue;
+        }
+        if way * drive[k] < 0.0 && k - pushed <= REVERSED_WITHIN {
+            // By the first row of the new drive the old one has acted to its end.
+            let until = (k + 1..drive.len()).find(|i| drive[*i] * drive[k] <= 0.0).unwrap_or(drive.len());
+            let further = motion[k..until].iter().map(|x| (x - motion[k]) * way.signum() * along.signum());
+            on.push(further.fold(0.0, f64::max));
+        }
+        (way, pushed) = (drive[k], k);
+    }
+    let far = on.iter().filter(|on| **on > GOES_ON * (high - low)).count();
+    on.len() >= FEWEST_REVERSALS && 2 * far > on.len()
 }
 
 /// Whether `driven` goes after `drive`, and `drive` far less after `driven`; a controller's answer comes at once.

@@ -5,9 +5,12 @@
 
 mod bridge;
 pub(super) mod by_numbers;
+mod channels;
 mod clocks;
 mod columns;
+mod companions;
 mod drive;
+mod duty_range;
 mod example;
 mod leads;
 mod look;
@@ -23,12 +26,15 @@ pub mod words;
 
 use std::fmt::Write as _;
 
+pub(super) use channels::channels_question;
 pub use columns::{Part, parts};
 pub(super) use drive::half_question;
 pub(super) use example::example;
 pub use look::{Look, look};
 use preview::preview;
-pub(super) use questions::{error_question, levels_question, loop_question, sampled_question};
+pub(super) use questions::{
+    error_question, levels_question, loop_question, numbers_question, sampled_question,
+};
 use questions::{
     given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, steady_states, taken_for,
     unknown_unit,
@@ -110,8 +116,11 @@ impl Proposal {
         }
         let duty = self.map.split(',').find_map(|part| part.strip_prefix("duty=")?.rsplit_once(':'));
         // Percent where the column says so; else a pulse-width register may have any number for full duty.
-        let is_told =
-            |column: &str, full: &str| full == "1" || full == "100" && words::said(column).unit == Some(full);
+        let is_told = |column: &str, full: &str| {
+            full == "1"
+                || full == "100" && words::said(column).unit == Some(full)
+                || duty_range::told(column).is_some_and(|told| told.to_string() == full)
+        };
         if let Some((_, full)) = duty.filter(|(column, full)| !is_told(column, full)) {
             all.push(match full.split_once("..") {
                 Some(_) => format!("put the pulses of no and of full duty, us, in the place of {full}"),
@@ -285,6 +294,7 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     let has = |quantity| parts.iter().any(|part| part.quantity == quantity);
     let needs = |per_turn| parts.iter().any(|part| per_turn_of(part) == Some(per_turn));
     let turn = parts.iter().find_map(|part| part.turn);
+    let wrap = parts.iter().find_map(|part| turns::of_wrap(part, rows));
     let duty_alone = (has(Quantity::Duty) || has(Quantity::Target)) && !has(Quantity::Supply);
     let map: Vec<String> = parts
         .iter()
@@ -297,8 +307,9 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
-        counts_per_rev: needs(PerTurn::Counts)
-            .then(|| turn.map_or("1320".into(), |turn| turn.taken.round().to_string())),
+        counts_per_rev: needs(PerTurn::Counts).then(|| {
+            turn.map(|turn| turn.taken.round()).or(wrap).map_or("1320".into(), |turn| turn.to_string())
+        }),
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),
@@ -308,7 +319,9 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
             .chain(parts.iter().filter_map(|part| guessed_unit(&names[part.index], part)))
             .chain(parts.iter().filter_map(|part| taken_for(names, part, parts, rows)))
             .chain(parts.iter().filter_map(|part| drive::said_of_drive(names, rows, part)))
+            .chain(parts.iter().filter_map(|part| duty_range::question(names, rows, part)))
             .chain(turn.map(Turn::said))
+            .chain(wrap.filter(|_| turn.is_none()).map(turns::said_of_wrap))
             .chain(bridge::question(parts, names, rows))
             .collect(),
     }
@@ -545,6 +558,79 @@ mod tests {
         let rows = rows(|k| vec![10.0, (200.0 * (0.1 * k).sin()).round(), (5.0 * (0.1 * k).sin()).round()]);
         let proposal = propose(&names("dt_ms;pwm;delta_ticks"), &rows).unwrap();
         assert_eq!(proposal.map, "interval=dt_ms:ms,duty=pwm:255,speed=delta_ticks:counts/s*100");
+    }
+
+    #[test]
+    fn a_set_value_that_the_angle_goes_far_beyond_is_no_target_and_the_number_of_a_row_no_current() {
+        let sent = |k: f64| (200.0 * (0.05 * k).sin()).round();
+        let counted = rows(|k| vec![10.0 * k, sent(k), 40.0 * k]);
+        assert_eq!(propose(&names("ms;set;enc"), &counted), None);
+        let reached = rows(|k| vec![10.0 * k, sent(k), sent(k - 3.0)]);
+        assert!(propose(&names("ms;set;enc"), &reached).is_some_and(|p| p.map.contains("target=set")));
+        let numbered = rows(|k| vec![k, 10.0 * k, sent(k), 30.0 * (0.05 * k).sin()]);
+        let proposal = propose(&names("i;ms;pwm;rpm"), &numbered).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=rpm:rpm");
+    }
+
+    #[test]
+    fn the_fine_angle_behind_the_gear_is_the_motion() {
+        let angle = |k: f64| 1500.0 * (0.02 * k).sin();
+        let apart = rows(|k| {
+            vec![
+                10.0 * k,
+                (200.0 * (0.1 * k).sin()).round(),
+                (angle(k) / 360.0).floor(),
+                angle(k).rem_euclid(360.0),
+            ]
+        });
+        let map = propose(&names("ms;pwm;turns;deg"), &apart).unwrap().map;
+        assert!(map.ends_with("angle=deg:deg"), "{map}");
+        // 30 turns of the motor are one of the shaft.
+        let rpm = |k: f64| 30.0 * 1500.0 * 0.02 * (0.02 * k).cos() * 100.0 / 6.0;
+        let geared = rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).cos(), rpm(k), angle(k)]);
+        let map = propose(&names("t;u;motor_rpm;out_deg"), &geared).unwrap().map;
+        assert_eq!(map, "time=t:s,voltage=u:V,angle=out_deg:deg");
+        let pins = rows(|k| {
+            vec![
+                10.0 * k,
+                f64::from(u8::from((0.1 * k).sin() > 0.0)),
+                (200.0 * (0.1 * k).sin().abs()).round(),
+                9.0 * k,
+            ]
+        });
+        let map = propose(&names("ms;in1;en;count"), &pins).unwrap().map;
+        assert_eq!(map, "time=ms:ms,duty=en:255,direction=in1:sign,angle=count:counts");
+    }
+
+    #[test]
+    fn an_angle_in_tenths_is_in_degrees() {
+        let tenths =
+            rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).sin(), (9000.0 * (0.02 * k).sin()).round() / 10.0]);
+        let proposal = propose(&names("t;u;position"), &tenths).unwrap();
+        assert!(proposal.map.ends_with("angle=position:deg"), "{}", proposal.map);
+        assert!(proposal.assumptions().contains("deg is a guess"));
+    }
+
+    #[test]
+    fn columns_that_no_name_tells_are_proposed_by_their_numbers() {
+        let mut speed = 0.0;
+        let rows = (0..300).map(|k| {
+            let volts = [6.0, -3.0, 0.0, 4.5][k / 50 % 4];
+            speed += 0.1 * (2.0 * volts - speed);
+            vec![0.01 * k as f64, volts, 0.01 * k as f64, speed]
+        });
+        let sample = Sample {
+            with_units: names("time;value;time;value"),
+            names: names("time;value;time;value"),
+            rows: rows.collect(),
+            texts: Vec::new(),
+            stamped: false,
+            signed: Vec::new(),
+            rate: None,
+        };
+        assert_eq!(propose_for(&sample), None);
+        let asked = questions::numbers_question(&sample).unwrap();
+        assert!(asked.contains("--map time=0:s,voltage=1:V,speed=3:rad/s"), "{asked}");
     }
 
     #[test]

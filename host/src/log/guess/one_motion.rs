@@ -68,7 +68,9 @@ pub(super) fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
     let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
     for rows in whole.windows(3) {
         let change = (rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
-        if change.is_finite() {
+        // Where the clock begins anew, another run does.
+        let is_one_run = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
+        if change.is_finite() && is_one_run {
             let speed = rows[1][2];
             (product, changes, speeds) =
                 (product + change * speed, changes + change * change, speeds + speed * speed);
@@ -88,14 +90,11 @@ pub(super) const NEAR: f64 = 0.02;
 /// In the units of a proposal a speed is this many times the change of its angle at least, and at most: beyond, a reader refuses both.
 const ALIKE: (f64, f64) = (0.5, 2.0);
 
-/// Takes off a speed of a guessed unit that is the change of the angle beside it by a factor that is none of a unit: what it changes by from
-/// row to row, or on the other side of the gears. The angle suffices.
+/// Takes off a speed that is the change of the angle beside it by a factor that is none of a unit: what it changes by from row to row, or on
+/// the other side of the gears. The angle suffices. A speed whose unit its name tells stays where another unit would make them one.
 pub(super) fn leave_out_other_motion(parts: &mut Vec<Part>, rows: &[Vec<f64>]) {
     let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
-    let (Some(angle), Some(speed)) = (of(Quantity::Angle), of(Quantity::Speed).filter(|speed| speed.guessed))
-    else {
-        return;
-    };
+    let (Some(angle), Some(speed)) = (of(Quantity::Angle), of(Quantity::Speed)) else { return };
     let factor = |part: &Part| {
         Unit::parse(part.quantity, &part.unit)
             .ok()
@@ -103,7 +102,10 @@ pub(super) fn leave_out_other_motion(parts: &mut Vec<Part>, rows: &[Vec<f64>]) {
             .map(|unit| unit.factor)
     };
     let Some((ratio, _)) = ratio(parts, rows) else { return };
+    // Where the names tell both units and no other ones make them one motion, they are of two shafts.
+    let may_be_other = speed.guessed || pairs_of(ratio).next().is_none();
     if let (Some(of_angle), Some(of_speed)) = (factor(angle), factor(speed))
+        && may_be_other
         && !(ALIKE.0..ALIKE.1).contains(&(ratio * of_speed / of_angle))
     {
         parts.retain(|part| part.quantity != Quantity::Speed);

@@ -3,7 +3,7 @@
 use super::clocks::{self, DAYS};
 use super::columns::{self, Part, Range};
 use super::preview::short;
-use super::{column, options_as_if, quoted, unit_names, words};
+use super::{by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written};
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
 use crate::log::timing;
@@ -138,7 +138,10 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
         [Quantity::Angle, Quantity::Speed].contains(&part.quantity)
             && unit_names::unit_named(unit).is_some_and(|(of, _)| of != part.quantity)
     };
-    let unknown = |unit: &String| !unit.is_empty() && (!unit_names::is_unit(unit) || of_another(unit));
+    // `PWM (0-255)` tells its full duty.
+    let is_full = part.quantity == Quantity::Duty && duty_range::told(name).is_some();
+    let unknown =
+        |unit: &String| !is_full && !unit.is_empty() && (!unit_names::is_unit(unit) || of_another(unit));
     let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"
@@ -229,6 +232,25 @@ pub(in crate::log) fn sampled_question(sample: &Sample) -> Option<String> {
         sample.names[volts],
         sample.names[speed],
         quoted(&map)
+    ))
+}
+
+/// What is proposed where no name tells what drives the motor or how it moves, `value` twice over, and the numbers do.
+pub(in crate::log) fn numbers_question(sample: &Sample) -> Option<String> {
+    let tells = |name: &String| {
+        let said = words::said(name);
+        said.wanted || said.effort || said.quantity.is_some_and(|(of, _)| of != Quantity::Time)
+    };
+    let parts = by_numbers::parts(&sample.rows);
+    let is_named = parts.iter().all(|part| part.index < sample.names.len());
+    if parts.is_empty() || !is_named || sample.with_units.iter().any(tells) {
+        return None;
+    }
+    let proposal = written(&sample.names, &parts, &sample.rows, sample.stamped);
+    Some(format!(
+        "no name tells which column drives the motor and which is its motion; by the course of their numbers alone it looks like {}: compare it \
+         with what you know of them",
+        proposal.told()
     ))
 }
 

@@ -65,6 +65,7 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "drive",
             "control",
             "ctrl",
+            "en",
             "ena",
             "enb",
             "esc",
@@ -285,6 +286,9 @@ pub(super) const WANTED: [&str; 18] = [
     "demand", "wanted", "error", "err", "erro", "e", "kp", "ki", "kd", "integral", "pid", "term", "terms",
     "pterm", "iterm", "dterm", "fehler", "erreur",
 ];
+
+/// Words that end so are of errors too: `poserror`, `spderr`, `Regelfehler`, `Regelabweichung`.
+pub(super) const ERROR_ENDS: [&str; 4] = ["error", "err", "fehler", "abweichung"];
 
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
 pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];

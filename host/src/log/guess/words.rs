@@ -3,8 +3,8 @@
 use super::super::units::Quantity;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
-    ACTION, CLOCKS, COMMANDED, EFFORTS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES, TARGETS,
-    TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
+    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES,
+    TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -73,7 +73,9 @@ pub fn said(name: &str) -> Said {
     });
     let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let wanted = any_of(&TARGETS) || any_of(&WANTED);
+    let is_made =
+        any_of(&WANTED) || words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)));
+    let wanted = any_of(&TARGETS) || is_made;
     // A torque that was wanted is no place to go to.
     let target = !effort && (any_of(&TARGETS) || any_of(&[ACTION]));
     let mut best: Option<(Quantity, u8, Option<&'static str>)> = None;
@@ -134,6 +136,8 @@ pub fn said(name: &str) -> Said {
         (Some((Supply, plain, _)), Some((Voltage, _))) => Some((Supply, plain)),
         (Some((Interval, plain, _)), Some((Time, _))) => Some((Interval, plain)),
         (Some((Duty, _, _)), Some((Voltage, _))) => Some((Voltage, 4)),
+        // The shaft behind the gear: `out_deg`.
+        (Some((Duty, ..)), Some((of @ (Angle | Speed), _))) if any_of(&["out", "output"]) => Some((of, 4)),
         (Some((named, plain, _)), Some((of, _))) if named == of => Some((named, plain + 2)),
         // A potentiometer's or a tachometer's volts.
         (Some((Angle | Speed, ..)), Some((Voltage, _))) => None,
@@ -176,9 +180,8 @@ pub fn said(name: &str) -> Said {
         && !any_of(&["shaft", "encoder", "enc", "counts", "ticks"]);
     let (wanted, target) = (wanted || commanded, target || commanded);
     // A voltage or a duty that was commanded drives the motor, where none was measured.
-    let drives = matches!(quantity, Some((Voltage | Duty, plain)) if plain >= 3)
-        && !any_of(&WANTED)
-        && !any_of(&REGISTERS);
+    let drives =
+        matches!(quantity, Some((Voltage | Duty, plain)) if plain >= 3) && !is_made && !any_of(&REGISTERS);
     let asked = drives && wanted || matches!(quantity, Some((Voltage, _))) && any_of(&COMMANDED[..3]);
     let quantity = quantity.map(|(of, plain)| if asked { (of, 1) } else { (of, plain) });
     let (wanted, target) = (wanted && !drives, target && !drives);
@@ -364,6 +367,8 @@ mod tests {
             ("time(t)", Time, None),
             ("ex_signal(u)", Voltage, None),
             ("system_response(y)", Speed, None),
+            ("out_deg", Angle, Some("deg")),
+            ("EN", Duty, None),
         ] {
             let said = said(name);
             assert_eq!(said.quantity.map(|q| q.0), Some(quantity), "{name}: {said:?}");
@@ -387,6 +392,10 @@ mod tests {
             "input_pos",
             "Referencia",
             "i_term",
+            "poserror",
+            "speed_err",
+            "Regelabweichung",
+            "e_pos",
             "Target Torque",
         ] {
             assert!(said(name).wanted, "{name}");
