@@ -12,16 +12,14 @@ pub enum Mend {
     Columns,
     /// Seconds that are left out.
     Range,
-    /// Another record.
-    Record,
 }
 
-/// The problems by their names, each with what mends it; the reader's own repairs and what only limits the answer are not among them.
-const MENDS: [(Mend, &[&str]); 3] = [
+/// The problems by their names, each with what mends it. What may be as the owner wants it, what an effect of the library explains as well (late or
+/// lost readings), the reader's own repairs and what only limits the answer are not among them: good data are not to be refused.
+const MENDS: [(Mend, &[&str]); 2] = [
     (
         Mend::Columns,
         &[
-            "perhaps_duty",
             "unsigned_voltage",
             "unsigned_motion",
             "angle_as_speed",
@@ -31,22 +29,29 @@ const MENDS: [(Mend, &[&str]); 3] = [
             "sign_flipped",
             "wrong_units",
             "wrong_gear_ratio",
-            "records_disagree",
         ],
     ),
     (Mend::Range, &["hard_stop", "frozen_sensor"]),
-    (Mend::Record, &["shifted_samples", "lost_counts", "clipped_voltage"]),
 ];
+
+/// The name of the fault.
+fn name(fault: &Warning) -> &str {
+    fault.what.split_once(':').map_or("", |(name, _)| name)
+}
 
 impl Mend {
     /// What the first of `faults` that changes the answer is mended with, and where it is.
     pub fn first(faults: &[Warning]) -> Option<(Self, &str)> {
-        let named = |fault: &Warning, names: &[&str]| {
-            fault.what.split_once(':').is_some_and(|(name, _)| names.contains(&name))
-        };
         MENDS.into_iter().find_map(|(mend, names)| {
-            faults.iter().find(|fault| named(fault, names)).map(|fault| (mend, fault.place.as_str()))
+            let fault = faults.iter().find(|fault| names.contains(&name(fault)))?;
+            Some((mend, fault.place.as_str()))
         })
+    }
+
+    /// Where one of `faults` asks whether the columns mean what they were read as.
+    pub fn asked(faults: &[Warning]) -> Option<(Self, &str)> {
+        let asks = faults.iter().find(|fault| name(fault).starts_with("perhaps_"))?;
+        Some((Self::Columns, asks.place.as_str()))
     }
 
     /// As a button says it.
@@ -54,7 +59,6 @@ impl Mend {
         match self {
             Self::Columns => "Check the columns",
             Self::Range => "Leave the bad seconds out",
-            Self::Record => "See the data problems",
         }
     }
 }
@@ -67,9 +71,10 @@ mod tests {
     fn columns_are_mended_before_seconds_and_what_changes_nothing_not_at_all() {
         let fault =
             |what: &str| Warning { place: what.into(), what: format!("{what}: why"), fix: "do".into() };
-        let all = ["wrapped_angle", "hard_stop", "perhaps_duty"].map(fault);
-        assert_eq!(Mend::first(&all), Some((Mend::Columns, "perhaps_duty")));
-        assert_eq!(Mend::first(&all[..2]), Some((Mend::Range, "hard_stop")));
-        assert_eq!(Mend::first(&all[..1]), None);
+        let all = ["wrapped_angle", "perhaps_duty", "hard_stop", "wrong_units"].map(fault);
+        assert_eq!(Mend::first(&all), Some((Mend::Columns, "wrong_units")));
+        assert_eq!(Mend::first(&all[..3]), Some((Mend::Range, "hard_stop")));
+        assert_eq!(Mend::first(&all[..2]), None, "volts as small as a duty are no fault");
+        assert_eq!(Mend::asked(&all), Some((Mend::Columns, "perhaps_duty")));
     }
 }

@@ -123,6 +123,7 @@ impl Findings {
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
             mend: Mend::first(of_logs),
+            asked: None,
         });
         later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
         if suggested.is_none() {

@@ -50,6 +50,8 @@ pub struct Facts<'a> {
     pub data_problems: bool,
     /// What the first of them that changes the answer is mended with, and where it is.
     pub mend: Option<(Mend, &'a str)>,
+    /// Where a person is asked whether the columns were read as they are meant, and can say so: as `mend`, but nothing is doubted for it.
+    pub asked: Option<(Mend, &'a str)>,
 }
 
 /// An effect that held-out data do not confirm.
@@ -78,16 +80,16 @@ impl Standing {
             (Some(verdict), None) => facts.errors.headline(facts.effects, verdict, left),
             (None, None) => facts.errors.so_far(facts.effects, facts.suggested),
         };
-        let (first, mut next) = (facts.mend, NextStep::after(facts, verdict));
+        let (first, mut next) = (facts.mend.or(facts.asked), NextStep::after(facts, verdict));
         let mut also = None;
         if let Some((mend, place)) = first {
             let later = std::mem::replace(&mut next, NextStep::mending(mend, place));
             let goes_on = matches!(later.action, Action::Diagnose | Action::Add | Action::Remove);
             also = goes_on.then_some(later);
         }
-        let headline = format!("{headline}{}.", if first.is_some() { FIRST } else { "" });
+        let headline = format!("{headline}{}.", if facts.mend.is_some() { FIRST } else { "" });
         let badge = match (facts.doubted, facts.suggested, verdict) {
-            _ if first.is_some() => Verdict::BadData.badge(),
+            _ if facts.mend.is_some() => Verdict::BadData.badge(),
             (Some(_), ..) => "Not confirmed",
             (None, Some(_), _) => "An effect is missing",
             (None, None, Some(verdict)) => facts.errors.badge(verdict, left),
@@ -108,6 +110,7 @@ impl Standing {
             hidden: &[],
             data_problems: false,
             mend: None,
+            asked: None,
         })
     }
 
@@ -275,6 +278,7 @@ mod tests {
             hidden: &[],
             data_problems: false,
             mend: None,
+            asked: None,
         }
     }
 
@@ -293,6 +297,9 @@ mod tests {
         assert_eq!((also.action, also.effect), (Action::Add, Some(Kind::Delay)));
         let told = Standing::of(&Facts { mend, ..facts(&["delay (2 ms)".to_owned()], 1.1) });
         assert_eq!((told.verdict, told.next.action), (Some(Verdict::Explained), Action::Data));
+        let asked = Standing::of(&Facts { asked: mend, ..facts(&["delay (2 ms)".to_owned()], 1.1) });
+        assert_eq!((asked.badge, asked.next.mend), ("Explained", Some(Mend::Columns)));
+        assert!(!asked.headline.contains("mend"), "{asked:?}");
         assert!(told.also.is_none(), "a model of data that are to be mended is not to be used");
     }
 

@@ -21,8 +21,8 @@ pub struct Hold {
 
 /// Changes that a record must show.
 const FEWEST_CHANGES: usize = 60;
-/// Longest hold, samples.
-const LONGEST: f64 = 64.0;
+/// Longest hold that is fitted, samples.
+pub(super) const LONGEST: f64 = 64.0;
 /// A hold shorter than this many samples skips too few of them.
 const SHORTEST: f64 = 1.03;
 /// A change by this many of the smallest would have shown sooner, were the reading not held.

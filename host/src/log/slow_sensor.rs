@@ -1,18 +1,16 @@
 //! A sensor that is read far less often than the log is written: its readings are held for many rows.
 //!
 //! Between two readings the rows say nothing of the motion, and what looks like a delay is the age of the last one. Holds of up to some
-//! dozen rows of an angle are part of the model, which knows them to a millionth of a second; longer ones, and those of a speed, are taken
-//! out here: only the rows in which a reading is new are kept, with the mean voltage until the next, so that no volt-second is lost.
+//! dozen rows are part of the model, which knows when the voltage changed between two readings. Longer ones are taken out here: only the
+//! rows in which a reading is new are kept, with the mean voltage until the next, so that no volt-second is lost.
 
-use super::hold::hold;
+use super::hold::{LONGEST, hold};
 use super::repair::leave_out;
 use super::samples::FEWEST_SAMPLES;
 use super::suspicion::place_of;
 use super::timing::median_interval;
 use super::{Record, Warning};
 
-/// Rows from which on a hold is one.
-const FEWEST_ROWS: usize = 5;
 /// Changes that show it.
 const FEWEST_CHANGES: usize = 9;
 /// Rows from one change to the next are as many as the hold has, within this share of it, ...
@@ -95,7 +93,7 @@ fn held_rows(values: &[f64]) -> Option<f64> {
         moving.iter().filter(|holds| is(**holds)).count() as f64 / moving.len().max(1) as f64
     };
     let is_even = |holds: f64| holds > 1.0 - EVEN && (holds - holds.round()).abs() <= EVEN;
-    let is_held = rows >= FEWEST_ROWS as f64
+    let is_held = rows > LONGEST
         && moving.len() + 1 >= FEWEST_CHANGES
         && share(&is_even) >= REGULAR
         && share(&|holds| holds.round() == 1.0) >= AFTER_ONE

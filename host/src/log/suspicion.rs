@@ -276,9 +276,16 @@ const APART: f64 = 1.5;
 /// A record whose regression leaves more than this says nothing about the gain.
 const UNCLEAR: f64 = 0.3;
 
+/// Whether `voltages` tell dry friction from a gain: of one level friction alone may be all that the motor does.
+fn tells_friction(voltages: &[f64]) -> bool {
+    let highest = voltages.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    voltages.iter().any(|v| (0.05..0.8).contains(&(v.abs() / highest)))
+}
+
 /// One record in other volts, or of another motor.
 fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
-    let regressed = |s: &Seen| s.weak.as_ref()?.regress(0.0, |v| v);
+    let regressed =
+        |s: &Seen| s.weak.as_ref().filter(|_| tells_friction(&s.record.voltage_v))?.regress(0.0, |v| v);
     let gain = |s: &Seen| regressed(s).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
     let gains: Vec<(&Seen, f64)> = seen.iter().filter_map(|s| Some((s, gain(s)?.gain))).collect();
     if gains.len() < 3 {

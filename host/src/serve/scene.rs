@@ -63,8 +63,6 @@ impl Scene {
     /// The verdict and what to do next.
     pub fn standing(&self) -> Standing {
         let diagnosis = self.diagnosis.as_deref();
-        let mut sure = self.faults.clone();
-        sure.retain(|fault| !(self.confirmed && fault.what.starts_with("perhaps_")));
         Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.baseline.as_ref(), self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
@@ -79,7 +77,8 @@ impl Scene {
                 .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
-            mend: Mend::first(&sure),
+            mend: Mend::first(&self.faults),
+            asked: Mend::asked(&self.faults).filter(|_| !self.confirmed),
         })
     }
 

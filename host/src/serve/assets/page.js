@@ -210,7 +210,7 @@ async function mendData({ mend, where }) {
   ($("data-faults").hidden ? $("data") : $("data-faults")).scrollIntoView();
 }
 function showStanding({ verdict, badge, headline, next, also }) {
-  $("verdict").dataset.verdict = next.mend ? "bad_data" : verdict || next.action;
+  $("verdict").dataset.verdict = badge === "Data problem" ? "bad_data" : verdict || next.action;
   $("badge").textContent = badge;
   // No line begins with the unit of the number before it.
   $("headline").textContent = headline.replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
