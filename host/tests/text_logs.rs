@@ -341,7 +341,7 @@ fn what_cannot_be_told_is_refused_with_what_to_do() {
             [
                 "the columns are t, ch1, ch2",
                 "time=t:s,voltage=ch1:V,speed=ch2:rad/s",
-                "time, voltage and speed",
+                "channels of an oscilloscope",
             ],
         ),
         (

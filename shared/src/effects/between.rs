@@ -63,7 +63,7 @@ impl<S: Scalar, E: Effects<S>> Effects<S> for Between<S, E> {
         if let Some(delay) = &self.delay {
             delay.drive(now, &memories[LATE], drive);
         }
-        // It reads nothing of what other laws drive, and saturation reads what it drives.
+        // It reads nothing of what other effects drive, and saturation reads what it drives.
         if let Some(friction) = &self.friction {
             friction.drive(now, &memories[LATE], drive);
         }
