@@ -64,6 +64,9 @@ impl From<Fault> for crate::error::Error {
     }
 }
 
+/// What is said while a run is begun again and again, until the shaft rests ([`Capture::patient`]).
+pub const WAITING: &str = "the shaft still turns: waiting (hold it, or wait)";
+
 /// What to do about a run that ended before its programme.
 pub fn remedy(cause: Cause) -> &'static str {
     match cause {
