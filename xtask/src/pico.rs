@@ -48,7 +48,8 @@ struct Fault {
     options: &'static [&'static str],
     /// When the pins have to be off, ms after it.
     off_ms: RangeInclusive<f64>,
-    /// What the host says of it; nothing where the board does not come back on its line.
+    /// What the host says of it, after the watchdog's restart where there is one; nothing where the watchdog stands too, and the board
+    /// does not come back.
     told: &'static str,
 }
 
@@ -59,6 +60,8 @@ const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fa
 
 /// With a limit of the current that the motor's own stays below.
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
+/// What the board tells after a restart that it has noted no other reason for.
+const HUNG: &str = "because the firmware hung";
 const FAULTS: [Fault; 12] = [
     fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
     Fault {
@@ -70,11 +73,15 @@ const FAULTS: [Fault; 12] = [
         "emergency input open",
         "a contact that opens for an instant does too, and the motor stays off",
     ),
-    fault("fault", "", "a fault of the core takes the pins down"),
-    fault("panic", "", "so does a panic"),
-    fault("hang", "", "a program that hangs with interrupts off loses the bridge by the NMI"),
-    fault("circle", "", "a main loop that runs in a circle loses it by the sampling interrupt"),
-    fault("dead", "", "so does one whose sampling timer stands"),
+    fault(
+        "fault",
+        "because a fault of the chip's core",
+        "a fault of the core takes the pins down and is told after the restart",
+    ),
+    fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
+    fault("hang", HUNG, "a program that hangs with interrupts off loses the bridge by the NMI"),
+    fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
+    fault("dead", HUNG, "so does one whose sampling timer stands"),
     Fault { options: &WIRED, ..fault("pumped", "measured supply", "and a supply that is pumped up") },
     Fault { options: &LIMITED, ..fault("short", "over-current", "and a current above its limit") },
     Fault {
