@@ -15,13 +15,17 @@ use object::{Object, ObjectSymbol, SymbolKind};
 use serde::Deserialize;
 
 use crate::report::Count;
-use crate::{arm, emulated, process, uf2};
+use crate::{arm, documented, emulated, process, uf2};
 
 /// One short programme, so that an emulator that is slower than the chip ends soon.
 const PROGRAMME: [&str; 8] =
     ["--programme", "multisine", "--seconds", "1", "--rate", "500", "--counts-per-rev", COUNTS];
 /// Counts of the encoder in a turn of the output shaft.
 const COUNTS: &str = "1320";
+/// What the README prints first for a board that is wired.
+const CHECK: &str = "device check --port PORT";
+/// Volts at which the emulated motor, with its dry friction, breaks away and has made the counts by which that is seen.
+const BREAKAWAY_V: RangeInclusive<f64> = 0.48..=1.5;
 /// What the emulated board's converter has at its inputs.
 const WIRED: [&str; 4] = ["--divider", "11", "--amplifier", "165"];
 /// Ticks of full voltage: the core's clock by the frequency of the PWM.
@@ -152,6 +156,25 @@ pub fn tests() -> Result<Count> {
             let most = current.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
             let mean = current.iter().sum::<f64>() / current.len() as f64;
             ensure!((0.3..3.0).contains(&most) && mean.abs() < 0.3, "{most} A at most, {mean} A in the mean");
+            Ok(())
+        },
+    );
+    emulated::case(
+        &mut count,
+        "the README's check finds the wires right and where the motor breaks away",
+        || {
+            let check =
+                documented::line(&process::root(), CHECK).context("the README prints no such command")?;
+            let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref()], |port| {
+                let mut command = emulated::motorlens(&["--json"]);
+                command.args(check.as_run(port, &out));
+                Ok(command)
+            })?;
+            ensure!(ended.success && ended.document["ok"] == true, "{ended:?}");
+            for way in [0, 1] {
+                let volts = ended.document["breakaway_v"][way].as_f64();
+                ensure!(volts.is_some_and(|volts| BREAKAWAY_V.contains(&volts)), "{ended:?}");
+            }
             Ok(())
         },
     );
