@@ -1,12 +1,11 @@
 //! One run: set up, played, and its log brought home.
 
-use super::{Collector, Exchange, Fault};
+use super::{Captured, Collector, Exchange, Fault};
 use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{
-    Capabilities, Cause, FromBoard, NEWEST, OLDEST, RunState, Sample, Scaling, Setup, Status, ToBoard,
+    Capabilities, Cause, FromBoard, NEWEST, OLDEST, Reset, RunState, Sample, Scaling, Setup, Status, ToBoard,
 };
 use std::collections::VecDeque;
-use std::ops::Range;
 use std::time::Duration;
 
 /// While a run goes on the board is taken for gone after this silence.
@@ -14,25 +13,6 @@ const PATIENCE: Duration = Duration::from_secs(15);
 /// A run whose shaft still turns is begun again until it has been waited for so long. Between the runs of a series a pendulum or a spring
 /// swings for longer than the board waits, and a shaft that is not at rest by then is more likely driven.
 const ROLL_OUT: Duration = Duration::from_secs(60);
-
-/// A run's log and what is known about it.
-#[derive(Debug, Clone)]
-pub struct Captured {
-    /// What ended the run.
-    pub cause: Cause,
-    /// The samples with their numbers.
-    pub samples: Vec<(u32, Sample)>,
-    /// Numbers of the samples that are missing: not taken, or lost with a line that was out for too long.
-    pub holes: Vec<Range<u32>>,
-    /// What the raw numbers mean.
-    pub scaling: Scaling,
-    /// What the board can do.
-    pub capabilities: Capabilities,
-    /// How the run was set up.
-    pub setup: Setup,
-    /// The board's last word on the run.
-    pub status: Status,
-}
 
 /// The state of capturing one run.
 pub struct Capture {
@@ -43,6 +23,8 @@ pub struct Capture {
     capabilities: Option<Capabilities>,
     collector: Collector,
     status: Option<Status>,
+    /// Why the board started that no longer has the run.
+    lost: Option<Reset>,
     heard: Duration,
     /// Told to stop.
     stopped: bool,
@@ -82,6 +64,7 @@ impl Capture {
             capabilities: None,
             collector: Collector::new(run),
             status: None,
+            lost: None,
             heard: Duration::ZERO,
             stopped: false,
             stopping: false,
@@ -173,6 +156,8 @@ impl Capture {
                 FromBoard::Log(block) => self.collector.block(&block),
                 FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
                 FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
+                // It had told of the run: a board that was without power begins with none.
+                FromBoard::Status(status) if self.status.is_some() => self.lost = Some(status.reset),
                 FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
                 _ => {}
             }
@@ -230,6 +215,10 @@ impl Capture {
     fn follow(&mut self, now: Duration) {
         if now.saturating_sub(self.heard) > PATIENCE {
             self.outcome = Some(Err(Fault::Silent));
+            return;
+        }
+        if let Some(reset) = self.lost {
+            self.outcome = Some(Err(Fault::Forgotten(reset)));
             return;
         }
         let waited = self.began.map_or(Duration::ZERO, |began| now.saturating_sub(began));

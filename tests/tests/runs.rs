@@ -1,6 +1,7 @@
-//! A shaft that still turns when a run is to begin: the host has it begun again for up to a minute, and a stop ends that at once.
+//! Runs that do not begin or end as they should, between the host's capture and the board's own program, with no line but memory.
 //!
-//! The host's capture and the board's own program, with no line between them but memory.
+//! A shaft that still turns when a run is to begin: the host has it begun again for up to a minute, and a stop ends that at once. A board
+//! that loses its power in a run.
 
 // What the firmware's own tests run on; they use more of it.
 #[allow(dead_code)]
@@ -13,7 +14,7 @@ use bench::{Bench, Cable};
 use motorlens::device::{Capture, Captured, Fault};
 use motorlens_firmware::control::Control;
 use motorlens_shared::excitation::{Programme, Shape};
-use motorlens_shared::link::{Cause, RunState, Setup};
+use motorlens_shared::link::{Cause, Reset, RunState, Setup};
 use motorlens_virtual_motor::Bridge;
 
 /// A turn of both ends, and a sampling period.
@@ -30,6 +31,8 @@ struct Talk {
     bench: Bench,
     line: Cable,
     turns_until_us: u32,
+    /// When the board loses its power for a moment, and with it all that it knows.
+    restarts_us: Option<u32>,
     at_us: u32,
 }
 
@@ -37,7 +40,7 @@ impl Talk {
     fn new(turns_until_us: u32) -> Self {
         let bench = Bench::new(&[]);
         bench.control(|control| control.hardware_mut().cranked_until_us = turns_until_us);
-        Self { bench, line: Cable::default(), turns_until_us, at_us: 0 }
+        Self { bench, line: Cable::default(), turns_until_us, restarts_us: None, at_us: 0 }
     }
 
     /// A turn of the board; the bridge is off as long as the shaft is turned.
@@ -59,6 +62,9 @@ impl Talk {
         let began_us = self.at_us;
         while self.at_us - began_us < 100 * SECOND_US {
             self.turn();
+            if self.restarts_us == Some(self.at_us) {
+                (self.bench, self.line) = (Bench::new(&[]), Cable::default());
+            }
             let now = Duration::from_micros((self.at_us - began_us).into());
             let received: Vec<u8> = self.line.to_host.drain(..).collect();
             capture.receive(&received, now);
@@ -130,5 +136,18 @@ fn a_stop_ends_the_waiting_at_once_whenever_it_comes() {
             let state = talk.bench.control(|control| control.status().state);
             assert!(matches!(state, RunState::Stopped(_)), "stopped at {stop_us} us, and {state:?}");
         }
+    }
+}
+
+#[test]
+fn a_board_that_loses_its_power_in_a_run_ends_it_and_leaves_the_log_so_far() {
+    for stop_us in [None, Some(620 * TURN_US)] {
+        let mut talk = Talk { restarts_us: Some(600 * TURN_US), ..Talk::new(0) };
+        let mut capture = capture(FIRST).patient();
+        let fault = talk.follow(&mut capture, stop_us).expect_err("the board has lost the run");
+        assert_eq!(fault, Fault::Forgotten(Reset::PowerOn));
+        assert!(talk.at_us < 2 * SECOND_US, "{} us", talk.at_us);
+        let kept = capture.so_far().expect("what had come");
+        assert!((300..SAMPLES).contains(&kept.samples.len()), "{} samples", kept.samples.len());
     }
 }
