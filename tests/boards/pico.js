@@ -11,7 +11,7 @@
 // crystal (it stops: timer and watchdog stand, and the PLL, which the core and the PWM hang on, swings on by itself),
 // short (8 A more at the current's amplifier), silent (nothing of the host arrives for a second), panic:ADDRESS (the control, to which the
 // variable at this address points, looks borrowed, over which the program panics).
-// What the pins do then is printed.
+// What the pins do then is printed. Where the watchdog starts the board anew it comes back on the bus, and the caller's line stays.
 //
 // What this does not show: the boot ROM and the second boot stage (the image is entered at its vector table), the bus
 // of a real USB host, the ring of the supply, and cycles to the last one (rp2040js counts instructions). The PIO is run
@@ -63,27 +63,44 @@ function start() {
   const timer = rp2040.peripherals[TIMER];
   [timer.intRaw, timer.intEnable, rp2040.core.interruptNMIMask] = [0, 0, 0];
   for (const alarm of timer.alarms) timer.disarmAlarm(alarm);
-  rp2040.core.PM = false;
-  rp2040.core.VTOR = VECTORS;
-  rp2040.core.reset();
+  // The emulated core's own reset begins at the vector alone: whatever it was handling, it handles no longer.
+  Object.assign(core, { PM: false, SPSEL: 0, nPRIV: false, currentMode: 0, IPSR: 0, waiting: false, eventRegistered: false });
+  Object.assign(core, { enabledInterrupts: 0, pendingInterrupts: 0, interruptsUpdated: false });
+  Object.assign(core, { pendingNMI: false, pendingPendSV: false, pendingSVCall: false, pendingSystick: false });
+  rp2040.ppb.reset(); // SysTick
+  core.VTOR = VECTORS;
+  core.reset();
 }
 start();
 
 // The host's side of the bus. The device offers to take a packet before the host has read which end it takes it on, so
 // packets are handed over here: one where the device waits for it and there is something to say.
 const usb = rp2040.usbCtrl;
-const cdc = new USBCDC(usb);
 let sending = [];
 const receiving = [];
 let offered = null;
 let connected = false;
-cdc.onSerialData = (bytes) => sending.push(...bytes);
-cdc.onDeviceConnected = () => {
-  connected = true;
-  // Terminal ready, said to the interface as the class asks; the emulator says it to the device.
-  usb.sendSetupPacket(Uint8Array.of(0x21, 0x22, 3, 0, 0, 0, 0, 0));
-};
-usb.onEndpointRead = (endpoint, size) => endpoint !== 0 && (offered = { endpoint, size });
+function plug() {
+  const cdc = new USBCDC(usb);
+  [offered, connected] = [null, false];
+  cdc.onSerialData = (bytes) => sending.push(...bytes);
+  cdc.onDeviceConnected = () => {
+    connected = true;
+    // Terminal ready, said to the interface as the class asks; the emulator says it to the device.
+    usb.sendSetupPacket(Uint8Array.of(0x21, 0x22, 3, 0, 0, 0, 0, 0));
+  };
+  usb.onEndpointRead = (endpoint, size) => endpoint !== 0 && (offered = { endpoint, size });
+}
+plug();
+// A reset takes the device off the bus: what was under way is lost, and the host greets it anew when it is back.
+function unplug() {
+  [usb.sieStatus, usb.buffStatus, usb.intRaw, usb.intEnable] = [0, 0, 0, 0];
+  for (const { buffers } of [...usb.endpointReadAlarms, ...usb.endpointWriteAlarms]) buffers.length = 0;
+  rp2040.usbDPRAM.fill(0);
+  sending = [];
+  receiving.length = 0;
+  plug();
+}
 function hand() {
   if (fault === "silent" && since !== null && since < 1) receiving.length = 0;
   if (!connected || !offered || !receiving.length) return;
@@ -166,6 +183,7 @@ const watchdog = rp2040.peripherals[0x40058];
 watchdog.onWatchdogTrigger = () => {
   resets++;
   watchdog.writeUint32(0, 0); // it stands until the program starts it
+  unplug();
   start();
 };
 
@@ -186,7 +204,10 @@ function injure() {
     watchdog.writeUint32(0, 0);
     timer.writeUint32 = watchdog.writeUint32 = () => {};
   }
-  if (fault === "fault") rp2040.core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
+  if (fault === "fault") {
+    core.PM = true; // as in the handler, to which nothing but the NMI comes
+    core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
+  }
   if (fault === "hang" || fault === "circle") {
     core.PM = fault === "hang";
     rp2040.sramView.setUint16(0x3ff00, 0xe7fe, true); // b .

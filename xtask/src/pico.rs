@@ -15,13 +15,17 @@ use object::{Object, ObjectSymbol, SymbolKind};
 use serde::Deserialize;
 
 use crate::report::Count;
-use crate::{arm, emulated, process, uf2};
+use crate::{arm, documented, emulated, process, uf2};
 
 /// One short programme, so that an emulator that is slower than the chip ends soon.
 const PROGRAMME: [&str; 8] =
     ["--programme", "multisine", "--seconds", "1", "--rate", "500", "--counts-per-rev", COUNTS];
 /// Counts of the encoder in a turn of the output shaft.
 const COUNTS: &str = "1320";
+/// What the README prints first for a board that is wired.
+const CHECK: &str = "device check --port PORT";
+/// Volts at which the emulated motor, with its dry friction, breaks away and has made the counts by which that is seen.
+const BREAKAWAY_V: RangeInclusive<f64> = 0.48..=1.5;
 /// What the emulated board's converter has at its inputs.
 const WIRED: [&str; 4] = ["--divider", "11", "--amplifier", "165"];
 /// Ticks of full voltage: the core's clock by the frequency of the PWM.
@@ -48,7 +52,8 @@ struct Fault {
     options: &'static [&'static str],
     /// When the pins have to be off, ms after it.
     off_ms: RangeInclusive<f64>,
-    /// What the host says of it; nothing where the board does not come back on its line.
+    /// What the host says of it, after the watchdog's restart where there is one; nothing where the watchdog stands too, and the board
+    /// does not come back.
     told: &'static str,
 }
 
@@ -59,6 +64,8 @@ const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fa
 
 /// With a limit of the current that the motor's own stays below.
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
+/// What the board tells after a restart that it has noted no other reason for.
+const HUNG: &str = "because the firmware hung";
 const FAULTS: [Fault; 12] = [
     fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
     Fault {
@@ -70,11 +77,15 @@ const FAULTS: [Fault; 12] = [
         "emergency input open",
         "a contact that opens for an instant does too, and the motor stays off",
     ),
-    fault("fault", "", "a fault of the core takes the pins down"),
-    fault("panic", "", "so does a panic"),
-    fault("hang", "", "a program that hangs with interrupts off loses the bridge by the NMI"),
-    fault("circle", "", "a main loop that runs in a circle loses it by the sampling interrupt"),
-    fault("dead", "", "so does one whose sampling timer stands"),
+    fault(
+        "fault",
+        "because a fault of the chip's core",
+        "a fault of the core takes the pins down and is told after the restart",
+    ),
+    fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
+    fault("hang", HUNG, "a program that hangs with interrupts off loses the bridge by the NMI"),
+    fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
+    fault("dead", HUNG, "so does one whose sampling timer stands"),
     Fault { options: &WIRED, ..fault("pumped", "measured supply", "and a supply that is pumped up") },
     Fault { options: &LIMITED, ..fault("short", "over-current", "and a current above its limit") },
     Fault {
@@ -145,6 +156,25 @@ pub fn tests() -> Result<Count> {
             let most = current.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
             let mean = current.iter().sum::<f64>() / current.len() as f64;
             ensure!((0.3..3.0).contains(&most) && mean.abs() < 0.3, "{most} A at most, {mean} A in the mean");
+            Ok(())
+        },
+    );
+    emulated::case(
+        &mut count,
+        "the README's check finds the wires right and where the motor breaks away",
+        || {
+            let check =
+                documented::line(&process::root(), CHECK).context("the README prints no such command")?;
+            let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref()], |port| {
+                let mut command = emulated::motorlens(&["--json"]);
+                command.args(check.as_run(port, &out));
+                Ok(command)
+            })?;
+            ensure!(ended.success && ended.document["ok"] == true, "{ended:?}");
+            for way in [0, 1] {
+                let volts = ended.document["breakaway_v"][way].as_f64();
+                ensure!(volts.is_some_and(|volts| BREAKAWAY_V.contains(&volts)), "{ended:?}");
+            }
             Ok(())
         },
     );

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::interrupt::interrupted;
 use super::strip::Strip;
 use super::{Console, next};
-use crate::device::{Capture, Captured, Port, Shaft, record, remedy, wiring};
+use crate::device::{Capture, Captured, Port, Shaft, WAITING, record, remedy, wiring};
 use crate::error::{BadInput, Error, Result};
 use crate::log::write_canonical;
 use crate::motor_file;
@@ -164,9 +164,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let mut port = Port::open(&args.port)?;
     let interrupted = interrupted();
     let mut document = Document { schema: 1, logs: Vec::new(), damaged_frames: 0 };
-    let first = run_number();
-    for (index, play) in (0..).zip(&plays) {
-        let mut capture = Capture::new(setup, &play.programme, first.wrapping_add(index));
+    let mut run = run_number();
+    for (index, play) in plays.iter().enumerate() {
+        // The run before may have left a pendulum swinging.
+        let mut capture = Capture::new(setup, &play.programme, run).patient();
         let outcome = converse(
             &mut port,
             &mut capture,
@@ -176,6 +177,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             &interrupted,
             console,
         );
+        run = capture.run().wrapping_add(1);
         // What came before the line was lost is worth keeping too.
         let captured = outcome.as_ref().ok().cloned().or_else(|| capture.so_far());
         document.damaged_frames += capture.damaged();
@@ -274,12 +276,16 @@ pub(super) fn converse(
 ) -> Result<Captured> {
     let total = (seconds * f32::from(capture.setup().rate_hz)).round() as u64;
     let mut strip = Strip::new(name, total, shaft, console);
+    let mut told = false;
     let outcome = port.converse(|now, received, send| {
         capture.receive(received, now);
         if interrupted.swap(false, Ordering::Relaxed) {
             capture.stop(now);
         }
         capture.poll(now, send);
+        if capture.waits() && !std::mem::replace(&mut told, true) {
+            strip.aside(|| console.say(WAITING));
+        }
         strip.show(capture, now);
         capture.take_outcome()
     });

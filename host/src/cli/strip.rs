@@ -66,6 +66,11 @@ impl Strip {
         self.rows[1].set_message(second);
     }
 
+    /// Takes it off the terminal while something else is said there.
+    pub fn aside(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
+    }
+
     /// Takes it off the terminal.
     pub fn clear(&self) {
         self.rows.iter().chain([&self.bar]).for_each(ProgressBar::finish_and_clear);

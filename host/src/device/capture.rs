@@ -1,35 +1,18 @@
 //! One run: set up, played, and its log brought home.
 
-use super::{Collector, Exchange, Fault};
+use super::{Captured, Collector, Exchange, Fault};
 use motorlens_shared::excitation::Programme;
 use motorlens_shared::link::{
-    Capabilities, Cause, FromBoard, NEWEST, OLDEST, RunState, Sample, Scaling, Setup, Status, ToBoard,
+    Capabilities, Cause, FromBoard, NEWEST, OLDEST, Reset, RunState, Sample, Scaling, Setup, Status, ToBoard,
 };
 use std::collections::VecDeque;
-use std::ops::Range;
 use std::time::Duration;
 
 /// While a run goes on the board is taken for gone after this silence.
 const PATIENCE: Duration = Duration::from_secs(15);
-
-/// A run's log and what is known about it.
-#[derive(Debug, Clone)]
-pub struct Captured {
-    /// What ended the run.
-    pub cause: Cause,
-    /// The samples with their numbers.
-    pub samples: Vec<(u32, Sample)>,
-    /// Numbers of the samples that are missing: not taken, or lost with a line that was out for too long.
-    pub holes: Vec<Range<u32>>,
-    /// What the raw numbers mean.
-    pub scaling: Scaling,
-    /// What the board can do.
-    pub capabilities: Capabilities,
-    /// How the run was set up.
-    pub setup: Setup,
-    /// The board's last word on the run.
-    pub status: Status,
-}
+/// A run whose shaft still turns is begun again until it has been waited for so long. Between the runs of a series a pendulum or a spring
+/// swings for longer than the board waits, and a shaft that is not at rest by then is more likely driven.
+const ROLL_OUT: Duration = Duration::from_secs(60);
 
 /// The state of capturing one run.
 pub struct Capture {
@@ -40,9 +23,19 @@ pub struct Capture {
     capabilities: Option<Capabilities>,
     collector: Collector,
     status: Option<Status>,
+    /// Why the board started that no longer has the run.
+    lost: Option<Reset>,
     heard: Duration,
-    /// Told to stop before the board had told anything of the run.
+    /// Told to stop.
+    stopped: bool,
+    /// And that before the board had told anything of the run.
     stopping: bool,
+    /// Segments of the programme, which the board holds once they are set.
+    segments: u8,
+    /// How long a shaft that turns is waited for, since when it is, and how often the run was begun again.
+    roll_out: Duration,
+    began: Option<Duration>,
+    again: u32,
     outcome: Option<Result<Captured, Fault>>,
 }
 
@@ -61,7 +54,8 @@ impl Capture {
                 segment: segment.clone(),
             });
         }
-        script.push_back(ToBoard::Start { run, segments: programme.segments.len() as u8 });
+        let segments = programme.segments.len() as u8;
+        script.push_back(ToBoard::Start { run, segments });
         Self {
             exchange: Exchange::default(),
             script,
@@ -70,10 +64,31 @@ impl Capture {
             capabilities: None,
             collector: Collector::new(run),
             status: None,
+            lost: None,
             heard: Duration::ZERO,
+            stopped: false,
             stopping: false,
+            segments,
+            roll_out: Duration::ZERO,
+            began: None,
+            again: 0,
             outcome: None,
         }
+    }
+
+    /// The same, begun again for up to a minute where the shaft still turns, each time under the number after the last.
+    pub fn patient(self) -> Self {
+        Self { roll_out: ROLL_OUT, ..self }
+    }
+
+    /// The board's number of the run, the last one where it was begun again.
+    pub fn run(&self) -> u32 {
+        self.run
+    }
+
+    /// Whether the run was begun again, because the shaft still turned, and has no samples yet.
+    pub fn waits(&self) -> bool {
+        self.again > 0 && self.collector.is_empty()
     }
 
     /// How the run is set up.
@@ -107,9 +122,10 @@ impl Capture {
     }
 
     /// Has the board end the run: it is told at once, whatever else it is being asked, and until it answers. The log so far
-    /// still comes; a run that has not begun does not begin.
+    /// still comes; a run that has not begun does not begin, and is not waited for any longer.
     pub fn stop(&mut self, now: Duration) {
         self.script.clear();
+        self.stopped = true;
         self.stopping |= self.status.is_none();
         self.exchange.ask(ToBoard::Stop, now);
     }
@@ -140,6 +156,8 @@ impl Capture {
                 FromBoard::Log(block) => self.collector.block(&block),
                 FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
                 FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
+                // It had told of the run: a board that was without power begins with none.
+                FromBoard::Status(status) if self.status.is_some() => self.lost = Some(status.reset),
                 FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
                 _ => {}
             }
@@ -168,6 +186,9 @@ impl Capture {
             _ => match self.script.pop_front() {
                 Some(message) => {
                     self.heard = now;
+                    if matches!(message, ToBoard::Start { .. }) {
+                        self.began.get_or_insert(now);
+                    }
                     self.exchange.ask(message, now);
                 }
                 None => self.follow(now),
@@ -182,14 +203,36 @@ impl Capture {
         self.outcome = Some(Err(fault));
     }
 
+    /// Has the run begun under another number: under its own the board would take it for begun.
+    fn begin_again(&mut self) {
+        self.run = self.run.wrapping_add(1);
+        self.again += 1;
+        (self.collector, self.status) = (Collector::new(self.run), None);
+        self.script.push_back(ToBoard::Start { run: self.run, segments: self.segments });
+    }
+
     /// The run goes on, or is over and its log still comes.
     fn follow(&mut self, now: Duration) {
         if now.saturating_sub(self.heard) > PATIENCE {
             self.outcome = Some(Err(Fault::Silent));
             return;
         }
+        if let Some(reset) = self.lost {
+            self.outcome = Some(Err(Fault::Forgotten(reset)));
+            return;
+        }
+        let waited = self.began.map_or(Duration::ZERO, |began| now.saturating_sub(began));
         let ended = match self.status {
             Some(status) => match status.state {
+                RunState::Stopped(Cause::Turning) if self.stopped => {
+                    // It would not have begun again in any case.
+                    self.outcome = Some(Err(Fault::Stopped));
+                    return;
+                }
+                RunState::Stopped(Cause::Turning) if waited < self.roll_out => {
+                    self.begin_again();
+                    return;
+                }
                 RunState::Stopped(cause) => {
                     self.collector.expect(status.next);
                     Some((cause, status))

@@ -5,6 +5,7 @@
 //! board in virtual time.
 
 mod capture;
+mod captured;
 pub mod check;
 mod collector;
 mod exchange;
@@ -17,7 +18,8 @@ mod record;
 mod trouble;
 pub mod wiring;
 
-pub use capture::{Capture, Captured};
+pub use capture::Capture;
+pub use captured::Captured;
 pub use collector::Collector;
 pub use exchange::Exchange;
 pub use inquiry::Inquiry;
@@ -25,7 +27,7 @@ pub use listen::{End, Listen, to_record};
 pub use port::Port;
 pub use record::{Shaft, record};
 
-use motorlens_shared::link::{Cause, Refusal};
+use motorlens_shared::link::{Cause, Refusal, Reset};
 use std::fmt;
 
 /// Why a conversation with a board ended without what was asked for.
@@ -43,6 +45,8 @@ pub enum Fault {
     Confused,
     /// Stopped from here before the run began.
     Stopped,
+    /// The board has started anew in the run, for this reason, and no longer has it.
+    Forgotten(Reset),
     /// The board's firmware reads inputs for supply and current whether anything is wired to them or not.
     BuiltInSensors,
 }
@@ -59,10 +63,16 @@ impl From<Fault> for crate::error::Error {
                 "flash the present firmware (motorlens device flash), which reads what --divider and --amplifier name"
             }
             Fault::Stopped => "capture again when the motor may run",
+            Fault::Forgotten(_) => {
+                "check the board's own supply and its cable: a motor that draws on either must not pull them down; then capture again"
+            }
         };
         Self::device(fault.to_string(), remedy)
     }
 }
+
+/// What is said while a run is begun again and again, until the shaft rests ([`Capture::patient`]).
+pub const WAITING: &str = "the shaft still turns: waiting (hold it, or wait)";
 
 /// What to do about a run that ended before its programme.
 pub fn remedy(cause: Cause) -> &'static str {
@@ -101,6 +111,9 @@ impl fmt::Display for Fault {
             }
             Self::Refused(refusal) => write!(f, "the board refuses: {refusal}"),
             Self::Stopped => write!(f, "stopped before the run began"),
+            Self::Forgotten(reset) => {
+                write!(f, "the board started anew in the run (reason: {reset}) and no longer has it")
+            }
             Self::Confused => write!(f, "the board's answer does not belong to the request"),
         }
     }

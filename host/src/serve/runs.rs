@@ -16,7 +16,7 @@ use super::data::{self, Entry};
 use super::device::ask;
 use super::jobs::{self, Answer, End, Job, refused};
 use super::session::Session;
-use crate::device::{Capture, Captured, Port, Shaft, record, remedy, wiring};
+use crate::device::{Capture, Captured, Port, Shaft, WAITING, record, remedy, wiring};
 use crate::error::{Error, Result};
 use crate::log::Record;
 use crate::motor_file::MotorFile;
@@ -112,13 +112,12 @@ fn captured(
     let shaft = Shaft { counts_per_rev: wish.counts_per_rev, gear_ratio: wish.gear_ratio, encoder: None };
     let mut port = Port::open(port)?;
     // Any number but the board's last one: the time is never the same again.
-    let first = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32);
+    let mut run = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u32);
     let mut records = Vec::new();
     for (index, play) in (0_u32..).zip(plays) {
         job.tell(json!({ "type": "playing", "programme": play.log_name(), "number": index + 1,
                          "of": plays.len(), "seconds": play.programme.seconds() }));
-        let run = first.wrapping_add(index);
-        let Some(captured) = played(job, &mut port, setup, play, run, &shaft)? else {
+        let Some(captured) = played(job, &mut port, setup, play, &mut run, &shaft)? else {
             ask(&mut port, [ToBoard::Stop])?;
             return Ok(None);
         };
@@ -135,17 +134,18 @@ fn captured(
     Ok(Some(records))
 }
 
-/// One play, told as it goes; none when the user stopped, with the motor still running.
+/// One play, told as it goes, under this number or, where the shaft is waited for, one of the next; leaves the number for the next play.
+/// None when the user stopped, with the motor still running.
 fn played(
     job: &Job,
     port: &mut Port,
     setup: Setup,
     play: &Play,
-    run: u32,
+    run: &mut u32,
     shaft: &Shaft,
 ) -> Result<Option<Captured>> {
-    let mut capture = Capture::new(setup, &play.programme, run);
-    let (mut told, mut told_at) = (0, Duration::ZERO);
+    let mut capture = Capture::new(setup, &play.programme, *run).patient();
+    let (mut told, mut told_at, mut waits) = (0, Duration::ZERO, false);
     let outcome = port.converse(|now, received, send| {
         if job.stopped() {
             return Some(None);
@@ -153,13 +153,17 @@ fn played(
         capture.receive(received, now);
         capture.poll(now, send);
         let outcome = capture.take_outcome();
+        if capture.waits() && !std::mem::replace(&mut waits, true) {
+            job.tell(json!({ "type": "waiting", "message": WAITING }));
+        }
         if now.saturating_sub(told_at) >= TELL || outcome.is_some() {
             told_at = now;
             told += live(job, &capture, told, shaft);
         }
         outcome.map(Some)
-    })?;
-    Ok(outcome.transpose()?)
+    });
+    *run = capture.run().wrapping_add(1);
+    Ok(outcome?.transpose()?)
 }
 
 /// Tells the page the samples from number `from` on, and returns how many they are.

@@ -22,6 +22,7 @@ mod messages;
 mod protected;
 mod reed_solomon;
 mod sample;
+mod setup;
 mod status;
 
 pub use cause::Cause;
@@ -31,9 +32,8 @@ pub use frame::{
 pub use messages::{Capabilities, FromBoard, Hello, Packet, Refusal, ToBoard};
 pub use protected::MAX_PROTECTED;
 pub use sample::{LOG_SAMPLES, LogBlock, Sample, Scaling};
-pub use status::{
-    DriveMode, PWM_HZ, PWM_LIMITS_HZ, Reset, RunState, SUPPLY_SHARES, Setup, SetupFault, Status,
-};
+pub use setup::{DriveMode, PWM_HZ, PWM_LIMITS_HZ, SUPPLY_SHARES, Setup, SetupFault};
+pub use status::{Reset, RunState, Status};
 
 /// The oldest version of the protocol that this source still speaks.
 pub const OLDEST: u16 = 1;

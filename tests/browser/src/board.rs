@@ -18,6 +18,7 @@ pub struct Board {
     /// What to connect to.
     pub address: String,
     ends: Arc<AtomicBool>,
+    held: Arc<AtomicBool>,
     released: Arc<Mutex<Option<Instant>>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -25,15 +26,30 @@ pub struct Board {
 impl Board {
     /// Starts a board whose motor has these effects.
     pub fn start(effects: &[&str]) -> Self {
+        Self::begin(effects, true)
+    }
+
+    /// Starts a board whose shaft something else turns, until somebody holds it.
+    pub fn turned() -> Self {
+        Self::begin(&[], false)
+    }
+
+    /// Holds the shaft against what turns it.
+    pub fn hold(&self) {
+        self.held.store(true, Ordering::Relaxed);
+    }
+
+    fn begin(effects: &[&str], held: bool) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         listener.set_nonblocking(true).expect("a listener that does not wait");
         let address = format!("tcp://{}", listener.local_addr().expect("an address"));
         let ends = Arc::new(AtomicBool::new(false));
+        let held = Arc::new(AtomicBool::new(held));
         let released = Arc::new(Mutex::new(None));
         let effects: Vec<Effect> = effects.iter().map(|e| Effect::parse(e).expect("an effect")).collect();
-        let (end, off) = (Arc::clone(&ends), Arc::clone(&released));
-        let thread = std::thread::spawn(move || live(&listener, &effects, &end, &off));
-        Self { address, ends, released, thread: Some(thread) }
+        let (end, hand, off) = (Arc::clone(&ends), Arc::clone(&held), Arc::clone(&released));
+        let thread = std::thread::spawn(move || live(&listener, &effects, &end, &hand, &off));
+        Self { address, ends, held, released, thread: Some(thread) }
     }
 
     /// When the bridge was last let go while it drove the motor.
@@ -52,8 +68,15 @@ impl Drop for Board {
 /// The board's clock stands still where the machine is this busy: the host would seem silent to it.
 const MOST_BEHIND: Duration = Duration::from_millis(50);
 
-fn live(listener: &TcpListener, effects: &[Effect], end: &AtomicBool, released: &Mutex<Option<Instant>>) {
+fn live(
+    listener: &TcpListener,
+    effects: &[Effect],
+    end: &AtomicBool,
+    held: &AtomicBool,
+    released: &Mutex<Option<Instant>>,
+) {
     let mut bench = bench::Bench::new(effects);
+    bench.control(|control| control.hardware_mut().cranked_until_us = u32::MAX);
     let mut client: Option<TcpStream> = None;
     let mut clock = Instant::now();
     let mut driven = false;
@@ -66,6 +89,12 @@ fn live(listener: &TcpListener, effects: &[Effect], end: &AtomicBool, released: 
         let alive = client.as_mut().is_none_or(|client| exchange(client, &mut bench.cable));
         if !alive {
             client = None;
+        }
+        if held.load(Ordering::Relaxed) {
+            bench.control(|control| {
+                let rig = control.hardware_mut();
+                rig.cranked_until_us = rig.cranked_until_us.min(rig.now_us);
+            });
         }
         clock = clock.max(Instant::now() - MOST_BEHIND);
         while clock < Instant::now() {

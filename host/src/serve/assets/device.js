@@ -53,13 +53,16 @@ function nextLive(e) {
   playing = e;
   samples = { time: [], voltage: [], angle: [] };
   $("live-title").textContent = `${e.programme}, run ${e.number} of ${e.of}`;
-  $("doing").textContent = `Running ${e.programme} (${e.number} of ${e.of})`;
+  nameRun();
   $("progress").max = e.seconds;
   $("progress").value = 0;
   firstShown = false;
 }
+const nameRun = () => { $("doing").textContent = `Running ${playing.programme} (${playing.number} of ${playing.of})`; };
+function showWaiting(e) { $("doing").textContent = e.message[0].toUpperCase() + e.message.slice(1); }
 function showLive(e) {
   if (!samples) return;
+  if (!samples.time.length) nameRun();
   for (const key of ["time", "voltage", "angle"]) samples[key].push(...e[key]);
   const count = samples.time.length, every = Math.ceil(count / MOST), last = samples.time[count - 1];
   const thin = (values) => (every === 1 ? values.slice() : values.filter((_, k) => k % every === 0));

@@ -231,6 +231,7 @@ const told = {
   trying(e) { $("progress").max = e.of; $("progress").value = e.done; $("doing").textContent = `Trying ${e.effect} (${e.done} of ${e.of})`; },
   step(e) { showStep(e.step); },
   playing(e) { nextLive(e); },
+  waiting(e) { showWaiting(e); },
   live(e) { showLive(e); },
   done(e) { readWell(); ended(e.message); renew(); },
   stopped(e) { ended(e.message); },

@@ -83,6 +83,28 @@ fn the_stop_button_takes_the_voltage_off_at_once() {
 }
 
 #[test]
+fn a_shaft_that_still_turns_is_waited_for_until_it_is_held_and_the_stop_button_ends_that() {
+    let _alone = alone();
+    let board = Board::turned();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    connected(&mut browser, &board);
+    wished(&mut browser, "sine", 2.0);
+    let waits = "/still turns: waiting/.test($('doing').textContent)";
+    browser.click("#run");
+    browser.wait(waits);
+    browser.click("#stop");
+    browser.wait("/^The motor is stopped/.test(document.querySelector('#status').textContent)");
+    assert_eq!(browser.value(waits), false);
+    browser.click("#run");
+    browser.wait(waits);
+    board.hold();
+    browser.wait("Number(document.querySelector('#live').dataset.samples) > 300");
+    assert_eq!(browser.value("/^Running /.test($('doing').textContent)"), true);
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
 fn the_next_experiment_runs_on_the_motor_and_its_record_joins_the_others() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
