@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use motorlens::formula::{Library, Written, WrittenParameter, define};
 use motorlens::{
     Discovered, Error, Event, Kind, Measured, Options, discover, discover_records, estimate, fit, plan,
     record, same,
@@ -104,6 +105,49 @@ fn calls_on_several_threads_do_not_disturb_each_other() {
     });
     assert_eq!(together[0], alone(0.4));
     assert_ne!(together[0].1, together[1].1);
+}
+
+/// What one call is offered the next call in the process neither tries nor names.
+#[test]
+fn an_effect_that_one_call_is_offered_is_unknown_to_the_next() {
+    const NAME: &str = "lobe_of_one_call";
+    let size = WrittenParameter {
+        name: "size".into(),
+        unit: "V".into(),
+        meaning: String::new(),
+        low: -6.0,
+        typical: 0.3,
+        high: 6.0,
+    };
+    let lobe = define(&Written {
+        name: NAME.into(),
+        port: "torque".into(),
+        formula: "-size * sin(3 * angle)".into(),
+        title: String::new(),
+        signature: String::new(),
+        source: String::new(),
+        parameters: vec![size],
+    })
+    .unwrap();
+    let with_it = Library::default().with(lobe).unwrap();
+    let (time, volts, angle) = measured(0.6);
+    let called = |options: Options| {
+        let mut tried = Vec::new();
+        let found = discover(&time, &volts, Measured::Angle(&angle), &options, &mut |event| {
+            if let Event::Trying { effect, .. } = event {
+                tried.push(effect.name());
+            }
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        (tried.contains(&NAME), serde_json::to_string(&found.findings).unwrap().contains(NAME))
+    };
+    let offered = called(Options { library: with_it.kinds().to_vec(), most: 1, ..Options::default() });
+    assert!(offered.0, "it is tried where it is offered");
+    assert_eq!(called(Options { most: 1, ..Options::default() }), (false, false));
+    assert!(!motorlens::diagnose::discover::Options::default().library.contains(&lobe));
+    assert_eq!(estimate::effect_by_name(NAME, &with_it).unwrap(), lobe);
+    assert!(estimate::effect_by_name(NAME, &Library::default()).is_err());
 }
 
 #[test]

@@ -10,13 +10,14 @@ use std::path::PathBuf;
 
 use motorlens::Kind;
 use motorlens::estimate::{self, Method};
+use motorlens::formula::Library;
 use motorlens::simulate::SimulateArgs;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::fault::{MotorlensError, failed, refused};
 use crate::model::{NativeModel, NativeRun};
-use crate::records::{Given, NativeRecord, asked, kinds, misread, motor, own_effects};
+use crate::records::{Given, NativeRecord, asked, kinds, library, misread, motor};
 use crate::watch::watched;
 
 pub(crate) fn text(value: &impl serde::Serialize) -> PyResult<String> {
@@ -34,7 +35,7 @@ fn discover(
     own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, NativeModel)> {
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, most, own_effects(&own)?)?;
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, most, &library(&own)?)?;
     let found = watched(py, progress, move |observer| {
         motorlens::discover_records(&asked.records, &asked.options, observer)
     })?;
@@ -52,8 +53,8 @@ fn fit(
     own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, NativeModel)> {
-    let own = own_effects(&own)?;
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, Vec::new())?;
+    let library = library(&own)?;
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, &library)?;
     let (method, effects, population, generations, seed) = how;
     let method = match method.as_str() {
         "fast" => Method::Fast,
@@ -68,7 +69,7 @@ fn fit(
             ));
         }
     };
-    let effects = kinds(&effects, &own)?;
+    let effects = kinds(&effects, &library)?;
     let how = estimate::Options { method, effects, population, generations, seed };
     let seed = how.seed;
     let fitted = watched(py, progress, move |observer| {
@@ -94,8 +95,9 @@ fn add(
     motor_text: Option<&str>,
     own: Vec<PathBuf>,
 ) -> PyResult<(String, NativeModel)> {
-    let effect = kinds(&[effect], &own_effects(&own)?)?[0];
-    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, Vec::new())?;
+    let library = library(&own)?;
+    let effect = kinds(&[effect], &library)?[0];
+    let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, &library)?;
     let model = model.0.clone();
     let done = watched(py, None, move |observer| {
         motorlens::add(&model, effect, &asked.records, &asked.options, observer)
@@ -118,7 +120,7 @@ fn plan(
     seconds: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Option<String>> {
-    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, 1, Vec::new())?;
+    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, 1, &Library::default())?;
     let next = watched(py, progress, move |observer| {
         motorlens::plan(&asked.records, &asked.options, volts, seconds, observer)
     })?;

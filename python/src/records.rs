@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use motorlens::formula::Library;
 use motorlens::log::{self, ReadArgs, ReadOptions, Record, servo};
 use motorlens::motor_file::{self, MotorFile};
-use motorlens::{Kind, Measured, Options, formula};
+use motorlens::{Kind, Measured, Options};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -158,17 +159,15 @@ pub(crate) fn motor(path: Option<PathBuf>, text: Option<&str>) -> PyResult<Motor
     .map_err(|e| failed(&e))
 }
 
-/// Effects of the user's own, each described by a file.
-pub(crate) fn own_effects(files: &[PathBuf]) -> PyResult<Vec<Kind>> {
-    files.iter().map(|file| formula::read(file).map_err(|e| failed(&e))).collect()
+/// What one call may use: the library's effects, and those of the user's own that these files describe.
+pub(crate) fn library(own: &[PathBuf]) -> PyResult<Library> {
+    let all = own.iter().try_fold(Library::default(), |library, file| library.with_file(file));
+    all.map_err(|e| failed(&e))
 }
 
-/// Effects by their names, the user's own before the library's.
-pub(crate) fn kinds(names: &[String], own: &[Kind]) -> PyResult<Vec<Kind>> {
-    let one = |name: &String| match own.iter().find(|kind| kind.name() == name) {
-        Some(kind) => Ok(*kind),
-        None => motorlens::estimate::effect_by_name(name).map_err(|e| failed(&e)),
-    };
+/// Effects of `library` by their names.
+pub(crate) fn kinds(names: &[String], library: &Library) -> PyResult<Vec<Kind>> {
+    let one = |name: &String| motorlens::estimate::effect_by_name(name, library).map_err(|e| failed(&e));
     names.iter().map(one).collect()
 }
 
@@ -183,10 +182,9 @@ pub(crate) fn asked(
     validate: Vec<Given>,
     motor: MotorFile,
     most: usize,
-    own: Vec<Kind>,
+    library: &Library,
 ) -> PyResult<Asked> {
     let (records, validation) = records(given, validate, &motor)?;
-    let mut options = Options { validation, motor, most, ..Options::default() };
-    options.library.extend(own);
-    Ok(Asked { records, options })
+    let library = library.kinds().to_vec();
+    Ok(Asked { records, options: Options { validation, motor, library, most } })
 }

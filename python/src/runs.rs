@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use motorlens::compare::free_run::{FreeRun, free_runs, pooled};
 use motorlens::compare::problem_of;
+use motorlens::formula::Library;
 use motorlens::{Error, Options};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -76,7 +77,7 @@ pub(crate) fn same(
 ) -> PyResult<String> {
     let motor = motor(motor_path, motor_text)?;
     let (first, second) = (records(first, Vec::new(), &motor)?.0, records(second, Vec::new(), &motor)?.0);
-    let kinds = effects.map(|names| kinds(&names, &[])).transpose()?;
+    let kinds = effects.map(|names| kinds(&names, &Library::default())).transpose()?;
     let options = Options { motor, ..Options::default() };
     let done = watched(py, progress, move |observer| {
         motorlens::same(&first, &second, &options, kinds.as_deref(), observer)

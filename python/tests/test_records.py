@@ -1,5 +1,6 @@
 """What users give: logs, tables, effects of their own, and what is refused."""
 
+import json
 import pathlib
 
 import numpy as np
@@ -77,6 +78,37 @@ def test_an_effect_of_ones_own_and_a_value_that_is_known_are_taken(logs, tmp_pat
     known = {"gear_ratio": 104, "fixed": {"coulomb.level": 0.25}}
     fit = motorlens.fit(logs["training"][:1], effects=["coulomb"], motor=known)
     assert fit.parameters.set_index("name").loc["coulomb.level", "value"] == 0.25
+
+
+def test_effects_that_one_call_is_given_are_unknown_to_the_next(logs, tmp_path):
+    own = tmp_path / "lobe.toml"
+    lines = ["[[parameter]]", "name = 'size'", "unit = 'V'", "low = -6", "typical = 0.3", "high = 6"]
+    own.write_text("\n".join(["name = 'lobe_of_one_call'", "port = 'torque'", "formula = '-size * sin(3 * angle)'", *lines]))
+
+    def trying(effect_files):
+        events = []
+        found = motorlens.discover(
+            logs["training"][:2], motor=logs["motor"], most=1, effect_files=effect_files, progress=events.append
+        )
+        return {event["trying"] for event in events if "trying" in event}, json.dumps(found.to_dict())
+
+    assert "lobe_of_one_call" in trying([own])[0]
+    tried, told = trying([])
+    assert "coulomb" in tried and "lobe_of_one_call" not in tried and "lobe_of_one_call" not in told
+    plain = motorlens.fit(logs["training"][:1], motor=logs["motor"]).model
+    for call in [
+        lambda: motorlens.fit(logs["training"][:1], effects=["lobe_of_one_call"], motor=logs["motor"]),
+        lambda: motorlens.add(plain, "lobe_of_one_call", logs["training"][:1], motor=logs["motor"]),
+        lambda: motorlens.simulate(tmp_path / "s", effects=["lobe_of_one_call=0.5"]),
+    ]:
+        with pytest.raises(motorlens.MotorlensError, match="lobe_of_one_call"):
+            call()
+    # Another caller may describe another effect by the same name.
+    other = tmp_path / "other.toml"
+    other.write_text(own.read_text().replace("typical = 0.3", "typical = 0.4"))
+    with pytest.raises(motorlens.MotorlensError, match="(?s)other.toml, line 1.*two different effects"):
+        trying([own, other])
+    assert "lobe_of_one_call" in trying([other])[0]
 
 
 def test_what_cannot_be_used_is_refused_with_a_remedy(logs, tmp_path):

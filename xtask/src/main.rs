@@ -11,6 +11,7 @@ mod cortex_m0;
 #[path = "../../tests/documented.rs"]
 mod documented;
 mod emulated;
+mod examples;
 mod exports;
 mod features;
 mod fuzz;

@@ -7,8 +7,8 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    added_effect, arm, avr, bench, book, browser, cortex_m0, exports, features, fuzz, instructions, licences,
-    pico, process, python, sizes,
+    added_effect, arm, avr, bench, book, browser, cortex_m0, examples, exports, features, fuzz, instructions,
+    licences, pico, process, python, sizes,
 };
 
 /// What to run.
@@ -23,7 +23,7 @@ pub struct Options {
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 19] = [
+const PARTS: [Part; 20] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -41,6 +41,7 @@ const PARTS: [Part; 19] = [
         tests.args(["test", "--workspace", "--locked", "--no-fail-fast"]).env("MOTORLENS_LONG_TESTS", "1");
         process::run_tests(&mut tests)
     }),
+    ("examples of the library", examples::tests),
     ("library with each feature alone, and with none", features::tests),
     ("an effect is added by its file and its row", || one(added_effect::check())),
     ("exports in their tools", exports::tests),

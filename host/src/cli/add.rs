@@ -14,6 +14,7 @@ use crate::estimate::{Addition, add, effect_by_name};
 use crate::estimate::{Errors, Moved};
 use crate::findings::{Action, NextStep};
 use crate::fit::uncertainty::Estimate;
+use crate::formula::Library;
 use crate::model_file::Model;
 use crate::report::words;
 
@@ -48,11 +49,11 @@ struct Document<'a> {
 }
 
 /// Adds, writes, tells.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
-    let effect = effect_by_name(&args.effect)?;
+    let effect = effect_by_name(&args.effect, library)?;
     let model = Model::read(&args.model)?;
-    let logs = args.input.load()?;
+    let logs = args.input.load(&library.and_those_of(&model.values().kinds()))?;
     logs.warn(console);
     let done = add(&model, effect, &logs.records, &logs.validation, &logs.motor)?;
     if let Some(path) = &args.out {

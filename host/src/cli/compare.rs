@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::input::{LogArgs, model_and_problem};
+use super::input::{LogArgs, problem_as_it_is};
 use super::{Console, next, prose};
 use crate::compare::free_run::{FreeRun, free_runs, pooled};
 use crate::compare::measures::Measures;
@@ -14,8 +14,9 @@ use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::feedforward;
 use crate::findings::Standing;
+use crate::formula::Library;
 use crate::log::Record;
-use crate::model_file::DISCOVERED;
+use crate::model_file::{DISCOVERED, Model};
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
@@ -52,11 +53,12 @@ struct OfRecord {
 }
 
 /// Runs the model over every log, those of `--validate` too: nothing is fitted here.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
-    let logs = args.input.load()?;
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
+    let model = Model::read(&args.model)?;
+    let logs = args.input.load(&library.and_those_of(&model.values().kinds()))?;
     logs.warn(console);
     let all: Vec<Record> = logs.records.iter().chain(&logs.validation).cloned().collect();
-    let (model, problem) = model_and_problem(&args.model, &all, &logs.motor)?;
+    let problem = problem_as_it_is(&model, &all, &logs.motor)?;
     let runs = free_runs(&problem, &model.values());
     if let Some(path) = &args.trace {
         write_trace(path, &runs)?;

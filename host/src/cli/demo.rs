@@ -14,6 +14,7 @@ use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
 use crate::estimate;
 use crate::findings::Findings;
+use crate::formula::Library;
 use crate::log::{self, ReadArgs};
 use crate::report::{self, Story};
 use crate::simulate::{self, RevealArgs, SimulateArgs};
@@ -47,7 +48,7 @@ struct Document<'a> {
 }
 
 /// Simulates, fits, compares, discovers, reveals, and writes the report.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     console.say(format!(
         "1. A virtual motor with an effect picked by {}; logs go to {}.",
         args.hidden,
@@ -72,7 +73,8 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     }
 
     console.say("3. Every effect is tried on it; what held-out data confirm is added:");
-    let (found, findings) = search(&logs, &Options::default(), console)?;
+    let options = Options { library: library.kinds().to_vec(), ..Options::default() };
+    let (found, findings) = search(&logs, &options, console)?;
     console.say(prose::headed(&findings.standing(), &discover::story(&found, &findings, &logs.records)));
     let model = args.out.join("model.json");
     found.model.write(&model)?;

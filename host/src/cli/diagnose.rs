@@ -11,6 +11,7 @@ use crate::diagnose::discover::{Discovery, diagnose};
 use crate::diagnose::ladder::Ranked;
 use crate::error::Result;
 use crate::findings::{Action, Findings};
+use crate::formula::Library;
 use crate::model_file::Model;
 use crate::report::Suspect;
 use crate::report::missing::{self, Setting};
@@ -28,10 +29,12 @@ pub struct Args {
 }
 
 /// Refits the model's own parameters, tries every effect on it, tells.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let model = or_bad_data(Model::read(&args.model), &[], console)?;
-    let logs = or_bad_data(args.input.load(), &[], console)?;
-    let (found, findings) = or_bad_data(diagnosed(&model, &logs, console), logs.faults(), console)?;
+    let known = library.and_those_of(&model.values().kinds());
+    let logs = or_bad_data(args.input.load(&known), &[], console)?;
+    let diagnosis = diagnosed(&model, &logs, library, console);
+    let (found, findings) = or_bad_data(diagnosis, logs.faults(), console)?;
     let mut standing = findings.standing();
     if standing.next.action == Action::Experiment {
         standing.next.command = "motorlens plan MODEL LOG... --out programme.json".into();
@@ -44,12 +47,18 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// What `model` is missing on `logs`, watched.
-pub fn diagnosed(model: &Model, logs: &Logs, console: &Console) -> Result<(Discovery, Findings)> {
+/// What of `library` the `model` is missing on `logs`, watched.
+pub fn diagnosed(
+    model: &Model,
+    logs: &Logs,
+    library: &Library,
+    console: &Console,
+) -> Result<(Discovery, Findings)> {
     logs.warn(console);
-    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let bar = watch::bar(console, library.kinds().len() as u64, "effects");
     let mut progress = watch::climb(console, &bar, unit(&logs.records));
-    let found = diagnose(model, &logs.records, &logs.validation, &logs.motor, &mut progress);
+    let kinds = library.kinds();
+    let found = diagnose(model, &logs.records, &logs.validation, &logs.motor, kinds, &mut progress);
     bar.finish_and_clear();
     let found = found?;
     let findings =

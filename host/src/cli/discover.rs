@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use motorlens_shared::effects::Kind;
-
 use super::input::{LogArgs, Logs};
 use super::{Console, next, prose, watch};
 use crate::atomic_file;
@@ -12,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::estimate::feedforward;
 use crate::findings::Findings;
 use crate::fit::grid::Quantity;
+use crate::formula::Library;
 use crate::log::{Record, Warning};
 
 /// Options of `discover`.
@@ -31,10 +30,10 @@ pub struct Args {
 }
 
 /// Runs the loop and tells what it found.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
-    let logs = or_bad_data(args.input.load(), &[], console)?;
-    let options = Options { most: usize::from(args.most), ..Options::default() };
+    let logs = or_bad_data(args.input.load(library), &[], console)?;
+    let options = Options { library: library.kinds().to_vec(), most: usize::from(args.most) };
     let (found, findings) = or_bad_data(search(&logs, &options, console), logs.faults(), console)?;
     if let Some(path) = &args.out {
         found.model.write(path)?;
@@ -53,7 +52,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 /// The forward selection on `logs`, watched.
 pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Discovery, Findings)> {
     logs.warn(console);
-    let bar = watch::bar(console, Kind::ALL.len() as u64, "effects");
+    let bar = watch::bar(console, options.library.len() as u64, "effects");
     let unit = unit(&logs.records);
     let mut progress = watch::climb(console, &bar, unit);
     let found = discover(&logs.records, &logs.validation, &logs.motor, options, &mut progress);

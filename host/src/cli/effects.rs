@@ -10,7 +10,7 @@ use crate::atomic_file;
 use crate::book;
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
-use crate::formula;
+use crate::formula::Library;
 use crate::glossary;
 
 /// Options of `effects`.
@@ -63,10 +63,10 @@ struct Registry {
 }
 
 /// Lists the effects.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let kinds = match args.names.as_slice() {
-        [] => formula::all(),
-        names => names.iter().map(|n| effect_by_name(n)).collect::<Result<_>>()?,
+        [] => library.kinds().to_vec(),
+        names => names.iter().map(|n| effect_by_name(n, library)).collect::<Result<_>>()?,
     };
     let registry = Registry {
         schema: 1,

@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
 use crate::findings::{NextStep, Standing, named};
 use crate::fit::uncertainty::Estimate;
+use crate::formula::Library;
 use crate::log::Warning;
 use crate::report::{shown_by_fit, words};
 
@@ -67,12 +68,12 @@ struct Document<'a> {
 }
 
 /// Fits, writes, tells.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let effects = args
         .effects
         .iter()
         .filter(|n| *n != "none")
-        .map(|n| effect_by_name(n))
+        .map(|n| effect_by_name(n, library))
         .collect::<Result<Vec<_>>>()?;
     let options = Options {
         method: args.method,
@@ -82,7 +83,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         seed: args.seed,
     };
     args.out.as_deref().map_or(Ok(()), atomic_file::may_write)?;
-    let logs = args.input.load()?;
+    let logs = args.input.load(library)?;
     logs.warn(console);
     let bar = watch::bar(console, u64::from(args.generations), "generations");
     let fitted = fit(&logs.records, &logs.validation, &logs.motor, &options, &mut |generation, iae| {

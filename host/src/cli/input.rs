@@ -1,13 +1,14 @@
 //! What most verbs begin with: logs, the motor file, models.
 
 use std::cell::OnceCell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{Console, prose};
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::fixed;
 use crate::fit::search::Problem;
+use crate::formula::Library;
 use crate::log::{self, Loaded, ReadArgs, Record, Warning};
 use crate::model_file::Model;
 use crate::motor_file::MotorFile;
@@ -47,11 +48,11 @@ impl LogArgs {
         }
     }
 
-    /// Reads all logs.
-    pub fn load(&self) -> Result<Logs> {
+    /// Reads all logs; the motor file may fix parameters of the effects of `library`.
+    pub fn load(&self, library: &Library) -> Result<Logs> {
         let motor = self.reading.motor_file()?;
         if let Some(path) = &self.reading.motor {
-            fixed::check(path, &motor.fixed)?;
+            fixed::check(path, &motor.fixed, library)?;
         }
         let Loaded { records, validation, mut warnings } = log::load(&self.logs, &self.reading)?;
         warnings.extend(behind_validate(&self.logs, std::env::args().skip(1)));
@@ -107,13 +108,12 @@ impl Logs {
     }
 }
 
-/// A model, and records laid out for it.
-pub fn model_and_problem(model: &Path, records: &[Record], motor: &MotorFile) -> Result<(Model, Problem)> {
-    let model = Model::read(model)?;
-    let mut problem = problem_of(&model, records, motor)?;
+/// Records laid out for `model` as it is.
+pub fn problem_as_it_is(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
+    let mut problem = problem_of(model, records, motor)?;
     // Nothing is fitted here: the model's own values stand.
     problem.fixed.clear();
-    Ok((model, problem))
+    Ok(problem)
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 pub use console::Console;
 
 use crate::error::{Error, Result};
-use crate::formula;
+use crate::formula::Library;
 use crate::log::guess::{self, Proposal};
 use crate::log::halves;
 
@@ -119,32 +119,32 @@ enum Verb {
 }
 
 impl Verb {
-    fn run(&self, console: &Console) -> Result<()> {
+    fn run(&self, library: &Library, console: &Console) -> Result<()> {
         match self {
-            Self::Demo(args) => demo::run(args, console),
-            Self::Simulate(args) => simulate::run(args, console),
+            Self::Demo(args) => demo::run(args, library, console),
+            Self::Simulate(args) => simulate::run(args, library, console),
             Self::Reveal(args) => simulate::reveal(args, console),
-            Self::Fit(args) => fit::run(args, console),
-            Self::Compare(args) => compare::run(args, console),
-            Self::Diagnose(args) => diagnose::run(args, console),
-            Self::Add(args) => add::run(args, console),
-            Self::Discover(args) => discover::run(args, console),
-            Self::Plan(args) => plan::run(args, console),
-            Self::Effects(args) => effects::run(args, console),
-            Self::Report(args) => report::run(args, console),
+            Self::Fit(args) => fit::run(args, library, console),
+            Self::Compare(args) => compare::run(args, library, console),
+            Self::Diagnose(args) => diagnose::run(args, library, console),
+            Self::Add(args) => add::run(args, library, console),
+            Self::Discover(args) => discover::run(args, library, console),
+            Self::Plan(args) => plan::run(args, library, console),
+            Self::Effects(args) => effects::run(args, library, console),
+            Self::Report(args) => report::run(args, library, console),
             #[cfg(feature = "device")]
             Self::Capture(args) => capture::run(args, console),
             #[cfg(feature = "device")]
             Self::Device(args) => device::run(args, console),
             #[cfg(feature = "serve")]
-            Self::Serve(args) => serve::run(args, console),
+            Self::Serve(args) => serve::run(args, library, console),
             Self::Export(args) => export::run(args, console),
             Self::Tune(args) => tune::run(args, console),
-            Self::Same(args) => same::run(args, console),
+            Self::Same(args) => same::run(args, library, console),
             Self::Completions(args) => shell::completions(args, console),
             Self::Man(args) => shell::man(args, console),
             Self::Exam(args) => exam::run(args, console),
-            Self::Paper(args) => paper::run(args, console),
+            Self::Paper(args) => paper::run(args, library, console),
         }
     }
 }
@@ -164,7 +164,7 @@ pub fn main() -> ExitCode {
     };
     let console = Console::new(cli.json, cli.quiet);
     let verb = cli.verb.unwrap_or_else(|| Verb::Demo(demo::Args::default()));
-    match offer(&cli.effect_file).and_then(|()| verb.run(&console)) {
+    match library(&cli.effect_file).and_then(|library| verb.run(&library, &console)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console.fail(&error);
@@ -205,12 +205,9 @@ fn with_proposal(given: impl Iterator<Item = String>, file: &Path, proposal: &Pr
     words.join(" ")
 }
 
-/// Lets every verb use the effects in these files.
-fn offer(files: &[PathBuf]) -> Result<()> {
-    for path in files {
-        formula::offer(formula::read(path)?);
-    }
-    Ok(())
+/// What every verb may use: the library's effects, and those in these files.
+fn library(files: &[PathBuf]) -> Result<Library> {
+    files.iter().try_fold(Library::default(), |library, path| library.with_file(path))
 }
 
 /// What clap could not parse; help and version arrive here too.

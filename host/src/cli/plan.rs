@@ -13,6 +13,7 @@ use crate::diagnose::discover::Options;
 use crate::diagnose::plan::{Limits, SECONDS};
 use crate::error::Result;
 use crate::findings::{Action, Experiment, Findings, NextExperiment, NextStep, Verdict};
+use crate::formula::Library;
 use crate::sentence::capital;
 
 /// Options of `plan`.
@@ -45,13 +46,17 @@ struct Answer {
 }
 
 /// Diagnoses the logs, from a model where one stands before them, and chooses the programme.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let (model, input) = args.input.after_model();
-    let logs = or_bad_data(input.load(), &[], console)?;
+    let of_model = model.as_ref().map_or_else(Vec::new, |model| model.values().kinds());
+    let logs = or_bad_data(input.load(&library.and_those_of(&of_model)), &[], console)?;
     let found = match &model {
-        Some(model) => diagnosed(model, &logs, console),
+        Some(model) => diagnosed(model, &logs, library, console),
         // The experiment is that of the diagnosis that proposed it.
-        None => search(&logs, &Options::default(), console),
+        None => {
+            let options = Options { library: library.kinds().to_vec(), ..Options::default() };
+            search(&logs, &options, console)
+        }
     };
     let (found, findings) = or_bad_data(found, logs.faults(), console)?;
     let volts = args.volts.unwrap_or_else(|| found.evidence.highest_voltage());

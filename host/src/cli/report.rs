@@ -12,6 +12,7 @@ use crate::atomic_file;
 use crate::diagnose::discover::Options;
 use crate::error::{Error, Result};
 use crate::findings::Verdict;
+use crate::formula::Library;
 use crate::report::{self, Story, words};
 
 /// Options of `report`.
@@ -40,10 +41,10 @@ struct Document {
 }
 
 /// Discovers, and writes what was found.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     atomic_file::may_write(&args.out)?;
-    let logs = args.input.load()?;
-    let options = Options { most: usize::from(args.most), ..Options::default() };
+    let logs = args.input.load(library)?;
+    let options = Options { library: library.kinds().to_vec(), most: usize::from(args.most) };
     let (found, findings) = search(&logs, &options, console)?;
     let mut story = Story::of(&found, &findings, &logs.records);
     story.standing.next.command = next::commands(&story.standing.next, None, &args.input.logs).join("\n");

@@ -10,6 +10,7 @@ use super::{Console, next};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
+use crate::formula::Library;
 use crate::log::{self, ReadArgs};
 use crate::model_file::Model;
 use crate::same::{Comparison, Verdict, same};
@@ -44,7 +45,7 @@ struct Document {
 }
 
 /// Fits, compares, and tells.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     if let Some(option) = args.second.iter().find(|path| path.to_string_lossy().starts_with('-')) {
         let why = format!("{} stands after --, where only logs of the second set may", option.display());
         return Err(Error::usage(why, "give the options before --"));
@@ -56,10 +57,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         Model::read(path)?.values().kinds()
     } else if let Some(names) = &args.effects {
         let named = names.iter().filter(|name| *name != "none");
-        named.map(|name| effect_by_name(name)).collect::<Result<_>>()?
+        named.map(|name| effect_by_name(name, library)).collect::<Result<_>>()?
     } else {
         console.say("Looking for the effects on the first set ...");
-        discover(&first, &[], &motor, &discover::Options::default(), &mut |_| {})?.effects
+        let options = discover::Options { library: library.kinds().to_vec(), ..discover::Options::default() };
+        discover(&first, &[], &motor, &options, &mut |_| {})?.effects
     };
     let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
     console.answer(&document, || text(&document.comparison));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::Console;
 use crate::error::Result;
+use crate::formula::Library;
 use crate::log::{self, ReadArgs};
 use crate::serve::{self, Session};
 
@@ -26,7 +27,7 @@ pub struct Args {
 }
 
 /// Serves until interrupted.
-pub fn run(args: &Args, console: &Console) -> Result<()> {
+pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let session = if args.logs.is_empty() {
         serve::demo()?
     } else {
@@ -42,7 +43,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             Session::new(loaded.records, loaded.validation, options.motor)?
         }
     };
-    serve::serve(session, args.port, |address| {
+    serve::serve(session, library.clone(), args.port, |address| {
         let url = format!("http://{address}");
         let document = serde_json::json!({ "schema": 1, "url": url });
         console.list(&document, || url.clone());

@@ -3,11 +3,12 @@
 use super::Console;
 use super::next::{shell, then};
 use crate::error::Result;
+use crate::formula::Library;
 use crate::simulate::{self, RevealArgs, SimulateArgs};
 
 /// Makes logs.
-pub fn run(args: &SimulateArgs, console: &Console) -> Result<()> {
-    let simulated = simulate::run(args)?;
+pub fn run(args: &SimulateArgs, library: &Library, console: &Console) -> Result<()> {
+    let simulated = simulate::run(&SimulateArgs { library: library.clone(), ..args.clone() })?;
     console.answer(&simulated, || {
         let validate: Vec<String> =
             simulated.held_out.iter().map(|p| format!("--validate {}", shell(p))).collect();

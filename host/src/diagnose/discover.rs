@@ -42,7 +42,7 @@ pub enum Progress {
 /// What to look for.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Effects that may be added.
+    /// Effects that may be added: the kinds of a [`Library`](crate::formula::Library), or some of them.
     pub library: Vec<Kind>,
     /// Most effects.
     pub most: usize,
@@ -50,7 +50,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { library: crate::formula::all(), most: 4 }
+        Self { library: Kind::ALL.to_vec(), most: 4 }
     }
 }
 
@@ -120,7 +120,7 @@ pub fn discover(
     Ok(again)
 }
 
-/// One step up from `model`, refitted to `records`: what it is missing.
+/// One step up from `model`, refitted to `records`: what of `library` it is missing.
 ///
 /// # Errors
 /// Records that no fit can use.
@@ -129,6 +129,7 @@ pub fn diagnose(
     records: &[Record],
     validation: &[Record],
     motor: &MotorFile,
+    library: &[Kind],
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Discovery> {
     let at = Instant::now();
@@ -143,7 +144,7 @@ pub fn diagnose(
         evidence,
     };
     let own = usize::from(begin.plain.is_some());
-    let options = Options { most: 1, ..Options::default() };
+    let options = Options { library: library.to_vec(), most: 1 };
     let mut found = select::discovery(begin, records, validation, &options, progress);
     // The model's own errors are those of the model as it came.
     found.ladder[own] = rung(&found.evidence, &given);

@@ -28,7 +28,7 @@ use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::uncertainty::{Estimate, estimates};
-use crate::formula;
+use crate::formula::Library;
 use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
@@ -202,13 +202,13 @@ fn kept_out(problem: &Problem, validation: &[Record], motor: &MotorFile) -> Opti
     (!validation.is_empty()).then(|| problem.on(problem.lay_out(validation, motor)))
 }
 
-/// The effect of that name.
+/// The effect of that name in `library`.
 ///
 /// # Errors
 /// Wrong usage that names the nearest effect.
-pub fn effect_by_name(name: &str) -> Result<Kind> {
-    formula::by_name(name).ok_or_else(|| {
-        let remedy = match nearest(name, formula::all().into_iter().map(Kind::name)) {
+pub fn effect_by_name(name: &str, library: &Library) -> Result<Kind> {
+    library.by_name(name).ok_or_else(|| {
+        let remedy = match nearest(name, library.kinds().iter().map(|kind| kind.name())) {
             Some(known) => format!("did you mean {known}? motorlens effects lists all"),
             None => "motorlens effects lists all".to_owned(),
         };
@@ -244,9 +244,10 @@ mod tests {
 
     #[test]
     fn a_misspelt_effect_is_answered_with_the_one_that_was_meant() {
-        assert!(effect_by_name("coulom").unwrap_err().to_string().contains("did you mean coulomb?"));
-        assert_eq!(effect_by_name("backlash").unwrap(), Kind::Backlash);
-        assert_eq!(effect_by_name("zzz").unwrap_err().exit_code(), 2);
+        let by_name = |name| effect_by_name(name, &Library::default());
+        assert!(by_name("coulom").unwrap_err().to_string().contains("did you mean coulomb?"));
+        assert_eq!(by_name("backlash").unwrap(), Kind::Backlash);
+        assert_eq!(by_name("zzz").unwrap_err().exit_code(), 2);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::definition::{Field, Written, WrittenParameter, Wrong};
-use super::library::{define, is_taken};
+use super::library::{Library, RENAME, define, two_called};
 use crate::error::{BadInput, Result};
 use crate::motor_file::{did_you_mean, unknown_key};
 
@@ -62,13 +62,21 @@ const KEYS: [&str; 12] = [
 /// Reads the effect in a file.
 ///
 /// # Errors
-/// A file that cannot be read; what is wrong in it, with line and column; a name that the program offers for another effect.
+/// A file that cannot be read; what is wrong in it, with line and column.
 pub fn read(path: &Path) -> Result<Kind> {
-    let text = std::fs::read_to_string(path).map_err(|e| crate::log::cannot_read(path, &e))?;
-    parse(path, &text)
+    read_beside(path, &Library::default())
 }
 
-fn parse(path: &Path, text: &str) -> Result<Kind> {
+/// The same where `library` is offered already.
+///
+/// # Errors
+/// Also a name that another effect of `library` has.
+pub(super) fn read_beside(path: &Path, library: &Library) -> Result<Kind> {
+    let text = std::fs::read_to_string(path).map_err(|e| crate::log::cannot_read(path, &e))?;
+    parse(path, &text, library)
+}
+
+fn parse(path: &Path, text: &str, library: &Library) -> Result<Kind> {
     let raw: Raw = toml::from_str(text).map_err(|e| {
         let why = e.message().lines().next().unwrap_or_default().to_owned();
         let (why, remedy) = match (unknown_key(&why), why.strip_prefix("missing field `")) {
@@ -99,11 +107,10 @@ fn parse(path: &Path, text: &str) -> Result<Kind> {
         parameters: parameters.collect(),
     };
     let defined = define(&written).and_then(|kind| {
-        if !is_taken(kind) {
+        if !library.has_another(kind) {
             return Ok(kind);
         }
-        let why = format!("two different effects are called {}", written.name);
-        Err(Wrong { field: Field::Name, why, remedy: "give one of them another name".into() })
+        Err(Wrong { field: Field::Name, why: two_called(&written.name), remedy: RENAME.into() })
     });
     defined.map_err(|Wrong { field, why, remedy }| {
         let start = match field {
@@ -135,6 +142,10 @@ mod tests {
 
     const FAN: &str = "name = \"test_fan\"\nport = \"torque\"\nformula = \"-drag * speed * abs(speed)\"\n\
                        [[parameter]]\nname = \"drag\"\nunit = \"V s^2/rad^2\"\nlow = 0\ntypical = 0.01\nhigh = 1\n";
+
+    fn parse(path: &Path, text: &str) -> Result<Kind> {
+        super::parse(path, text, &Library::default())
+    }
 
     #[test]
     fn a_file_gives_an_effect_with_its_row_and_reading_it_again_gives_the_same() {

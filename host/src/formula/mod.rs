@@ -27,7 +27,7 @@ mod library;
 
 pub use definition::{Written, WrittenParameter};
 pub use file::read;
-pub use library::{all, by_name, define, offer, written};
+pub use library::{Library, define, written};
 
 use motorlens_shared::effects::{Definition, Operation, Quantity};
 

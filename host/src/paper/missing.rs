@@ -32,17 +32,18 @@ pub struct Missing {
     pub predictions: Vec<Vec<f64>>,
 }
 
-/// Diagnoses the records, with those between the smallest and the largest voltage kept out of the fit.
+/// Seeks an effect of `library` in the records, with those between the smallest and the largest voltage kept out of the fit.
 ///
 /// # Errors
 /// Records that no fit can use.
-pub fn missing_effect(data: &Data, progress: &mut dyn FnMut(&str)) -> Result<Missing> {
+pub fn missing_effect(data: &Data, library: &[Kind], progress: &mut dyn FnMut(&str)) -> Result<Missing> {
     let last = data.records.len() - 1;
     let (unseen, fitted): (Vec<_>, Vec<_>) =
         data.records.iter().cloned().enumerate().partition(|(k, _)| *k != 0 && *k != last);
     let names = unseen.iter().map(|(_, r)| r.name.clone()).collect();
     let strip = |numbered: Vec<(usize, _)>| numbered.into_iter().map(|(_, r)| r).collect::<Vec<_>>();
-    let found = discover(&strip(fitted), &strip(unseen), &data.motor, &Options::default(), &mut |step| {
+    let options = Options { library: library.to_vec(), ..Options::default() };
+    let found = discover(&strip(fitted), &strip(unseen), &data.motor, &options, &mut |step| {
         if let crate::diagnose::discover::Progress::Rung(rung) = step {
             let names: Vec<String> = rung.effects.iter().map(ToString::to_string).collect();
             progress(&format!("with [{}] the average error is {:.4}", names.join(" "), rung.train.ae));

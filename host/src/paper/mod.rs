@@ -20,6 +20,7 @@ pub use missing::Missing;
 pub use tables::{Errors, Growth, Row};
 
 use crate::error::{BadInput, Error, Result};
+use crate::formula::Library;
 use crate::log::ReadArgs;
 use crate::search::dispatch::Level;
 use crate::search::{ConventionalResult, FastResult, STARTS};
@@ -65,6 +66,9 @@ pub struct PaperArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub reading: ReadArgs,
+    /// The effects among which the missing one is sought.
+    #[arg(skip)]
+    pub library: Library,
 }
 
 /// One line of Table 1.
@@ -160,7 +164,7 @@ pub fn run(args: &PaperArgs, progress: &mut dyn FnMut(&str)) -> Result<PaperRun>
         &conventional.combinations,
         &printed_combinations,
     );
-    let missing = missing::missing_effect(&data, progress)?;
+    let missing = missing::missing_effect(&data, args.library.kinds(), progress)?;
     let mut run = PaperRun {
         schema: 1,
         hidden: data.hidden,

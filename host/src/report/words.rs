@@ -1,5 +1,6 @@
 //! The words and tables of a report.
 
+use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::falls::judged;
@@ -8,7 +9,6 @@ use super::story::Story;
 use crate::diagnose::ladder::Rung;
 use crate::findings::{Action, Standing, Yardstick};
 use crate::fit::uncertainty::Estimate;
-use crate::formula;
 use crate::glossary;
 use crate::report::decimate::rounded;
 
@@ -85,9 +85,9 @@ pub fn unit(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }
 
-/// Parameters or combinations with their intervals.
-pub fn estimate_rows(estimates: &[Estimate]) -> Vec<EstimateRow> {
-    let terms = glossary::terms(&formula::all());
+/// Parameters or combinations of a model of these effects, with their intervals.
+pub fn estimate_rows(estimates: &[Estimate], effects: &[Kind]) -> Vec<EstimateRow> {
+    let terms = glossary::terms(effects);
     let meaning = |name: &str| {
         let term = terms.iter().find(|t| t.name == name);
         term.map_or(String::new(), |t| format!("{}. {}", t.meaning, t.equation))
@@ -148,8 +148,6 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
 
 #[cfg(test)]
 mod tests {
-    use motorlens_shared::effects::Kind;
-
     use super::*;
     use crate::findings::NextStep;
 

@@ -18,7 +18,6 @@ use super::App;
 use super::jobs::{self, Answer, refused};
 use crate::fit::grid::Grid;
 use crate::fit::search::Problem;
-use crate::formula;
 use crate::glossary;
 use crate::log::Metadata;
 use crate::report::missing::Setting;
@@ -83,9 +82,10 @@ pub async fn state(State(app): State<Arc<App>>) -> Answer {
     let fitted = grids(&session.evidence.whole, false);
     let kept_out = session.evidence.kept_out.as_ref().map_or_else(Vec::new, |p| grids(p, true));
     let records: Vec<_> = fitted.into_iter().chain(kept_out).collect();
-    let effects = formula::all().into_iter().map(|kind| {
+    let library = app.library().clone();
+    let effects = library.kinds().iter().map(|kind| {
         let spec = kind.spec();
-        json!({ "name": spec.name, "title": spec.title, "added": session.current.kinds().contains(&kind) })
+        json!({ "name": spec.name, "title": spec.title, "added": session.current.kinds().contains(kind) })
     });
     // What the records tell of their motor need not be typed again to run it.
     let told =
@@ -152,8 +152,10 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
             }
             "estimates" => {
                 let [parameters, combinations] = view.estimates();
-                json!({ "parameters": words::estimate_rows(parameters),
-                        "combinations": words::estimate_rows(combinations), "faults": scene.later_faults() })
+                let effects = scene.effects();
+                json!({ "parameters": words::estimate_rows(parameters, &effects),
+                        "combinations": words::estimate_rows(combinations, &effects),
+                        "faults": scene.later_faults() })
             }
             _ => return Err(refused(StatusCode::NOT_FOUND, "there is no such step")),
         };
@@ -177,10 +179,9 @@ pub async fn against(State(app): State<Arc<App>>, Json(against): Json<Against>) 
 }
 
 /// Every parameter with its symbol, unit, meaning and equation.
-pub async fn glossary() -> Answer {
-    Ok(Json(
-        json!({ "terms": glossary::terms(&formula::all()), "words": glossary::WORDS, "equations": glossary::BASE_EQUATIONS }),
-    ))
+pub async fn glossary(State(app): State<Arc<App>>) -> Answer {
+    let terms = glossary::terms(app.library().kinds());
+    Ok(Json(json!({ "terms": terms, "words": glossary::WORDS, "equations": glossary::BASE_EQUATIONS })))
 }
 
 /// The part of a record that is on the screen.

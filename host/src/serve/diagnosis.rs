@@ -6,7 +6,6 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
 use crate::diagnose::plan::Limits;
 use crate::findings::{Experiment, NextExperiment};
-use crate::formula;
 use crate::report::{DRAWN, Suspect, evidence};
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
@@ -35,13 +34,14 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// What `candidates`, tried on `model`, tell; `base` is the model without effects,
-    /// `floor` the noise of the readings, rms.
+    /// `floor` the noise of the readings, rms, `library` the effects that may be added.
     pub fn new(
         evidence: &Evidence,
         base: &Fitted,
         model: &Fitted,
         floor: f64,
         mut candidates: Vec<Fitted>,
+        library: &[Kind],
     ) -> Self {
         let best = step_up(evidence, base, model, &mut candidates);
         let suggested = best.as_ref().and_then(|best| best.kinds().last().copied());
@@ -59,11 +59,8 @@ impl Diagnosis {
         let suspects = suspects.collect();
         let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
         let among: Vec<&Fitted> = found.iter().flat_map(|set| &set.models).collect();
-        let limits = if suggested.is_some() {
-            Vec::new()
-        } else {
-            detection_limits(evidence, base, model, &formula::all())
-        };
+        let limits =
+            if suggested.is_some() { Vec::new() } else { detection_limits(evidence, base, model, library) };
         let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
         let rivals = found.iter().map(Rivals::kinds).collect();
         let left = Adequacy::of(evidence, base, model, floor);

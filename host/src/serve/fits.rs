@@ -21,7 +21,6 @@ use crate::compare::rise::{Rise, worst_rise};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
 use crate::fit::layout::Values;
-use crate::formula;
 use crate::report::falls::judged;
 use crate::report::figure::in_words;
 use crate::select::fitted::Fitted;
@@ -86,9 +85,11 @@ pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(&job.app.session());
         let refused = job.app.session().refused.clone();
-        let library: Vec<Kind> = formula::all().into_iter().filter(|kind| !refused.contains(kind)).collect();
-        let Some(found) = tried(job, &work, &library) else { return stopped() };
-        let diagnosis = Diagnosis::new(&work.evidence, &work.base, &work.model, work.floor, found);
+        let library = job.app.library().clone();
+        let untried = library.kinds().iter().copied().filter(|kind| !refused.contains(kind));
+        let Some(found) = tried(job, &work, &untried.collect::<Vec<_>>()) else { return stopped() };
+        let Work { evidence, base, model, floor, .. } = &work;
+        let diagnosis = Diagnosis::new(evidence, base, model, *floor, found, library.kinds());
         // The badge doubts the effect that came last and proposes to remove it: the status goes the same way.
         let doubt = job.app.session().doubt;
         let message = match (diagnosis.suggested, doubt) {
@@ -110,8 +111,9 @@ pub struct Which {
 }
 
 impl Which {
-    fn kind(&self) -> Result<Kind, (StatusCode, Json<serde_json::Value>)> {
-        formula::by_name(&self.effect)
+    fn kind(&self, app: &App) -> Result<Kind, (StatusCode, Json<serde_json::Value>)> {
+        app.library()
+            .by_name(&self.effect)
             .ok_or_else(|| refused(StatusCode::UNPROCESSABLE_ENTITY, "there is no effect of that name"))
     }
 }
@@ -197,7 +199,7 @@ pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
 
 /// Adds an effect and fits everything again.
 pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answer {
-    let kind = which.kind()?;
+    let kind = which.kind(&app)?;
     let has = app.session().current.kinds().to_vec();
     if has.contains(&kind) || has.len() >= MAX_EFFECTS {
         return Err(refused(
@@ -227,7 +229,7 @@ pub async fn add(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answe
 
 /// Takes an effect out and fits the rest again.
 pub async fn remove(State(app): State<Arc<App>>, Json(which): Json<Which>) -> Answer {
-    let kind = which.kind()?;
+    let kind = which.kind(&app)?;
     if !app.session().current.kinds().contains(&kind) {
         return Err(refused(StatusCode::CONFLICT, "the model does not have it"));
     }

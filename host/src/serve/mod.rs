@@ -28,6 +28,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use axum::extract::DefaultBodyLimit;
 use axum::routing::{get, post};
 use axum::{Router, middleware};
+use motorlens_shared::effects::Kind;
 use serde_json::Value;
 use tokio::sync::broadcast;
 
@@ -35,6 +36,7 @@ pub use puzzle::demo;
 pub use session::Session;
 
 use crate::error::{Error, Result};
+use crate::formula::Library;
 
 /// Largest log that the page takes, bytes.
 const LARGEST_UPLOAD: usize = 200_000_000;
@@ -43,6 +45,8 @@ const LARGEST_UPLOAD: usize = 200_000_000;
 #[derive(Debug)]
 pub struct App {
     session: Mutex<Session>,
+    /// What this page may use: it outlives the session, which new records replace.
+    library: Mutex<Library>,
     events: broadcast::Sender<Value>,
     job: Mutex<Option<Arc<jobs::Running>>>,
     device: Mutex<Option<device::Device>>,
@@ -50,6 +54,28 @@ pub struct App {
 }
 
 impl App {
+    fn new(session: Session, library: Library) -> Self {
+        Self {
+            session: Mutex::new(session),
+            library: Mutex::new(library),
+            events: broadcast::channel(1024).0,
+            job: Mutex::new(None),
+            device: Mutex::new(None),
+            uploaded: Mutex::new(Vec::new()),
+        }
+    }
+
+    fn library(&self) -> MutexGuard<'_, Library> {
+        self.library.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Lets this page use `kind`.
+    fn offer(&self, kind: Kind) -> Result<()> {
+        let mut library = self.library();
+        *library = library.clone().with(kind)?;
+        Ok(())
+    }
+
     fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -68,11 +94,12 @@ impl App {
     }
 }
 
-/// Serves `session` until the process ends; `ready` gets the address once it listens. Port 0 takes any free one.
+/// Serves `session` until the process ends, with the effects of `library` to choose from; `ready` gets the address once it listens. Port 0
+/// takes any free one.
 ///
 /// # Errors
 /// The port is taken, or the machine refuses to listen.
-pub fn serve(session: Session, port: u16, ready: impl FnOnce(SocketAddr)) -> Result<()> {
+pub fn serve(session: Session, library: Library, port: u16, ready: impl FnOnce(SocketAddr)) -> Result<()> {
     let io = |doing: &str| {
         let doing = doing.to_owned();
         move |source| Error::Io { doing, source }
@@ -92,20 +119,13 @@ pub fn serve(session: Session, port: u16, ready: impl FnOnce(SocketAddr)) -> Res
             let _ = tokio::signal::ctrl_c().await;
         };
         tokio::select! {
-            served = axum::serve(listener, router(session, address.port())) => served.map_err(io("the server failed")),
+            served = axum::serve(listener, router(App::new(session, library), address.port())) => served.map_err(io("the server failed")),
             () = stop => Ok(()),
         }
     })
 }
 
-fn router(session: Session, port: u16) -> Router {
-    let app = Arc::new(App {
-        session: Mutex::new(session),
-        events: broadcast::channel(1024).0,
-        job: Mutex::new(None),
-        device: Mutex::new(None),
-        uploaded: Mutex::new(Vec::new()),
-    });
+fn router(app: App, port: u16) -> Router {
     Router::new()
         .route("/", get(answers::page))
         .route("/script/{name}", get(answers::script))
@@ -139,7 +159,7 @@ fn router(session: Session, port: u16) -> Router {
         .route("/export/report.html", get(answers::report))
         .layer(DefaultBodyLimit::max(LARGEST_UPLOAD))
         .layer(middleware::from_fn_with_state(port, guard::same_page_only))
-        .with_state(app)
+        .with_state(Arc::new(app))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::custom::Custom;
 use super::excitation::{self, Excitation, Play};
 use super::{Scenario, hidden};
 use crate::error::{Error, Result};
+use crate::formula::Library;
 
 /// Which motor is simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -81,6 +82,9 @@ pub struct SimulateArgs {
     /// Log the supply voltage too
     #[arg(long)]
     pub supply: bool,
+    /// The effects that a name may mean.
+    #[arg(skip)]
+    pub library: Library,
 }
 
 /// Tell which effects `simulate --hidden` picked.
@@ -156,7 +160,7 @@ impl SimulateArgs {
         let mut effects: Vec<Effect> = Vec::new();
         let mut formulas: Vec<Custom> = Vec::new();
         for text in self.effects.iter().filter(|text| *text != "none") {
-            if let Some(own) = Custom::parse(text)? {
+            if let Some(own) = Custom::parse(text, &self.library)? {
                 formulas.push(own);
                 continue;
             }

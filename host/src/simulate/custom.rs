@@ -6,7 +6,7 @@ use motorlens_shared::effects::{Entry, Kind, Quantity, UserDefined};
 use motorlens_virtual_motor::{Law, LawPort, Moment};
 
 use crate::error::{Error, Result};
-use crate::formula;
+use crate::formula::{self, Library};
 
 /// An effect of the user's own with its parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,13 +17,13 @@ pub struct Custom {
 
 impl Custom {
     /// Reads `fan`, `fan=0.02` or `fan=0.02,start=1`, as for the library's effects: the first number is the first
-    /// parameter. None where no effect of the user's own has this name.
+    /// parameter. None where no effect of the user's own in `library` has this name.
     ///
     /// # Errors
     /// Wrong usage: no such parameter, no number, or one out of bounds.
-    pub fn parse(text: &str) -> Result<Option<Self>> {
+    pub fn parse(text: &str, library: &Library) -> Result<Option<Self>> {
         let name = text.split(['=', ',']).next().unwrap_or_default().trim();
-        let Some(kind @ Kind::Formula(_)) = formula::by_name(name) else { return Ok(None) };
+        let Some(kind @ Kind::Formula(_)) = library.by_name(name) else { return Ok(None) };
         let parameters = kind.spec().parameters;
         let mut values: Vec<f64> = parameters.iter().map(|p| p.typical).collect();
         let wrong = |why: String| {

@@ -1,7 +1,7 @@
 //! Gains for a motor's velocity and position loops, from its model, and what its effects cost in tracking.
 //!
 //! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
-//! lag of the effects. Then the whole model, effects and encoder included, follows a profile under those gains, with one
+//! lag of the effects; with compliance or backlash on its two masses. Then the whole model, effects and encoder included, follows a profile under those gains, with one
 //! compensation after the other added, and answers steps. A torque that depends on the angle is compensated by the effect's own equation, at the angle that is
 //! wanted and at the one that is measured: whichever tracks better stays for what is added next.
 
@@ -107,12 +107,14 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     }
     let delay_s = 0.5 * options.period_s + lag_s(model);
     let margin = options.phase_margin_deg.to_radians();
-    let velocity = loops::velocity(&model.base, delay_s, margin);
-    let position = loops::position(&model.base, delay_s, margin);
+    let plant = loops::Plant::of(model, delay_s);
+    let velocity = loops::velocity(&plant, margin);
+    let position = loops::position(&plant, margin);
     let feedforward = feedforward(model);
     let loads = load::Loads::of(model);
     let (trials, steps) = trial::all(model, options, &[velocity, position], &feedforward, &loads);
     let mut advice = trial::advice(&trials);
+    advice.extend(plant.told().map(str::to_owned));
     let count_v = position.kp * model.rig.count_rad + position.kd * model.rig.count_rad / options.period_s;
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
     if count_v > COARSE * limit_v {
