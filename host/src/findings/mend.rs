@@ -24,6 +24,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
         &[
             "unsigned_voltage",
             "unsigned_motion",
+            "unsigned_byte",
             "angle_as_speed",
             "speed_as_angle",
             "locked_antiphase",

@@ -14,6 +14,7 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
+use super::unsigned::byte_duty;
 use super::usable::faults_of;
 use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
@@ -51,6 +52,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         held_back,
         speed_beside_angle,
         blind_near_zero,
+        byte_duty,
         unsigned,
         unsigned_motion,
         frozen,

@@ -124,7 +124,10 @@ impl Proposal {
         if let Some((_, full)) = duty.filter(|(column, full)| !is_told(column, full)) {
             all.push(match full.split_once("..") {
                 Some(_) => format!("put the pulses of no and of full duty, us, in the place of {full}"),
-                None => format!("put the number that is full duty in the place of {full}"),
+                None => {
+                    let number = full.rsplit_once('/').map_or(full, |(_, number)| number);
+                    format!("put the number that is full duty in the place of {number}")
+                }
             });
         }
         if self.map.contains(&format!(":{}", vocabulary::ELECTRICAL)) {

@@ -9,6 +9,7 @@ use crate::log::sample::numbers;
 use crate::log::ticks::Ticks;
 use crate::log::timing;
 use crate::log::units::{PerTurn, Quantity, Unit};
+use crate::log::unsigned;
 
 /// Columns of a plot in the terminal.
 const WIDTH: usize = 32;
@@ -34,6 +35,9 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
         && let Ok(signs) = direction::signs(&values)
     {
         values = signs;
+    }
+    if Unit::parse(part.quantity, &part.unit).is_ok_and(|unit| unit.signed_byte) {
+        values.iter_mut().for_each(|value| *value = unsigned::signed(*value, unsigned::BYTE));
     }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };
