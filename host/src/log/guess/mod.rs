@@ -19,6 +19,7 @@ mod preview;
 mod questions;
 mod registers;
 mod sides;
+mod symbols;
 mod turns;
 pub mod unit_names;
 mod vocabulary;
