@@ -1,8 +1,9 @@
 //! What a table leaves open about what drives the motor: it is absent, steady as a supply, or in another unit.
 
-use super::columns::{self, Part, Range};
+use super::columns::{self, Part};
 use super::preview::short;
 use super::questions::guessed_unit;
+use super::ranges::Range;
 use super::{column, options_as_if, sides, symbols, words};
 use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;

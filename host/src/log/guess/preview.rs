@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::columns::{Part, Range};
+use super::columns::Part;
 use super::per_turn_of;
+use super::ranges::Range;
 use crate::log::direction;
 use crate::log::sample::numbers;
 use crate::log::ticks::Ticks;

@@ -1,8 +1,9 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
 use super::clocks::{self, DAYS};
-use super::columns::{self, Part, Range};
+use super::columns::{self, Part};
 use super::preview::short;
+use super::ranges::Range;
 use super::{by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written};
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};

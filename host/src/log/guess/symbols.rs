@@ -1,7 +1,7 @@
 //! What the symbols of engineers may stand for where the values allow it: `n` is a speed in turns a minute in German and in IEC's letters, `x`
 //! the way of a slide.
 
-use super::columns::Range;
+use super::ranges::Range;
 use super::words;
 use crate::log::sample::numbers;
 
