@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::log::Warning;
+use crate::log::{BEYOND_SUPPLY, Warning};
 
 /// What a data problem is mended with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -12,6 +12,8 @@ pub enum Mend {
     Columns,
     /// Seconds that are left out.
     Range,
+    /// The voltage that did drive the motor: what was logged is another one.
+    Voltage,
 }
 
 /// The problems by their names, each with what mends it. What may be as the owner wants it, what an effect of the library explains as well (late or
@@ -22,6 +24,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
         &[
             "unsigned_voltage",
             "unsigned_motion",
+            "unsigned_byte",
             "angle_as_speed",
             "speed_as_angle",
             "locked_antiphase",
@@ -34,18 +37,38 @@ const MENDS: [(Mend, &[&str]); 2] = [
     (Mend::Range, &["hard_stop", "frozen_sensor"]),
 ];
 
+/// Whether the voltage that was logged is surely not what drove the motor: held in the file and not by the drive, or more than the supply
+/// has. A duty times the supply of which one number is known is nearly that, and good enough.
+fn drove_nothing(fault: &Warning) -> bool {
+    let name = name(fault);
+    name == "stale_voltage" || name == "commanded_voltage" && fault.what.contains(BEYOND_SUPPLY)
+}
+
 /// The name of the fault.
 fn name(fault: &Warning) -> &str {
     fault.what.split_once(':').map_or("", |(name, _)| name)
 }
 
 impl Mend {
-    /// What the first of `faults` that changes the answer is mended with, and where it is.
+    /// What the first of `faults`, that of a voltage which drove nothing before all others, that changes the answer is mended with, and where it is.
     pub fn first(faults: &[Warning]) -> Option<(Self, &str)> {
-        MENDS.into_iter().find_map(|(mend, names)| {
-            let fault = faults.iter().find(|fault| names.contains(&name(fault)))?;
-            Some((mend, fault.place.as_str()))
+        let voltage = faults.iter().find(|fault| drove_nothing(fault));
+        voltage.map(|fault| (Self::Voltage, fault.place.as_str())).or_else(|| {
+            MENDS.into_iter().find_map(|(mend, names)| {
+                let fault = faults.iter().find(|fault| names.contains(&name(fault)))?;
+                Some((mend, fault.place.as_str()))
+            })
         })
+    }
+
+    /// What a sentence goes on with where this comes first.
+    pub(super) fn first_of_all(self) -> &'static str {
+        match self {
+            Self::Columns | Self::Range => "; mend the data first, for their problem may be what is found",
+            Self::Voltage => {
+                "; but the logged voltage is not what drove the motor, so nothing is explained before the right one is given"
+            }
+        }
     }
 
     /// Where one of `faults` asks whether the columns mean what they were read as.
@@ -59,6 +82,7 @@ impl Mend {
         match self {
             Self::Columns => "Check the columns",
             Self::Range => "Leave the bad seconds out",
+            Self::Voltage => "Give the voltage that drove the motor",
         }
     }
 }
@@ -76,5 +100,17 @@ mod tests {
         assert_eq!(Mend::first(&all[..3]), Some((Mend::Range, "hard_stop")));
         assert_eq!(Mend::first(&all[..2]), None, "volts as small as a duty are no fault");
         assert_eq!(Mend::asked(&all), Some((Mend::Columns, "perhaps_duty")));
+    }
+
+    #[test]
+    fn a_voltage_that_drove_nothing_comes_first_and_one_of_a_duty_and_its_supply_drove_something() {
+        let fault = |what: &str| Warning { place: "run".into(), what: what.into(), fix: "do".into() };
+        let beyond = fault(&format!("commanded_voltage: 9 samples {BEYOND_SUPPLY}, so"));
+        let stale = fault("stale_voltage: renewed every 100 ms");
+        let units = fault("wrong_units: degrees");
+        assert_eq!(Mend::first(&[units.clone(), stale]), Some((Mend::Voltage, "run")));
+        assert_eq!(Mend::first(&[units, beyond]), Some((Mend::Voltage, "run")));
+        let of_duty = fault("commanded_voltage: the voltage was not measured: it is the duty times 12 V");
+        assert_eq!(Mend::first(&[of_duty]), None);
     }
 }

@@ -29,6 +29,7 @@ use crate::select::adequacy::Adequacy;
 pub use experiment::{Experiment, NextExperiment};
 pub use mend::Mend;
 pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
+pub use supposed::supposes;
 pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;
 
@@ -205,12 +206,11 @@ impl Findings {
 }
 
 impl Findings {
-    /// The same, found on `records`: where an effect goes with the angle, the headline says what unit it supposes that only a mapping says.
+    /// The same, found on `records`: the headline says what unit it supposes that only a mapping says, of an angle that an effect goes with, and
+    /// of a speed.
     #[must_use]
     pub fn supposing(mut self, records: &[Record]) -> Self {
-        if let Some(supposed) = supposed::unit_of_angle(&self.effects, records) {
-            self.headline = format!("{} {supposed}.", self.headline);
-        }
+        self.headline += &supposes(&self.effects, records);
         self
     }
 

@@ -87,7 +87,8 @@ impl Standing {
             let goes_on = matches!(later.action, Action::Diagnose | Action::Add | Action::Remove);
             also = goes_on.then_some(later);
         }
-        let headline = format!("{headline}{}.", if facts.mend.is_some() { FIRST } else { "" });
+        let before = facts.mend.map_or("", |(mend, _)| mend.first_of_all());
+        let headline = format!("{headline}{before}.");
         let badge = match (facts.doubted, facts.suggested, verdict) {
             _ if facts.mend.is_some() => Verdict::BadData.badge(),
             (Some(_), ..) => "Not confirmed",
@@ -95,6 +96,10 @@ impl Standing {
             (None, None, Some(verdict)) => facts.errors.badge(verdict, left),
             (None, None, None) => "Not diagnosed yet",
         };
+        // What follows a voltage that drove nothing follows the motor by chance.
+        let is_driven = facts.mend.is_none_or(|(mend, _)| mend != Mend::Voltage);
+        let verdict =
+            verdict.map(|of| if of == Verdict::Explained && !is_driven { Verdict::BadData } else { of });
         Self { verdict, badge, headline, next, also }
     }
 
@@ -133,9 +138,6 @@ impl Standing {
         }
     }
 }
-
-/// Said where a data problem changes the answer.
-const FIRST: &str = "; mend the data first, for their problem may be what is found";
 
 /// What can be done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -301,6 +303,21 @@ mod tests {
         assert_eq!((asked.badge, asked.next.mend), ("Explained", Some(Mend::Columns)));
         assert!(!asked.headline.contains("mend"), "{asked:?}");
         assert!(told.also.is_none(), "a model of data that are to be mended is not to be used");
+    }
+
+    #[test]
+    fn beside_a_voltage_that_drove_nothing_nothing_is_explained() {
+        let mend = Some((Mend::Voltage, "run.csv, column voltage_v"));
+        let effects = ["delay (2 ms)".to_owned()];
+        let told = Standing::of(&Facts { mend, ..facts(&effects, 1.1) });
+        assert_eq!(
+            (told.verdict, told.badge, told.next.action),
+            (Some(Verdict::BadData), "Data problem", Action::Data)
+        );
+        assert!(told.headline.contains("is not what drove the motor"), "{told:?}");
+        assert!(told.also.is_none() && told.next.mend == Some(Mend::Voltage), "{told:?}");
+        let told = Standing::of(&Facts { mend, left: Some(Adequacy::Something), ..facts(&effects, 40.0) });
+        assert_eq!(told.verdict, Some(Verdict::PartlyExplained));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::dropouts::{LONGEST_SPIKE, dropouts, speed_dropouts};
 use super::edges::{garbled_behind_edges, keep_drive};
 use super::motion::peak;
 use super::repair::{far_steps, leave_out, named};
+use super::sentinels::{at_the_ends, in_passes, picked};
 use super::wraps::wrapped;
 use super::{Record, Warning};
 
@@ -33,16 +34,40 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     found
 }
 
+/// Of an angle, the samples where nothing was read; where there are none, those that stand far from the others.
+fn garbled_angles(angle: &[f64]) -> Vec<usize> {
+    in_passes(angle.len(), |pass, kept| {
+        let rest = picked(angle, kept);
+        if pass > 0 && wrapped(&rest).is_some() {
+            return Vec::new();
+        }
+        let first = |x: &[f64]| if pass == 0 { spikes(x) } else { Vec::new() };
+        first_of([&dropouts, &first, &|x| at_the_ends(x, 0.0)], &rest)
+    })
+}
+
+/// The same of a speed that `volts` drive.
+fn garbled_speeds(speed: &[f64], volts: &[f64]) -> Vec<usize> {
+    in_passes(speed.len(), |pass, kept| {
+        let (rest, volts) = (picked(speed, kept), picked(volts, kept));
+        let first = |w: &[f64]| if pass == 0 { speed_spikes(w) } else { Vec::new() };
+        first_of([&|w| speed_dropouts(w, &volts), &first, &|w| at_the_ends(w, SPIKE_SPEED)], &rest)
+    })
+}
+
+/// A rule that finds samples which are no readings.
+type Rule<'a> = &'a dyn Fn(&[f64]) -> Vec<usize>;
+
+/// What the first rule finds that finds any: where nothing was read at times, the rest is in order.
+fn first_of(rules: [Rule<'_>; 3], values: &[f64]) -> Vec<usize> {
+    rules.into_iter().map(|rule| rule(values)).find(|found| !found.is_empty()).unwrap_or_default()
+}
+
 pub(super) fn leave_out_spikes(record: &mut Record) {
-    // Where nothing was read at times, the rest is in order.
-    let or_else = |dropped: Vec<usize>, spikes: &dyn Fn() -> Vec<usize>| {
-        if dropped.is_empty() { spikes() } else { dropped }
-    };
     let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none());
-    let angle = angle.map(|x| or_else(dropouts(x), &|| spikes(x))).unwrap_or_default();
+    let angle = angle.map(garbled_angles).unwrap_or_default();
     let volts = &record.voltage_v;
-    let of_speed = |w: &[f64]| or_else(speed_dropouts(w, volts), &|| speed_spikes(w));
-    let mut speed = record.speed_rad_s.as_deref().map(of_speed).unwrap_or_default();
+    let mut speed = record.speed_rad_s.as_deref().map(|w| garbled_speeds(w, volts)).unwrap_or_default();
     let behind_edges =
         record.speed_rad_s.as_deref().map(|w| garbled_behind_edges(w, volts)).unwrap_or_default();
     if !behind_edges.is_empty() {

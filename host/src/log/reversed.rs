@@ -4,6 +4,7 @@ use super::Record;
 use super::motion::{alignment, correlation, low_pass, slope, speed};
 use super::remap::{Change, remapped};
 use super::units::Quantity;
+use super::unsigned::byte_duty;
 use super::usable::Fault;
 use super::weak::Weak;
 
@@ -31,6 +32,10 @@ pub(super) fn reversed(record: &Record) -> Option<Fault> {
         });
     }
     let correlation = opposed(record)?;
+    // The other way about are only the numbers that lost their sign.
+    if let Some((name, column, why, fix)) = byte_duty(record) {
+        return Some(Fault { name, column, why, fix });
+    }
     Some(Fault {
         name: SIGN_FLIPPED,
         column: motions(record).next().map_or("angle_rad", |(_, column)| column),

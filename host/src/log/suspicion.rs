@@ -14,6 +14,7 @@ use super::renewed::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;
+use super::unsigned::byte_duty;
 use super::usable::faults_of;
 use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
@@ -51,6 +52,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         held_back,
         speed_beside_angle,
         blind_near_zero,
+        byte_duty,
         unsigned,
         unsigned_motion,
         frozen,
@@ -77,6 +79,9 @@ pub(super) fn place_of(record: &Record, column: &str) -> String {
     format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
 
+/// Said of a voltage that the supply cannot give, so that nothing was driven by it.
+pub(crate) const BEYOND_SUPPLY: &str = "lie above the supply's own voltage";
+
 /// A voltage that the supply cannot give is a command.
 fn beyond_supply(record: &Record) -> Option<Odd> {
     let supply = record.supply_v.as_ref()?;
@@ -85,7 +90,7 @@ fn beyond_supply(record: &Record) -> Option<Odd> {
         (
             "commanded_voltage",
             "voltage_v",
-            format!("{beyond} samples lie above the supply's own voltage, so this is the command and not what was applied"),
+            format!("{beyond} samples {BEYOND_SUPPLY}, so this is the command and not what was applied"),
             "give the duty instead: --map duty=COLUMN:FULL,supply=SUPPLY, which follows the supply".into(),
         )
     })

@@ -3,6 +3,11 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
+use super::unsigned;
+
+/// A duty of 8 bits that was printed without its sign; the number that is full duty follows: `int8/255`.
+pub(in crate::log) const INT8: &str = "int8";
+
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
@@ -86,7 +91,7 @@ impl Quantity {
         match self {
             Quantity::Time | Quantity::Interval => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
             Quantity::Voltage | Quantity::Supply => VOLT,
-            Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2)],
+            Quantity::Duty => &[("fraction", 1.0), ("%", 1e-2), (INT8, 1.0)],
             Quantity::Direction => &[("sign", 1.0)],
             Quantity::Angle | Quantity::Target => {
                 const ANGLE: &[(&str, f64)] = &[
@@ -133,6 +138,8 @@ pub struct Unit {
     pub factor: f64,
     /// What the number has to be divided by.
     pub per_turn: Option<PerTurn>,
+    /// The number was printed as a byte without a sign: 246 is -10.
+    pub signed_byte: bool,
 }
 
 /// What one turn of the output shaft is, where a log does not measure turns.
@@ -166,10 +173,10 @@ impl PerTurn {
 
 impl Unit {
     /// The number is in SI already.
-    pub const SI: Unit = Unit { zero: 0.0, factor: 1.0, per_turn: None };
+    pub const SI: Unit = Unit { zero: 0.0, factor: 1.0, per_turn: None, signed_byte: false };
 
     /// Understands `deg/s`, `mV`, `rev/1400`, `V*-1`, `*0.031` (SI times 0.031) and, for duty, the number that is full duty (`255`), or
-    /// those that are none and full (`1500..2000`).
+    /// those that are none and full (`1500..2000`), or the one of a duty whose negative numbers lost their sign (`int8/255`).
     ///
     /// # Errors
     /// Names the units that the quantity may come in.
@@ -207,11 +214,12 @@ impl Unit {
             "m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s" => Some(PerTurn::Metres),
             _ => None,
         };
-        Ok(Unit { zero, factor, per_turn })
+        Ok(Unit { zero, factor, per_turn, signed_byte: name == INT8 })
     }
 
     /// The number `value` of a file in SI, but for what it has to be divided by where it is none of turns.
     pub fn to_si(self, value: f64) -> f64 {
+        let value = if self.signed_byte { unsigned::signed(value, unsigned::BYTE) } else { value };
         (value - self.zero) * self.factor
     }
 }
@@ -244,6 +252,13 @@ fn unknown(quantity: Quantity, text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_byte_that_lost_its_sign_is_read_with_it() {
+        let unit = Unit::parse(Quantity::Duty, "int8/255").unwrap();
+        assert_eq!([246.0, 10.0, 0.0].map(|value| (255.0 * unit.to_si(value)).round()), [-10.0, 10.0, 0.0]);
+        assert!(Unit::parse(Quantity::Angle, "int8/255").is_err());
+    }
 
     fn factor(quantity: Quantity, text: &str) -> f64 {
         Unit::parse(quantity, text).unwrap().factor

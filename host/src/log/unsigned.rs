@@ -2,9 +2,15 @@
 //!
 //! They show as values near zero and near the width of the type with nothing between, and with their signs the course is much smoother.
 
+use super::Record;
+use super::motion::{correlation, ends, speed};
+use super::remap::remapped;
+use super::suspicion::Odd;
+use super::units::{INT8, Quantity};
+
 /// The widths of such types, and one of which nothing is sure: a duty that is off or full is written so.
 const WIDTHS: [f64; 2] = [65_536.0, 4_294_967_296.0];
-const BYTE: f64 = 256.0;
+pub(super) const BYTE: f64 = 256.0;
 /// What is near an end, in shares of the width; a signed number of that type reaches half of it.
 const NEAR: f64 = 0.25;
 /// Different values at either end from which they are no two levels of a duty.
@@ -60,9 +66,77 @@ pub(super) fn signed(value: f64, width: f64) -> f64 {
     if value >= 0.5 * width { value - width } else { value }
 }
 
+/// A motion goes with a drive that has its sign by at least this correlation, and by so much more than with one that lost it.
+const GOES_WITH: f64 = 0.5;
+const MORE: f64 = 0.3;
+
+/// Whether a `drive` of 8 bits lost its sign, as a `speed` tells that goes with it where it has one and not as it is written. Where the
+/// encoder is turned round it is the other way about, which is a fault of its own.
+pub(super) fn is_byte_without_sign(drive: &[f64], speed: &[f64]) -> bool {
+    let with_sign = || drive.iter().map(|value| signed(*value, BYTE)).collect::<Vec<f64>>();
+    let goes = |drive: &[f64]| correlation(drive, speed);
+    may_be_bytes(drive.iter().copied()) && {
+        let with_sign = goes(&with_sign());
+        with_sign > GOES_WITH && with_sign > goes(drive) + MORE
+    }
+}
+
+/// What is said of a duty in a record that was printed as a byte without its sign: the motor turns back at its largest numbers.
+pub(super) fn byte_duty(record: &Record) -> Option<Odd> {
+    let full: f64 = record.map.as_ref()?.source(Quantity::Duty)?.written.parse().ok()?;
+    let supply = |k: usize| match &record.supply_v {
+        Some(supply) => supply.get(k).copied(),
+        None => record.meta.supply_behind_duty(),
+    };
+    let written = |(k, volts): (usize, &f64)| Some((volts / supply(k)? * full).round());
+    let duty: Vec<f64> = record.voltage_v.iter().enumerate().map(written).collect::<Option<_>>()?;
+    let speed = speed(record);
+    let (_, highest) = ends(&duty);
+    let least = duty.iter().copied().filter(|value| *value > 0.5 * BYTE).fold(highest, f64::min);
+    let most = duty.iter().copied().filter(|value| *value < 0.5 * BYTE).fold(0.0, f64::max);
+    (full == full.round() && duty.len() == speed.len() && is_byte_without_sign(&duty, &speed)).then(|| {
+        (
+            "unsigned_byte",
+            "voltage_v",
+            format!(
+                "the duty is {least} to {highest} beside 0 to {most}, and the motor turns the other way there: negative numbers were printed as an \
+                 unsigned byte, {highest} for {}",
+                highest - BYTE
+            ),
+            format!(
+                "say {}, which reads them with their sign; better print them with it (int, %d)",
+                remapped(record, &[(Quantity::Duty, Quantity::Duty, &format!("{INT8}/{full}"))])
+            ),
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_duty_that_was_printed_as_an_unsigned_byte_is_told_by_the_motion() {
+        let course = |k: usize| (11.0 * (0.03 * k as f64).sin()).round();
+        let speed: Vec<f64> = (0..600).map(|k| 5.0 * course(k.saturating_sub(4)) + 0.1).collect();
+        let mut record = Record {
+            map: Some("time=t:s,duty=pwm:255,speed=w:rad/s".parse().unwrap()),
+            time_s: (0..600).map(|k| 0.01 * f64::from(k)).collect(),
+            supply_v: Some(vec![12.0; 600]),
+            voltage_v: (0..600).map(|k| course(k).rem_euclid(BYTE) / 255.0 * 12.0).collect(),
+            speed_rad_s: Some(speed.clone()),
+            ..Record::default()
+        };
+        let (name, _, why, fix) = byte_duty(&record).unwrap();
+        assert_eq!(name, "unsigned_byte");
+        assert!(why.contains("245 to 255 beside 0 to 11"), "{why}");
+        assert!(fix.contains("duty=pwm:int8/255"), "{fix}");
+        // The motor turns one way whatever the drive does: nothing tells that it lost a sign.
+        record.speed_rad_s = Some(speed.iter().map(|w| w.abs()).collect());
+        assert_eq!(byte_duty(&record), None);
+        record.voltage_v = (0..600).map(|k| course(k) / 255.0 * 12.0).collect();
+        assert_eq!(byte_duty(&record), None);
+    }
 
     #[test]
     fn signs_that_a_type_took_away_are_told_from_large_numbers() {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::motion::ends;
 use super::quantum::quantum;
-use super::repair::far_steps;
+use super::repair::{APART, far_steps};
 use super::units::{PerTurn, Quantity, Unit};
 use super::{Record, Warning};
 
@@ -12,8 +12,10 @@ use super::{Record, Warning};
 const FILLED: f64 = 0.05;
 /// cross it so often,
 const FEWEST_WRAPS: usize = 3;
-/// and leave so little of the change of their steps once they are unwrapped.
+/// and leave so little of the change of their steps once they are unwrapped,
 const SMOOTHER: f64 = 0.2;
+/// none of which is much further than the others: by more than so many counts.
+const FEW_COUNTS: f64 = 4.0;
 
 /// A wrapped angle: its full turn in its unit, and the steps at which it wraps.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +55,11 @@ fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {
         (1..angle.len() - 1).map(|k| (step(k) - step(k - 1)).powi(2)).sum()
     };
     let is_smoother = roughness(&short) < SMOOTHER * roughness(&step);
-    (steps.len() >= FEWEST_WRAPS && is_smoother).then_some(Wrapped { turn, steps })
+    // A number at the end of a type that stands for no reading goes there from anywhere: unwrapped it still stands alone.
+    let usual = (0..angle.len() - 1).filter(|k| step(*k).abs() <= 0.5 * turn).map(|k| short(k).abs());
+    let furthest = APART * usual.fold(0.0, f64::max) + FEW_COUNTS * count.unwrap_or(0.0);
+    let is_motion = steps.iter().all(|k| short(*k).abs() <= furthest);
+    (steps.len() >= FEWEST_WRAPS && is_smoother && is_motion).then_some(Wrapped { turn, steps })
 }
 
 /// The full turn of a wrapped angle, in its unit: all its jumps have this size, and its values span no more.

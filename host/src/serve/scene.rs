@@ -42,6 +42,8 @@ pub struct Scene {
     pub(super) title: String,
     /// Whether a person looked once more at the columns of all files.
     pub(super) confirmed: bool,
+    /// What the model supposes that only a mapping says, behind its headline.
+    pub(super) supposes: String,
 }
 
 impl Scene {
@@ -63,7 +65,7 @@ impl Scene {
     /// The verdict and what to do next.
     pub fn standing(&self) -> Standing {
         let diagnosis = self.diagnosis.as_deref();
-        Standing::of(&Facts {
+        let mut standing = Standing::of(&Facts {
             errors: errors_of(&self.ladder, self.baseline.as_ref(), self.floor),
             effects: &named(&self.effects(), &self.view.estimates()[0]),
             left: diagnosis.map(|d| d.left),
@@ -79,7 +81,12 @@ impl Scene {
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
             mend: Mend::first(&self.faults),
             asked: Mend::asked(&self.faults).filter(|_| !self.confirmed),
-        })
+        });
+        // Before anything was found there is no answer.
+        if diagnosis.is_some() || !self.effects().is_empty() {
+            standing.headline += &self.supposes;
+        }
+        standing
     }
 
     /// Faults of the data that only the fit shows.
@@ -146,6 +153,24 @@ mod tests {
     use crate::findings::Action;
     use crate::log::Record;
     use crate::motor_file::MotorFile;
+
+    #[test]
+    fn a_unit_that_only_the_mapping_says_is_told_on_the_page_once_there_is_an_answer() {
+        let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let record = Record {
+            name: "run".into(),
+            map: Some("time=t:s,voltage=u:V,speed=n:rpm".parse().unwrap()),
+            voltage_v: time_s.iter().map(|t| 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin()).collect(),
+            speed_rad_s: Some(time_s.iter().map(|t| 30.0 * (1.3 * t - 0.1).sin()).collect()),
+            time_s,
+            ..Record::default()
+        };
+        let mut session = Session::new(vec![record], Vec::new(), MotorFile::default()).unwrap();
+        assert!(!session.scene().standing().headline.contains("Gains suppose"));
+        session.diagnosis = Some(Arc::new(Diagnosis::default()));
+        let told = session.scene().standing().headline;
+        assert!(told.contains("Gains suppose that \"n\" is in rpm"), "{told}");
+    }
 
     #[test]
     fn what_the_fit_shows_of_the_data_is_told_before_where_the_model_fails() {

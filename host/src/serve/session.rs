@@ -13,7 +13,7 @@ use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
-use crate::findings::Yardstick;
+use crate::findings::{Yardstick, supposes};
 use crate::fit::layout::Values;
 use crate::log::{ReadOptions, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
@@ -203,8 +203,12 @@ impl Session {
 
     /// How things stand.
     pub fn scene(&self) -> Scene {
+        let view = self.view();
+        let fitted = self.data.entries.iter().filter(|entry| entry.role == Role::Fit);
+        let supposes = supposes(&view.model.kinds(), fitted.map(|entry| &*entry.record));
         Scene {
-            view: self.view(),
+            supposes,
+            view,
             ladder: self.ladder.clone(),
             rises: self.rises.clone(),
             baseline: self.baseline.clone(),

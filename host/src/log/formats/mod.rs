@@ -31,6 +31,7 @@ mod python;
 mod sheets;
 mod stamps;
 mod table;
+mod tagged;
 mod teleplot;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
@@ -123,7 +124,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 12] = [
+const FORMATS: [Known; 13] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -135,6 +136,12 @@ const FORMATS: [Known; 12] = [
         extension: "csv",
         is: list::is,
         how: How::Read(list::read),
+    },
+    Known {
+        name: "lines of several kinds, each with a word before it",
+        extension: "txt",
+        is: tagged::is,
+        how: How::Read(tagged::read),
     },
     Known {
         name: "a list of values with their names",

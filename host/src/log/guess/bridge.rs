@@ -1,6 +1,7 @@
 //! A bridge whose two sides have a column each, `in1,in2` or `rpwm,lpwm`: its motor sees their difference.
 
-use super::columns::{Part, Range};
+use super::columns::Part;
+use super::ranges::Range;
 use super::{column, words};
 use crate::log::units::Quantity;
 

@@ -4,7 +4,8 @@
 //! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them.
 
 use super::clocks::is_open_time;
-use super::columns::{Part, unit_of};
+use super::column_units::unit_of;
+use super::columns::Part;
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
 use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;

@@ -1,6 +1,7 @@
 //! Which column is the clock, and in which unit it counts: seconds, parts of them in a column of their own, dates in days.
 
-use super::columns::{Part, Range};
+use super::columns::Part;
+use super::ranges::Range;
 use super::words;
 use crate::log::timing;
 use crate::log::units::{Quantity, Unit};

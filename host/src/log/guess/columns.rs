@@ -1,16 +1,19 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
-use std::f64::consts::TAU;
-
-use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, time_unit};
-use super::one_motion::{NEAR, agree, leave_out_other_motion, pairs_of, ratio};
+use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of};
+use super::column_units::{unit_of, unit_of_wrap};
+use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
+use super::ranges::Range;
 use super::turns::Turn;
 use super::{bridge, companions, drive, duty_range, leads, registers, sides, words};
 use crate::log::direction;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::numbers;
-use crate::log::units::Quantity;
-use crate::log::wraps;
+use crate::log::units::{INT8, Quantity};
+use crate::log::unsigned;
+
+/// What most gyroscopes read at most, 2000 deg/s, in rad/s: larger numbers are degrees.
+const FASTEST_GYROSCOPE: f64 = 35.0;
 
 /// One column of the proposal.
 #[derive(Debug, Clone, PartialEq)]
@@ -240,6 +243,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     if let (Some(duty), true) = (duty, parts.iter().any(|part| part.quantity == Quantity::Voltage)) {
         parts.remove(duty);
     }
+    give_byte_its_sign(&mut parts, rows);
     // A current that never flows was not measured.
     parts.retain(|part| {
         part.quantity != Quantity::Current || rows.is_empty() || values(part.index).any(|value| value != 0.0)
@@ -261,6 +265,28 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// A duty in numbers near 0 and near 255 is a byte that lost its sign where the motor turns back at the large ones.
+fn give_byte_its_sign(parts: &mut [Part], rows: &[Vec<f64>]) {
+    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
+    let (Some(duty), Some(motion)) =
+        (place(Quantity::Duty), place(Quantity::Speed).or_else(|| place(Quantity::Angle)))
+    else {
+        return;
+    };
+    let both = |row: &Vec<f64>| Some((*row.get(parts[duty].index)?, *row.get(parts[motion].index)?));
+    let whole = rows.iter().filter_map(both).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let (mut drive, mut motion_of): (Vec<f64>, Vec<f64>) = whole.unzip();
+    if parts[motion].quantity == Quantity::Angle {
+        motion_of = motion_of.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        drive.truncate(motion_of.len());
+    }
+    let duty = &mut parts[duty];
+    let is_number = duty.rest.is_none() && duty.unit.parse::<u32>().is_ok();
+    if is_number && unsigned::is_byte_without_sign(&drive, &motion_of) {
+        duty.unit = format!("{INT8}/{}", duty.unit);
+    }
 }
 
 /// Whether values go down on their way.
@@ -360,165 +386,5 @@ fn tell_turns(said: &mut [words::Said], names: &[String]) {
             Some((Quantity::Speed, _)) => Some("rev/s"),
             _ => None,
         };
-    }
-}
-
-/// Rows from which a wrap is told, and the counts of the coarsest encoder that tells its angle.
-const NEIGHBOURS: usize = 2000;
-pub(super) const FEWEST_COUNTS: f64 = 64.0;
-/// Whole numbers that span more than two turns in degrees are counts.
-const MOST_DEGREES: f64 = 720.0;
-/// Numbers between which a servo is sent that span more than this are no radians.
-const MOST_SERVO_RADIANS: f64 = 20.0;
-/// What most gyroscopes read at most, 2000 deg/s, in rad/s: larger numbers are degrees.
-const FASTEST_GYROSCOPE: f64 = 35.0;
-
-/// Shares of full duty are not always kept to it.
-const JUST_ABOVE_ONE: f64 = 1.2;
-
-/// The unit of a column whose name may say one.
-pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[f64]) -> String {
-    let range = Range::of(values.iter().copied());
-    if let (Quantity::Angle, None, Some(unit)) = (quantity, said, unit_of_wrap(values)) {
-        return unit.to_owned();
-    }
-    let unit = match (quantity, said) {
-        (Quantity::Duty, _) => return full_duty(&range, said),
-        (Quantity::Voltage | Quantity::Supply, Some("V")) if range.peak() > drive::MOST_VOLTS => "mV",
-        (_, Some(unit)) => unit,
-        (Quantity::Time, None) => time_unit(values, &range),
-        (Quantity::Interval, None) if range.peak() < 1.0 => "s",
-        (Quantity::Interval, None) if range.peak() < 500.0 => "ms",
-        (Quantity::Interval, None) => "us",
-        (Quantity::Voltage | Quantity::Supply, None) if range.peak() > drive::MOST_VOLTS => "mV",
-        (Quantity::Voltage | Quantity::Supply, None) => "V",
-        (Quantity::Angle, None) if range.whole && range.high - range.low > MOST_DEGREES => "counts",
-        (Quantity::Target, None) if range.high - range.low > MOST_SERVO_RADIANS => "deg",
-        (Quantity::Angle | Quantity::Target, None) if range.whole && range.high - range.low > 100.0 => "deg",
-        (Quantity::Angle, None) if range.high - range.low > MOST_TENTHS && is_in_tenths(values) => "deg",
-        (Quantity::Angle | Quantity::Target, None) => "rad",
-        (Quantity::Speed, None) => "rad/s",
-        (Quantity::Direction, None) => "sign",
-        (Quantity::Current, None) if range.peak() > 60.0 => "mA",
-        (Quantity::Current, None) => "A",
-    };
-    unit.to_owned()
-}
-
-/// A tenth of a radian is coarser than any encoder; that of a degree is what people write. Angles that span less may be of slow shafts.
-const MOST_TENTHS: f64 = 60.0;
-const TENTHS: f64 = 1e-6;
-
-/// Whether all values have one decimal at most, and some have one.
-fn is_in_tenths(values: &[f64]) -> bool {
-    let off = |x: f64| (x - x.round()).abs();
-    values.iter().all(|value| off(10.0 * value) < TENTHS * value.abs().max(1.0))
-        && values.iter().any(|value| value.fract() != 0.0)
-}
-
-/// The unit of an angle that wraps at a turn of it.
-fn unit_of_wrap(values: &[f64]) -> Option<&'static str> {
-    // Later rows are no neighbours.
-    let turn = wraps::turn_of(&values[..values.len().min(NEIGHBOURS)])?;
-    let is = |turn_of: f64| (turn / turn_of - 1.0).abs() < NEAR;
-    let is_whole = values.iter().all(|value| value.fract() == 0.0);
-    let is_count = || is_whole && turn >= FEWEST_COUNTS && is(turn.log2().round().exp2());
-    let units = [(is(360.0), "deg"), (is(TAU), "rad"), (is(1.0), "rev"), (is_count(), "counts")];
-    units.into_iter().find_map(|(is, unit)| is.then_some(unit))
-}
-
-fn full_duty(range: &Range, said: Option<&'static str>) -> String {
-    let peak = range.peak();
-    let full = [255.0, 400.0, 511.0, 512.0, 1000.0, 1023.0, 2047.0, 4095.0, 10_000.0, 32_767.0, 65_535.0];
-    if let Some(unit) = said.filter(|unit| *unit != "us") {
-        unit.to_owned()
-    } else if let Some(none) = range.pulse_of_no_duty() {
-        format!("{none}..2000")
-    } else if peak <= 1.0 || peak < JUST_ABOVE_ONE && !range.whole {
-        "1".into()
-    } else if peak <= 100.0 && (range.has_round_tens || !range.whole) {
-        "100".into()
-    } else {
-        full.into_iter().find(|full| peak <= *full).unwrap_or(peak).to_string()
-    }
-}
-
-/// What the values of a column span.
-pub(super) struct Range {
-    pub low: f64,
-    pub high: f64,
-    whole: bool,
-    /// It holds 100 itself, or nothing but tens: percent.
-    has_round_tens: bool,
-    first: f64,
-}
-
-/// What the pulses of a servo or an ESC span, us, with what some boards allow themselves; full duty back is 1000, none 1500 (of
-/// a drive that turns one way only 1000) and full duty forth 2000.
-const PULSES: (f64, f64) = (900.0, 2100.0);
-/// A drive that begins below this stands still there.
-const ONE_WAY: f64 = 1100.0;
-
-impl Range {
-    pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut range = Self {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-            whole: true,
-            has_round_tens: true,
-            first: f64::NAN,
-        };
-        for value in values {
-            range.first = if range.first.is_nan() { value } else { range.first };
-            range.low = range.low.min(value);
-            range.high = range.high.max(value);
-            range.whole &= value.fract() == 0.0;
-            range.has_round_tens &= value % 10.0 == 0.0;
-        }
-        range.has_round_tens |= range.peak() == 100.0;
-        if range.low > range.high {
-            (range.low, range.high) = (0.0, 0.0);
-        }
-        range
-    }
-
-    /// The length of the pulse that is no duty, us, where the values are such pulses.
-    fn pulse_of_no_duty(&self) -> Option<u32> {
-        let are = self.low >= PULSES.0 && self.high <= PULSES.1 && self.high > self.low.max(ONE_WAY);
-        are.then_some(if self.first < ONE_WAY { 1000 } else { 1500 })
-    }
-
-    /// Whether all of it is whole.
-    pub fn is_whole(&self) -> bool {
-        self.whole
-    }
-
-    pub fn peak(&self) -> f64 {
-        self.low.abs().max(self.high.abs())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn full_duty_follows_from_the_values() {
-        for (peak, step, full) in [
-            (0.75, 0.01, "1"),
-            (1.03, 0.01, "1"),
-            (100.0, 1.0, "100"),
-            (60.0, 10.0, "100"),
-            (180.0, 1.0, "255"),
-            (900.0, 1.0, "1000"),
-        ] {
-            let range = Range::of((0..=100).map(|k| (f64::from(k) / 100.0 * peak / step).round() * step));
-            assert_eq!(full_duty(&range, None), full, "{peak}");
-        }
-        for (pulses, full) in
-            [([1500.0, 1720.0, 1210.0], "1500..2000"), ([1000.0, 1400.0, 1900.0], "1000..2000")]
-        {
-            assert_eq!(full_duty(&Range::of(pulses.into_iter()), None), full, "{pulses:?}");
-        }
     }
 }

@@ -1,9 +1,10 @@
 //! What a table leaves open about what drives the motor: it is absent, steady as a supply, or in another unit.
 
-use super::columns::{self, Part, Range};
+use super::columns::{self, Part};
 use super::preview::short;
 use super::questions::guessed_unit;
-use super::{column, options_as_if, sides, words};
+use super::ranges::Range;
+use super::{column, options_as_if, sides, symbols, words};
 use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::{Sample, numbers};
@@ -177,9 +178,17 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 name(drive.index)
             );
             if let Some((other, speed, count)) = meant("speed [rad/s]", "encoder count") {
+                let counts = count.contains(":counts");
+                let otherwise = if counts { "counts" } else { "is an angle" };
                 text += &format!(
-                    "; if {other} is that, say {speed} where it is a speed, {count} where it counts"
+                    "; if {other} is that, say {speed} where it is a speed, {count} where it {otherwise}"
                 );
+                let place = others.iter().copied().find(|k| name(*k) == other);
+                let read = |k: usize| symbols::readings(&sample.names[k], &sample.rows, k);
+                for (as_if, means) in place.map(read).unwrap_or_default() {
+                    let options = place.and_then(|k| options_as_if(sample, &[(k, as_if)]));
+                    text += &options.map_or_else(String::new, |options| format!(", {options} {means}"));
+                }
                 text += &of_the_clock();
             }
             Some(text)

@@ -3,8 +3,9 @@
 //! A percentage and the 8 bits of `analogWrite` look alike while the motor is driven gently, and a gain found with the wrong one is off by
 //! their ratio.
 
-use super::columns::{Part, Range};
+use super::columns::Part;
 use super::preview::short;
+use super::ranges::Range;
 use super::{column, words};
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;

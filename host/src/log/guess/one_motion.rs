@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::columns::{FEWEST_COUNTS, Part};
+use super::column_units::FEWEST_COUNTS;
+use super::columns::Part;
 use super::turns::Turn;
 use super::words;
 use crate::log::units::{Quantity, Unit};

@@ -2,13 +2,15 @@
 
 use std::fmt::Write as _;
 
-use super::columns::{Part, Range};
+use super::columns::Part;
 use super::per_turn_of;
+use super::ranges::Range;
 use crate::log::direction;
 use crate::log::sample::numbers;
 use crate::log::ticks::Ticks;
 use crate::log::timing;
 use crate::log::units::{PerTurn, Quantity, Unit};
+use crate::log::unsigned;
 
 /// Columns of a plot in the terminal.
 const WIDTH: usize = 32;
@@ -34,6 +36,9 @@ pub(super) fn preview(names: &[String], rows: &[Vec<f64>], part: &Part) -> Strin
         && let Ok(signs) = direction::signs(&values)
     {
         values = signs;
+    }
+    if Unit::parse(part.quantity, &part.unit).is_ok_and(|unit| unit.signed_byte) {
+        values.iter_mut().for_each(|value| *value = unsigned::signed(*value, unsigned::BYTE));
     }
     let range = Range::of(values.iter().copied());
     let of = if part.quantity == Quantity::Duty { "of full duty" } else { "" };

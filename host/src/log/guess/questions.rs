@@ -1,13 +1,14 @@
 //! What a proposal leaves open and says: units that nothing tells, clocks of which there are two, signs that were given.
 
 use super::clocks::{self, DAYS};
-use super::columns::{self, Part, Range};
+use super::columns::{self, Part};
 use super::preview::short;
+use super::ranges::Range;
 use super::{by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written};
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
 use crate::log::timing;
-use crate::log::units::Quantity;
+use crate::log::units::{INT8, Quantity};
 use crate::log::unsigned;
 
 /// What is said of a duty, a voltage or a motion whose numbers got the signs that their type took away.
@@ -31,9 +32,20 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
     let values = numbers(&sample.rows, part.index);
     let name = sample.names.get(part.index)?;
     (has_sign && unsigned::may_be_bytes(values)).then(|| {
+        let own = column(&sample.names, part.index);
+        if let Some((_, full)) = part.unit.split_once('/').filter(|(unit, _)| *unit == INT8) {
+            return format!(
+                "\"{name}\" stays near 0 and near 255, and the motor turns back where it is near 255: its negative numbers were printed as an \
+                 unsigned byte, so 255 is read as -1; if it is not, write duty={own}:{full}"
+            );
+        }
+        let otherwise = match part.quantity {
+            Quantity::Duty => format!(": then write duty={own}:{INT8}/{}", part.unit),
+            _ => String::new(),
+        };
         format!(
             "\"{name}\" stays near 0 and near 255, as negative numbers of 8 bits do without their sign: print it with its sign (int8_t) if \
-             255 is -1"
+             255 is -1{otherwise}"
         )
     })
 }

@@ -4,7 +4,7 @@
 //! PWM 885 at full duty, input voltage 0.1 V. Servos of protocol 1 (AX, RX) have 1023 steps on 300 degrees, and a speed whose
 //! sign is a bit of its own. Feetech's have the same steps a turn and the same unit of the voltage.
 
-use super::columns::Range;
+use super::ranges::Range;
 use crate::log::units::Quantity;
 
 /// Whole numbers beyond this are no degrees of one turn.

@@ -1,0 +1,285 @@
+//! Proposals for tables as people have them.
+
+use std::f64::consts::TAU;
+
+use super::*;
+
+fn names(text: &str) -> Vec<String> {
+    text.split(';').map(str::to_owned).collect()
+}
+
+fn rows(row: impl Fn(f64) -> Vec<f64>) -> Vec<Vec<f64>> {
+    (0..300).map(|k| row(f64::from(k))).collect()
+}
+
+#[test]
+fn an_arduino_log_is_proposed_with_duty_supply_and_units() {
+    let rows = rows(|k| vec![10.0 * k, (255.0 * (0.1 * k).sin()).round(), 300.0 * (0.1 * k).sin()]);
+    let proposal = propose(&names("t_ms;pwm;rpm"), &rows).unwrap();
+    assert_eq!(proposal.options(), "--map time=t_ms:ms,duty=pwm:255,speed=rpm:rpm --supply-volts 12");
+    assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
+    assert!(
+        proposal.preview[2].contains("rad/s") && proposal.preview[2].contains('█'),
+        "{:?}",
+        proposal.preview
+    );
+}
+
+#[test]
+fn names_that_a_shell_would_split_are_quoted_and_unusual_ones_are_numbers() {
+    let rows = rows(|k| vec![0.01 * k, k.sin(), k.cos()]);
+    let proposal = propose(&names("Time (s);Voltage (V);Position (rad)"), &rows).unwrap();
+    assert_eq!(
+        proposal.options(),
+        "--map \"time=Time (s):s,voltage=Voltage (V):V,angle=Position (rad):rad\""
+    );
+    let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| [row.as_slice(), &[row[2]]].concat()).collect();
+    let proposal = propose(&names("t, s;u;u$;pos"), &rows).unwrap();
+    assert_eq!(proposal.map, "time=0:s,voltage=u:V,angle=pos:rad");
+}
+
+#[test]
+fn counts_need_their_number_a_turn_and_a_column_of_the_supply_is_used() {
+    let rows =
+        rows(|k| vec![10_000.0 * k, (200.0 * k.sin()).round(), (90.0 * k).round(), 11.8 + 0.1 * k.sin()]);
+    let proposal = propose(&names("micros;cmd;enc;Vbat"), &rows).unwrap();
+    assert_eq!(
+        proposal.options(),
+        "--map time=micros:us,duty=cmd:255,angle=enc:counts,supply=Vbat:V --counts-per-rev 1320"
+    );
+    assert!(proposal.assumptions().contains("1320"));
+}
+
+#[test]
+fn a_setpoint_is_never_proposed_as_a_measurement() {
+    let rows = rows(|k| vec![k, k.sin(), 5.0, k.sin()]);
+    let proposal = propose(&names("t;pwm;speed_setpoint;speed"), &rows).unwrap();
+    assert!(proposal.map.ends_with("speed=speed:rad/s"), "{}", proposal.map);
+    assert_eq!(propose(&names("t;pwm;target_rpm;colour"), &rows), None);
+}
+
+#[test]
+fn a_servo_is_driven_by_its_target_and_the_volts_beside_it_are_its_supply() {
+    let rows = rows(|k| vec![0.02 * k, (0.1 * k).sin(), (0.1 * k - 0.2).sin(), 12.0 + 0.1 * k.sin()]);
+    let proposal = propose(&names("timestamp;goal_position;present_position;volts"), &rows).unwrap();
+    assert_eq!(
+        proposal.map,
+        "time=timestamp:s,target=goal_position:rad,angle=present_position:rad,supply=volts:V"
+    );
+    assert_eq!(proposal.supply_volts, None);
+}
+
+#[test]
+fn a_duty_that_goes_with_the_size_of_an_error_is_asked_for_its_sign() {
+    let swing = |k: f64| 20.0 * (0.1 * k).sin();
+    let said = |duty: fn(f64) -> f64| {
+        let rows =
+            rows(|k| vec![10.0 * k, 45.0, 45.0 - swing(k), duty(15.0 * swing(k)).clamp(-255.0, 255.0)]);
+        let names = names("ms;target;current;pwm");
+        let sample = Sample {
+            with_units: names.clone(),
+            names,
+            rows,
+            texts: Vec::new(),
+            stamped: false,
+            signed: Vec::new(),
+            rate: None,
+        };
+        let part = Part {
+            quantity: Quantity::Duty,
+            index: 3,
+            rest: None,
+            unit: "255".into(),
+            guessed: false,
+            turn: None,
+        };
+        size_of_an_error(&sample, &part)
+    };
+    assert!(said(f64::abs).is_some_and(|said| said.contains("\"pwm\" is never negative")));
+    assert_eq!(said(|u| u), None);
+    assert_eq!(said(|u| u + 255.0), None);
+}
+
+#[test]
+fn a_servo_that_is_told_degrees_is_no_servo_of_many_turns() {
+    let rows = rows(|k| vec![0.02 * k, 90.5 * (0.1 * k).sin(), 90.1 * (0.1 * k - 0.2).sin()]);
+    let proposal = propose(&names("timestamp;goal_position;present_position"), &rows).unwrap();
+    assert_eq!(proposal.map, "time=timestamp:s,target=goal_position:deg,angle=present_position:deg");
+}
+
+#[test]
+fn pins_of_a_bridge_are_no_voltages_and_steps_of_a_counter_no_angle() {
+    let pin = |on: bool| f64::from(u8::from(on));
+    let sign = |k: f64| (0.1 * k).sin();
+    let row =
+        |k: f64| vec![k, pin(sign(k) > 0.0), pin(sign(k) < 0.0), (200.0 * sign(k).abs()).round(), 9.0 * k];
+    let proposal = propose(&names("ms;in1;in2;ena;count"), &rows(row)).unwrap();
+    assert_eq!(proposal.map, "time=ms:ms,duty=ena:255,direction=in1:sign,angle=count:counts");
+    let rows = rows(|k| vec![10.0 * k, (100.0 * sign(k)).round(), (5.0 * sign(k)).round()]);
+    // What was counted since the row before is a speed.
+    let proposal = propose(&names("t_ms;pwm;delta_count"), &rows).unwrap();
+    assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:100,speed=delta_count:counts/s*100");
+}
+
+#[test]
+fn what_a_person_told_is_not_assumed_and_multiples_are_divided() {
+    let rows =
+        rows(|k| vec![4.0 * k, (200.0 * (0.1 * k).sin()).round(), 900.0 * (0.1 * k - 0.3).sin(), 80.0]);
+    let proposal = propose(&names("ms;pwm;speed_rpm_x10;battery"), &rows).unwrap();
+    assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=speed_rpm_x10:rpm/10,supply=battery:V");
+    let told = Known { supply_volts: true, ..Known::default() };
+    assert_eq!(
+        proposal.with_known(told).options(),
+        "--map time=ms:ms,duty=pwm:255,speed=speed_rpm_x10:rpm/10"
+    );
+    let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.iter().map(|v| v.round()).collect()).collect();
+    let counted = propose(&names("ms;pwm;counts"), &rows).unwrap();
+    assert!(counted.options().contains("--counts-per-rev") && counted.options().contains("--supply-volts"));
+    let told = Known { supply_volts: true, counts_per_rev: true, ..Known::default() };
+    assert_eq!(counted.with_known(told).options(), "--map time=ms:ms,duty=pwm:255,angle=counts:counts");
+}
+
+#[test]
+fn a_table_without_time_is_proposed_with_a_rate() {
+    let rows = rows(|k| vec![k.sin(), k.cos()]);
+    let proposal = propose(&names("voltage_v;speed_rad_s"), &rows).unwrap();
+    assert_eq!(proposal.rate.as_deref(), Some("100"));
+    let rows: Vec<Vec<f64>> =
+        rows.into_iter().map(|row| [&[9.0 + row[0].round()], row.as_slice()].concat()).collect();
+    let proposal = propose(&names("dt_ms;voltage_v;speed_rad_s"), &rows).unwrap();
+    assert_eq!(proposal.rate, None);
+    assert!(proposal.map.starts_with("interval=dt_ms:ms,"), "{}", proposal.map);
+}
+
+#[test]
+fn angle_and_speed_that_are_one_motion_tell_each_others_units() {
+    let wave = |k: f64| 40.0 * (0.02 * k).sin();
+    let change = |k: f64| 0.8 * (0.02 * k).cos() * 100.0;
+    for (table, [of_angle, of_speed], map, counts) in [
+        ("ms;pwm;position;velocity", [60.0, 60.0], "angle=position:counts,speed=velocity:counts/s", "1320"),
+        ("ms;pwm;enc;rpm", [500.0, 60.0], "angle=enc:counts,speed=rpm:rpm", "500"),
+        ("ms;pwm;enc;velocity", [558.0, TAU], "angle=enc:counts,speed=velocity:rad/s", "558"),
+        ("ms;pwm;pos_deg;speed", [360.0, 60.0], "angle=pos_deg:deg,speed=speed:rpm", ""),
+        ("ms;pwm;pos;speed [rpm]", [1.0, 60.0], "angle=pos:rev,speed=speed [rpm]:rpm", ""),
+        ("ms;pwm;pos;speed", [1.0, 1.0], "angle=pos:rad,speed=speed:rad/s", ""),
+    ] {
+        let row = |k: f64| {
+            let turns = of_angle * wave(k);
+            let angle = if of_angle > 400.0 || of_angle == of_speed && of_angle > 1.0 {
+                turns.round()
+            } else {
+                turns
+            };
+            vec![10.0 * k, (200.0 * (0.1 * k).sin()).round(), angle, of_speed * change(k)]
+        };
+        let proposal = propose(&names(table), &rows(row)).unwrap();
+        assert!(proposal.map.ends_with(map), "{}", proposal.map);
+        let told = proposal.counts_per_rev.as_deref().unwrap_or_default();
+        let near = |a: &str, b: &str| {
+            a == b
+                || a.parse::<f64>().is_ok_and(|a| b.parse::<f64>().is_ok_and(|b| (a / b - 1.0).abs() < 0.01))
+        };
+        assert!(near(told, counts), "{told} {counts}");
+    }
+}
+
+#[test]
+fn pulses_of_a_servo_are_no_clock_and_the_output_is_what_turns() {
+    let swing = |k: f64| (0.1 * k).sin();
+    let pulses = rows(|k| vec![10.0 * k, 1500.0 + (400.0 * swing(k)).round(), 60.0 * swing(k)]);
+    let proposal = propose(&names("ms;servo_us;rpm"), &pulses).unwrap();
+    assert_eq!(proposal.map, "time=ms:ms,duty=servo_us:1500..2000,speed=rpm:rpm");
+    let geared = rows(|k| vec![0.01 * k, 9.0 * swing(k), 1800.0 * swing(k), 60.0 * swing(k)]);
+    let proposal = propose(&names("t;V;motor_rpm;output_rpm"), &geared).unwrap();
+    assert_eq!(proposal.map, "time=t:s,voltage=V:V,speed=output_rpm:rpm");
+    let counted = rows(|k| vec![10.0 * k, (200.0 * swing(k)).round(), (50.0 * swing(k)).round()]);
+    let proposal = propose(&names("ms;pwm;ticks_per_loop"), &counted).unwrap();
+    assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=ticks_per_loop:counts/s*100");
+}
+
+#[test]
+fn what_was_counted_since_the_row_before_is_a_speed_with_an_interval_too() {
+    let rows = rows(|k| vec![10.0, (200.0 * (0.1 * k).sin()).round(), (5.0 * (0.1 * k).sin()).round()]);
+    let proposal = propose(&names("dt_ms;pwm;delta_ticks"), &rows).unwrap();
+    assert_eq!(proposal.map, "interval=dt_ms:ms,duty=pwm:255,speed=delta_ticks:counts/s*100");
+}
+
+#[test]
+fn a_set_value_that_the_angle_goes_far_beyond_is_no_target_and_the_number_of_a_row_no_current() {
+    let sent = |k: f64| (200.0 * (0.05 * k).sin()).round();
+    let counted = rows(|k| vec![10.0 * k, sent(k), 40.0 * k]);
+    assert_eq!(propose(&names("ms;set;enc"), &counted), None);
+    let reached = rows(|k| vec![10.0 * k, sent(k), sent(k - 3.0)]);
+    assert!(propose(&names("ms;set;enc"), &reached).is_some_and(|p| p.map.contains("target=set")));
+    let numbered = rows(|k| vec![k, 10.0 * k, sent(k), 30.0 * (0.05 * k).sin()]);
+    let proposal = propose(&names("i;ms;pwm;rpm"), &numbered).unwrap();
+    assert_eq!(proposal.map, "time=ms:ms,duty=pwm:255,speed=rpm:rpm");
+}
+
+#[test]
+fn the_fine_angle_behind_the_gear_is_the_motion() {
+    let angle = |k: f64| 1500.0 * (0.02 * k).sin();
+    let apart = rows(|k| {
+        vec![
+            10.0 * k,
+            (200.0 * (0.1 * k).sin()).round(),
+            (angle(k) / 360.0).floor(),
+            angle(k).rem_euclid(360.0),
+        ]
+    });
+    let map = propose(&names("ms;pwm;turns;deg"), &apart).unwrap().map;
+    assert!(map.ends_with("angle=deg:deg"), "{map}");
+    // 30 turns of the motor are one of the shaft.
+    let rpm = |k: f64| 30.0 * 1500.0 * 0.02 * (0.02 * k).cos() * 100.0 / 6.0;
+    let geared = rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).cos(), rpm(k), angle(k)]);
+    let map = propose(&names("t;u;motor_rpm;out_deg"), &geared).unwrap().map;
+    assert_eq!(map, "time=t:s,voltage=u:V,angle=out_deg:deg");
+    let pins = rows(|k| {
+        vec![
+            10.0 * k,
+            f64::from(u8::from((0.1 * k).sin() > 0.0)),
+            (200.0 * (0.1 * k).sin().abs()).round(),
+            9.0 * k,
+        ]
+    });
+    let map = propose(&names("ms;in1;en;count"), &pins).unwrap().map;
+    assert_eq!(map, "time=ms:ms,duty=en:255,direction=in1:sign,angle=count:counts");
+}
+
+#[test]
+fn an_angle_in_tenths_is_in_degrees() {
+    let tenths = rows(|k| vec![0.01 * k, 6.0 * (0.02 * k).sin(), (9000.0 * (0.02 * k).sin()).round() / 10.0]);
+    let proposal = propose(&names("t;u;position"), &tenths).unwrap();
+    assert!(proposal.map.ends_with("angle=position:deg"), "{}", proposal.map);
+    assert!(proposal.assumptions().contains("deg is a guess"));
+}
+
+#[test]
+fn columns_that_no_name_tells_are_proposed_by_their_numbers() {
+    let mut speed = 0.0;
+    let rows = (0..300).map(|k| {
+        let volts = [6.0, -3.0, 0.0, 4.5][k / 50 % 4];
+        speed += 0.1 * (2.0 * volts - speed);
+        vec![0.01 * k as f64, volts, 0.01 * k as f64, speed]
+    });
+    let sample = Sample {
+        with_units: names("time;value;time;value"),
+        names: names("time;value;time;value"),
+        rows: rows.collect(),
+        texts: Vec::new(),
+        stamped: false,
+        signed: Vec::new(),
+        rate: None,
+    };
+    assert_eq!(propose_for(&sample), None);
+    let asked = questions::numbers_question(&sample).unwrap();
+    assert!(asked.contains("--map time=0:s,voltage=1:V,speed=3:rad/s"), "{asked}");
+}
+
+#[test]
+fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
+    let rows = rows(|k| vec![1.7e9 + (0.01 * k).floor(), (k % 100.0) * 1e7, k.sin(), k.cos()]);
+    let proposal = propose(&names("header.stamp.sec;header.stamp.nanosec;u;pos"), &rows).unwrap();
+    assert!(proposal.map.starts_with("time=header.stamp.sec+header.stamp.nanosec:ns,"), "{}", proposal.map);
+    assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
+}
