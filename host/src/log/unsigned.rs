@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn a_duty_that_was_printed_as_an_unsigned_byte_is_told_by_the_motion() {
         let course = |k: usize| (11.0 * (0.03 * k as f64).sin()).round();
-        let speed: Vec<f64> = (0..600).map(|k| 5.0 * course(k.saturating_sub(4)) + 0.1).collect();
+        let speed: Vec<f64> = (0..600_usize).map(|k| 5.0 * course(k.saturating_sub(4)) + 0.1).collect();
         let mut record = Record {
             map: Some("time=t:s,duty=pwm:255,speed=w:rad/s".parse().unwrap()),
             time_s: (0..600).map(|k| 0.01 * f64::from(k)).collect(),

@@ -77,7 +77,7 @@ mod tests {
     /// Titles of the effects that a diagnosis on this page tries.
     async fn tried(app: &Arc<App>) -> Vec<String> {
         let mut events = app.events.subscribe();
-        fits::diagnose(State(Arc::clone(app))).await.unwrap();
+        let _ = fits::diagnose(State(Arc::clone(app))).await.unwrap();
         let mut titles = Vec::new();
         loop {
             let event = events.recv().await.unwrap();
@@ -105,7 +105,7 @@ mod tests {
         );
         let (first, second) = (page(), page());
         let file = File { name: "lobe.toml".into() };
-        offer(State(Arc::clone(&first)), Query(file), text).await.unwrap();
+        let _ = offer(State(Arc::clone(&first)), Query(file), text).await.unwrap();
         assert_eq!((named(&first).await, named(&second).await), ([true; 2], [false; 2]));
         let has = |titles: &[String]| titles.iter().any(|title| title == TITLE);
         assert!(has(&tried(&first).await));

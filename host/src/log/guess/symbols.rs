@@ -16,10 +16,8 @@ pub(super) fn readings(name: &str, rows: &[Vec<f64>], column: usize) -> Vec<(&'s
     let is_within = |(least, most): (f64, f64), value: f64| value >= least && value <= most;
     let mut found = Vec::new();
     match words::of(name).as_slice() {
-        [symbol] if symbol == "n" => {
-            if is_within(RPM, range.peak()) {
-                found.push(("speed [rpm]", "where it is turns a minute"));
-            }
+        [symbol] if symbol == "n" && is_within(RPM, range.peak()) => {
+            found.push(("speed [rpm]", "where it is turns a minute"));
         }
         [symbol] if symbol == "x" => {
             let way = range.high - range.low;
