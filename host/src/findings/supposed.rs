@@ -1,5 +1,4 @@
-//! What an answer supposes that no file tells: the unit of the angle, on which the size of an effect rests, and that of the speed, on which
-//! every gain does.
+//! What an answer supposes that no file tells: the unit of the angle, on which the size of an effect rests.
 //!
 //! A weight hangs once in a turn of the shaft, and so do cogging and an encoder that is off centre. Where degrees are read as counts, what
 //! looks like a weight is a spring, or nothing.
@@ -16,10 +15,9 @@ const OF_THE_ANGLE: [Kind; 3] = [Kind::Gravity, Kind::Cogging, Kind::Eccentricit
 /// The counts of a turn that a proposal assumes, for a person to put the right ones in their place.
 const ASSUMED_COUNTS: f64 = 1320.0;
 
-/// What an answer with `effects` that was found on `records` supposes, each in a sentence with a blank before it.
-pub fn supposes<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record> + Clone) -> String {
-    let said = [unit_of_angle(effects, records.clone()), unit_of_speed(records)];
-    said.into_iter().flatten().map(|text| format!(" {text}.")).collect()
+/// What an answer with `effects` that was found on `records` supposes, in a sentence with a blank before it.
+pub fn supposes<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record>) -> String {
+    unit_of_angle(effects, records).map_or_else(String::new, |text| format!(" {text}."))
 }
 
 /// What is said of `effects` found on `records` whose angle is in a unit that only a mapping says; none where a header says it too, or where
@@ -52,44 +50,9 @@ fn unit_of_angle<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Rec
     })
 }
 
-/// What is said of answers found on `records` whose speed is all that was measured, in a unit that only a mapping says; none where its header
-/// says it too.
-fn unit_of_speed<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<String> {
-    records.into_iter().find_map(|record| {
-        let map = record.map.as_ref().filter(|_| record.angle_rad.is_none())?;
-        let source = map.source(Quantity::Speed)?;
-        let name = &source.column;
-        let (in_words, of_rad_s) = match source.written.as_str() {
-            "" | "rad/s" => ("rad/s", "rpm they are 9.549 times smaller"),
-            "rpm" => ("rpm", "rad/s they are 9.549 times larger"),
-            "deg/s" => ("deg/s", "rad/s they are 57.3 times larger"),
-            "rev/s" => ("turns a second", "rad/s they are 6.283 times smaller"),
-            _ => return None,
-        };
-        let is_told = words::said(name).unit.is_some();
-        (!is_told).then(|| {
-            format!(
-                "Gains suppose that \"{name}\" is in {in_words}, which --map says and no header does: in {of_rad_s}"
-            )
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_speed_in_a_unit_that_only_the_mapping_says_is_told() {
-        let said = |map: &str| unit_of_speed(&[record(map)]);
-        let text = said("time=t:s,voltage=u:V,speed=n:rpm").unwrap();
-        assert!(text.contains("\"n\" is in rpm") && text.contains("9.549"), "{text}");
-        assert!(said("time=t:s,voltage=u:V,speed=w:rad/s").is_some());
-        for told in ["speed=rpm:rpm", "speed=speed_deg_s:deg/s", "speed=w:rpm*0.5", "angle=x:rad"] {
-            assert_eq!(said(&format!("time=t:s,voltage=u:V,{told}")), None, "{told}");
-        }
-        assert_eq!(unit_of_speed(&[Record::default()]), None);
-    }
 
     fn record(map: &str) -> Record {
         Record { map: Some(map.parse().unwrap()), ..Record::default() }

@@ -159,17 +159,18 @@ mod tests {
         let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
         let record = Record {
             name: "run".into(),
-            map: Some("time=t:s,voltage=u:V,speed=n:rpm".parse().unwrap()),
             voltage_v: time_s.iter().map(|t| 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin()).collect(),
             speed_rad_s: Some(time_s.iter().map(|t| 30.0 * (1.3 * t - 0.1).sin()).collect()),
             time_s,
             ..Record::default()
         };
         let mut session = Session::new(vec![record], Vec::new(), MotorFile::default()).unwrap();
-        assert!(!session.scene().standing().headline.contains("Gains suppose"));
+        let told = |session: &Session| {
+            Scene { supposes: " It is in degrees.".into(), ..session.scene() }.standing().headline
+        };
+        assert!(!told(&session).contains("degrees"));
         session.diagnosis = Some(Arc::new(Diagnosis::default()));
-        let told = session.scene().standing().headline;
-        assert!(told.contains("Gains suppose that \"n\" is in rpm"), "{told}");
+        assert!(told(&session).ends_with(". It is in degrees."), "{}", told(&session));
     }
 
     #[test]
