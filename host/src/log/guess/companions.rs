@@ -8,8 +8,8 @@ use crate::log::units::Quantity;
 
 /// So many columns that end with one letter have it as an index.
 const SHARED: usize = 3;
-/// Letters that say something of their own: an error, and the axes of a field-oriented drive.
-const NO_INDEX: [&str; 3] = ["e", "d", "q"];
+/// Letters that say something of their own: an error, the axes of a field-oriented drive, units.
+const NO_INDEX: [&str; 7] = ["e", "d", "q", "s", "m", "v", "a"];
 /// What is added up over time ends with one of these, ...
 const INTEGRALS: [&str; 2] = ["i", "int"];
 /// ... but for what belongs to a thing and not to its motion: `motor_i` is its current.
@@ -108,6 +108,13 @@ mod tests {
         let mut said: Vec<Said> = names.iter().map(|name| words::said(name)).collect();
         tell(&mut said, &names);
         said
+    }
+
+    #[test]
+    fn a_unit_that_columns_share_is_no_index() {
+        let table = "time_s,commanded_deg_s,angle_deg,feedback_deg_s";
+        let units: Vec<_> = told(table).iter().map(|said| said.unit).collect();
+        assert_eq!(units, [Some("s"), Some("deg/s"), Some("deg"), Some("deg/s")]);
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>])
     let is_open = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
     let (of_angle, of_speed) = (parts[angle].unit.clone(), parts[speed].unit.clone());
     if of_angle == "counts" {
-        if is_open(&parts[speed]) && (ratio - 1.0).abs() < NEAR {
+        if is_open(&parts[speed]) && (ratio - 1.0).abs() < EQUAL {
             "counts/s".clone_into(&mut parts[speed].unit);
             parts[speed].guessed = false;
             return None;
@@ -88,6 +88,9 @@ pub(super) fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
 /// 57.3 are 5 % apart.
 const ONE_MOTION: f64 = 0.95;
 pub(super) const NEAR: f64 = 0.02;
+/// Of two columns in units that nothing tells, equal numbers: nearer to 1 than to 60 / 57.3, the next ratio of two units. A speed that is filtered
+/// falls short by some percent.
+const EQUAL: f64 = 0.5 * (60.0 * TAU / 360.0 - 1.0);
 /// In the units of a proposal a speed is this many times the change of its angle at least, and at most: beyond, a reader refuses both.
 const ALIKE: (f64, f64) = (0.5, 2.0);
 
