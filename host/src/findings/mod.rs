@@ -127,6 +127,7 @@ impl Findings {
             asked: None,
         });
         later.extend(shown_by_fit::doubted_by_validation(&found.ladder));
+        later.extend(shown_by_fit::nearer_rival(&found.selected.rivals, &found.evidence));
         if suggested.is_none() {
             later.extend(shown_by_fit::worse_than_usual(&found.ladder, found.baseline.as_ref()));
         }

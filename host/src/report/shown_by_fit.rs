@@ -2,12 +2,14 @@
 
 use motorlens_shared::effects::Kind;
 
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
 use crate::fit::layout::Layout;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::report::falls::judged;
 use crate::report::figure::in_words;
+use crate::select::run::Rivals;
 
 /// All that a fitted model shows: its `parameters`, its accepted `effects`, and values of its `layout` at `x` where the search for them
 /// ends. Terminal, report and page ask for the same, so that none sends to data problems that another one does not know.
@@ -114,6 +116,27 @@ pub fn worse_than_usual(ladder: &[Rung], usual: Option<&Rung>) -> Option<Warning
         fix: "simulate such moves with that one (fit --method feedforward), and do not rely on what is named here: something acts that is \
               not in the library, or that the log does not hold"
             .into(),
+    })
+}
+
+/// The first accepted effect of which a rival runs much nearer to the records of the fit.
+pub fn nearer_rival(rivals: &[Rivals], data: &Evidence) -> Option<Warning> {
+    rivals.iter().find_map(|set| {
+        let (accepted, nearer) = (set.models.first()?, set.nearer(data)?);
+        Some(Warning {
+            place: "all records together".into(),
+            what: format!(
+                "nearer_rival: fitted to these records, the model with {} runs {:.1} times nearer to them than the one with {}, but fits to a part \
+                 of them do not foresee the rest better",
+                names(nearer.kinds(), " and ", "no effects"),
+                accepted.error(data) / nearer.error(data),
+                names(accepted.kinds(), " and ", "no effects"),
+            ),
+            fix: format!(
+                "record once more what only one of these records shows, and give both; to have the other model: motorlens fit LOG... -e {}",
+                names(nearer.kinds(), ",", "")
+            ),
+        })
     })
 }
 

@@ -231,9 +231,13 @@ impl Fitted {
     /// Whether it simulates the records that it was fitted to clearly worse than `other` does. Fits hold the phase of what repeats with the angle at
     /// the measured angle; a model that only runs so is of no use.
     pub fn strays(&self, other: &Self, data: &Evidence) -> bool {
-        let run = |model: &Self| simulated(&data.whole, &model.values()).map_or(f64::INFINITY, |m| m.rmse);
-        let error = |model: &Self| *model.simulated.get_or_init(|| run(model));
-        error(self) > STRAYS * error(other)
+        self.error(data) > STRAYS * other.error(data)
+    }
+
+    /// Error of its free run over the records that it was fitted to, rms, in the measured unit.
+    pub fn error(&self, data: &Evidence) -> f64 {
+        let run = || simulated(&data.whole, &self.values()).map_or(f64::INFINITY, |m| m.rmse);
+        *self.simulated.get_or_init(run)
     }
 
     /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how

@@ -36,6 +36,14 @@ impl Rivals {
     pub fn kinds(&self) -> Vec<Kind> {
         self.models.iter().filter_map(|model| model.kinds().last().copied()).collect()
     }
+
+    /// The other model that runs nearest to the records that all were fitted to, where that is much nearer than the accepted one. Records kept apart
+    /// do not confirm it: what is seen once, they do not hold.
+    pub fn nearer(&self, data: &Evidence) -> Option<&Fitted> {
+        let (accepted, others) = self.models.split_first()?;
+        let best = others.iter().min_by(|a, b| a.error(data).total_cmp(&b.error(data)))?;
+        accepted.strays(best, data).then_some(best)
+    }
 }
 
 impl Selected {

@@ -5,6 +5,7 @@ use motorlens_virtual_motor::Kind as Hidden;
 
 use super::adequacy::Adequacy;
 use super::fitted::Fitted;
+use super::run::Rivals;
 use super::starts::besides;
 use crate::diagnose::discover::{Discovery, Options, discover, prepare, reading_noise};
 use crate::exam::case::{Case, Conditions};
@@ -50,6 +51,12 @@ fn a_model_at_the_end_of_its_search_or_far_from_what_it_was_fitted_to_is_not_tak
     let (end, off) = (at(|b| b.tau_m = 1e-9), at(|b| b.gain *= 4.0));
     assert!(end.is_lost(&base) && !base.is_lost(&end) && !off.is_lost(&base));
     assert!(off.strays(&base, &evidence) && !base.strays(&off, &evidence) && !base.strays(&base, &evidence));
+    let nearer = |models: [&Fitted; 3]| {
+        let rivals = Rivals { models: models.map(Clone::clone).to_vec() };
+        rivals.nearer(&evidence).map(|nearer| nearer.values() == base.values())
+    };
+    assert_eq!(nearer([&off, &base, &off]), Some(true), "a rival that runs much nearer is told");
+    assert_eq!(nearer([&base, &off, &base]), None);
 }
 
 #[test]

@@ -155,7 +155,7 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                 let effects = scene.effects();
                 json!({ "parameters": words::estimate_rows(parameters, &effects),
                         "combinations": words::estimate_rows(combinations, &effects),
-                        "faults": scene.later_faults() })
+                        "faults": scene.shown_by_the_fit() })
             }
             _ => return Err(refused(StatusCode::NOT_FOUND, "there is no such step")),
         };

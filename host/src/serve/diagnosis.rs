@@ -6,7 +6,8 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
 use crate::diagnose::plan::Limits;
 use crate::findings::{Experiment, NextExperiment};
-use crate::report::{DRAWN, Suspect, evidence};
+use crate::log::Warning;
+use crate::report::{DRAWN, Suspect, evidence, shown_by_fit};
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
@@ -22,6 +23,8 @@ pub struct Diagnosis {
     pub suspects: Vec<Suspect>,
     /// Sets that cannot be told apart.
     pub rivals: Vec<Vec<Kind>>,
+    /// One of them that runs much nearer to the records of the fit than what is suggested.
+    pub nearer: Option<Warning>,
     /// The experiment that would tell them apart, where there are any.
     pub next: Option<NextExperiment>,
     /// What the records would have shown of every further effect.
@@ -62,8 +65,9 @@ impl Diagnosis {
         let limits =
             if suggested.is_some() { Vec::new() } else { detection_limits(evidence, base, model, library) };
         let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
+        let nearer = shown_by_fit::nearer_rival(found.as_slice(), evidence);
         let rivals = found.iter().map(Rivals::kinds).collect();
         let left = Adequacy::of(evidence, base, model, floor);
-        Self { suspects, rivals, next, limits, left, suggested, candidates }
+        Self { suspects, rivals, nearer, next, limits, left, suggested, candidates }
     }
 }

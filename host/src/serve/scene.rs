@@ -105,6 +105,12 @@ impl Scene {
         all
     }
 
+    /// All that only the fit and the search show, as it is told.
+    pub fn shown_by_the_fit(&self) -> Vec<Warning> {
+        let nearer = self.diagnosis.as_ref().and_then(|diagnosis| diagnosis.nearer.clone());
+        self.later_faults().into_iter().chain(nearer).collect()
+    }
+
     /// What is suspected, and after it what is in the model already.
     pub fn suspects(&self) -> Vec<Suspect> {
         let mut all = self.diagnosis.as_deref().map_or_else(Vec::new, |d| d.suspects.clone());
@@ -135,7 +141,7 @@ impl Scene {
             standing: self.standing(),
             rises: self.rises.clone(),
             baseline: self.baseline.clone(),
-            faults: self.faults.iter().cloned().chain(self.later_faults()).collect(),
+            faults: self.faults.iter().cloned().chain(self.shown_by_the_fit()).collect(),
             parameters,
             combinations,
             base_torques,
