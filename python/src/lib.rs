@@ -120,7 +120,8 @@ fn plan(
     seconds: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Option<String>> {
-    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, 1, &Library::default())?;
+    let most = motorlens::Options::default().most;
+    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, most, &Library::default())?;
     let next = watched(py, progress, move |observer| {
         motorlens::plan(&asked.records, &asked.options, volts, seconds, observer)
     })?;

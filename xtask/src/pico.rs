@@ -245,8 +245,8 @@ fn stepped(image: &Path, programme: &Path, rate: &str, driver: &str, out: &Path)
     let log = PathBuf::from(log["log"].as_str().context("no path")?);
     let angles = angles(&log)?;
     let counts: Vec<f64> = serde_json::from_str(&std::fs::read_to_string(&counts)?)?;
-    // At 100 samples a second the sampling timer interrupts between them too.
-    let apart = if rate == "100" { 10 } else { 1 };
+    // Below 1000 samples a second the sampling timer interrupts between them too, each millisecond.
+    let apart = 1000_usize.div_ceil(rate.parse()?);
     let rad_per_count = std::f64::consts::TAU / COUNTS.parse::<f64>()?;
     // An edge may come between the interrupt and the counter's being read, at the first sample and at this one.
     let agrees = |first: &usize| {

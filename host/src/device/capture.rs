@@ -23,6 +23,8 @@ pub struct Capture {
     capabilities: Option<Capabilities>,
     collector: Collector,
     status: Option<Status>,
+    /// The board has said that it began the run: from then on another one's number tells that it no longer has it.
+    begun: bool,
     /// Why the board started that no longer has the run.
     lost: Option<Reset>,
     heard: Duration,
@@ -64,6 +66,7 @@ impl Capture {
             capabilities: None,
             collector: Collector::new(run),
             status: None,
+            begun: false,
             lost: None,
             heard: Duration::ZERO,
             stopped: false,
@@ -157,7 +160,9 @@ impl Capture {
                 FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
                 FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
                 // It had told of the run: a board that was without power begins with none.
-                FromBoard::Status(status) if self.status.is_some() => self.lost = Some(status.reset),
+                FromBoard::Status(status) if self.status.is_some() || self.begun => {
+                    self.lost = Some(status.reset)
+                }
                 FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
                 _ => {}
             }
@@ -166,7 +171,11 @@ impl Capture {
 
     /// Lets time pass, and hands over what is to be sent.
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
-        match self.exchange.take_answer() {
+        let answer = self.exchange.take_answer();
+        // The last of the script is what begins the run.
+        let is_last = self.began.is_some() && self.script.is_empty() && !self.stopped;
+        self.begun |= is_last && matches!(answer, Some(Ok(FromBoard::Done)));
+        match answer {
             Some(Err(fault)) => self.refuse(fault),
             Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.since() => {
                 // What an old board cannot read it would not answer, and what it skips it would not do.
@@ -207,7 +216,7 @@ impl Capture {
     fn begin_again(&mut self) {
         self.run = self.run.wrapping_add(1);
         self.again += 1;
-        (self.collector, self.status) = (Collector::new(self.run), None);
+        (self.collector, self.status, self.begun) = (Collector::new(self.run), None, false);
         self.script.push_back(ToBoard::Start { run: self.run, segments: self.segments });
     }
 

@@ -61,7 +61,7 @@ const AS_GOOD: f64 = 0.01;
 impl Cost {
     /// What the target has of the model errs on these records by more than a hundredth above the whole model.
     pub fn is_too_high(&self) -> bool {
-        self.errors.is_some_and(|[with, without]| without > (1.0 + AS_GOOD) * with)
+        self.errors.is_some_and(|[with, without]| without.is_nan() || without > (1.0 + AS_GOOD) * with)
     }
 
     /// The step, s to a microsecond, that would make the program as good as the model, where it has another one and is not.

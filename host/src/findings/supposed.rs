@@ -31,7 +31,11 @@ fn unit_of_angle<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Rec
     records.into_iter().find_map(|record| {
         let source = record.map.as_ref()?.source(Quantity::Angle)?;
         let name = &source.column;
-        let unit = source.written.split(['*', '/']).next().unwrap_or_default();
+        let (unit, scale) = source.written.split_at(source.written.find(['*', '/']).unwrap_or(source.written.len()));
+        // A factor was worked out and not guessed.
+        if !["", "*-1", "/-1"].contains(&scale) {
+            return None;
+        }
         let (in_words, once_round) = match unit {
             "" | "rad" => ("rad", "6.283"),
             "deg" => ("degrees", "360"),

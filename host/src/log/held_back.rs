@@ -3,6 +3,8 @@
 //! No effect of a motor does that once. What the motor's own load does (a weight, cogging) comes again with every turn and leaves no even
 //! speed beside it; a stop does not let go. Averaged into the gain such a range makes the motor weaker than it is.
 
+use std::f64::consts::TAU;
+
 use super::Record;
 use super::guess::quoted;
 use super::motion::{peak, speed};
@@ -23,8 +25,9 @@ const NEARLY_ALL: f64 = 0.9;
 const FEWEST_EVEN: usize = 20;
 /// The even speed is most of it, as it is not beside a weight that the motor lifts and lets down.
 const MOSTLY: f64 = 0.6;
-/// What comes more often in a record is its load.
+/// What comes more often in a record is its load, as is what comes again after a turn, within this share of it.
 const MOST: usize = 2;
+const ONE_TURN: f64 = 0.1;
 
 /// The speed departs at an unchanged voltage and comes back.
 pub(super) fn held_back(record: &Record) -> Option<Odd> {
@@ -49,6 +52,11 @@ pub(super) fn held_back(record: &Record) -> Option<Odd> {
         }
     }
     let first = found.first().filter(|_| found.len() <= MOST)?;
+    if let ([one, other], Some(angle)) = (found.as_slice(), &record.angle_rad)
+        && ((angle[other.from] - angle[one.from]).abs() / TAU - 1.0).abs() < ONE_TURN
+    {
+        return None;
+    }
     let time = |k: usize| record.time_s[k.min(record.len() - 1)];
     let named: Vec<String> = found
         .iter()
@@ -75,8 +83,8 @@ pub(super) fn held_back(record: &Record) -> Option<Odd> {
         "held_back",
         if record.speed_rad_s.is_some() { "speed_rad_s" } else { "angle_rad" },
         format!(
-            "the speed falls from {:.2} to {:.2} rad/s at an unchanged {:.2} V and comes back, from {}: something outside held the shaft, and the \
-             gain takes it for the motor's own",
+            "the speed falls from {:.2} to {:.2} rad/s at an unchanged {:.2} V and comes back, from {}: something outside held the shaft, or a \
+             load that comes seldom, and the gain takes it for the motor's own",
             first.before,
             first.lowest,
             record.voltage_v[first.from],

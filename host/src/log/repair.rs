@@ -29,7 +29,6 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
     unwrap_angle(&mut record);
-    leave_out_held(&mut record);
     let mut pauses = pauses(&record);
     let last_before = |time_s: &f64| record.time_s.partition_point(|t| t <= time_s).checked_sub(1);
     pauses.extend(clipped.iter().filter_map(last_before));
@@ -41,7 +40,9 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     resets.sort_unstable();
     resets.dedup();
     resets.retain(|k| pauses.binary_search(k).is_err());
-    cut(record, &pauses, &resets)
+    let mut parts = cut(record, &pauses, &resets);
+    parts.iter_mut().for_each(leave_out_held);
+    parts
 }
 
 /// Steps (from sample k to k + 1) of `values` that stand apart from the motion, at most two in a row in one direction.
@@ -72,7 +73,7 @@ pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
 const SET_BACK: f64 = 8.0;
 /// ... or so many times where it surely was more than once.
 const SET_BACK_AGAIN: f64 = 2.5;
-/// Samples before and after that tell how fast the shaft turns.
+/// Changes of the reading before and after that tell how fast the shaft turns, however long each reading is held.
 const AROUND: usize = 3;
 
 /// Steps of `values` back to where they began, which the motion around them does not make: the counter is set to zero before each test. They
@@ -81,14 +82,17 @@ fn resets_to_start(values: &[f64]) -> Vec<usize> {
     let step = |k: usize| (values[k + 1] - values[k]).abs();
     let last = values.len().saturating_sub(1);
     let smallest = (0..last).map(step).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let changes: Vec<usize> = (0..last).filter(|k| step(*k) > 0.0).collect();
     let back = |factor: f64| -> Vec<usize> {
-        let is_reset = |k: &usize| {
-            let around = (k.saturating_sub(AROUND)..(k + 1 + AROUND).min(last)).filter(|other| other != k);
-            let usual = around.map(step).fold(0.0, f64::max);
+        let is_reset = |place: &usize| {
+            let k = changes[*place];
+            let around = place.saturating_sub(AROUND)..(place + 1 + AROUND).min(changes.len());
+            let usual =
+                around.filter(|other| other != place).map(|other| step(changes[other])).fold(0.0, f64::max);
             let to_start = (values[k + 1] - values[0]).abs() <= usual + smallest;
-            to_start && step(*k) > factor * usual + SET_BACK * smallest
+            to_start && step(k) > factor * usual + SET_BACK * smallest
         };
-        (0..last).filter(is_reset).collect()
+        (0..changes.len()).filter(is_reset).map(|place| changes[place]).collect()
     };
     let surely = back(SET_BACK);
     if surely.len() > 1 { back(SET_BACK_AGAIN) } else { surely }
@@ -253,6 +257,9 @@ pub(super) mod tests {
             zeroed.angle_rad.as_mut().unwrap()[at..].iter_mut().for_each(|x| *x -= there);
         }
         assert!(repaired(zeroed).len() >= 6);
+        // A reading that is held goes far at once, also to where it began.
+        let held = moving(|t| swing((t / 0.05).floor() * 0.05));
+        assert_eq!(repaired(held).len(), 1);
         let mut paused = moving(swing);
         paused.time_s[400..].iter_mut().for_each(|t| *t += 30.0);
         let parts = repaired(paused);

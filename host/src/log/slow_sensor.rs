@@ -21,6 +21,8 @@ const SAME_AGAIN: f64 = 4.0;
 const REGULAR: f64 = 0.85;
 const AFTER_ONE: f64 = 0.5;
 const EARLY: f64 = 0.05;
+/// So many readings are new while the voltage stays.
+const FEWEST_OWN: usize = 3;
 /// Slow motion changes its reading by one step at a time, however often it is read; a held one goes further at once: so many of the
 /// smallest changes, in so many of them.
 const FURTHER: f64 = 1.5;
@@ -37,7 +39,7 @@ pub(super) fn leave_out_held(record: &mut Record) {
         // One of them may go on while the other is held.
         _ => return,
     };
-    let Some(rows) = held_rows(values) else { return };
+    let Some(rows) = held_rows(values, &record.voltage_v) else { return };
     // An angle whose hold the model knows stays as it is.
     if record.angle_rad.is_some() && hold(&record.time_s, values).is_some() {
         return;
@@ -75,8 +77,8 @@ pub(super) fn leave_out_held(record: &mut Record) {
     leave_out(record, |k| !is_kept[k]);
 }
 
-/// For how many rows `values` are held in motion; none where they are not, or do not show it.
-fn held_rows(values: &[f64]) -> Option<f64> {
+/// For how many rows `values` are held in motion under `volts`; none where they are not, or do not show it.
+fn held_rows(values: &[f64], volts: &[f64]) -> Option<f64> {
     let changes: Vec<usize> = (1..values.len()).filter(|k| values[*k] != values[*k - 1]).collect();
     let mut runs: Vec<usize> = changes.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if changes.len() < FEWEST_CHANGES {
@@ -98,10 +100,13 @@ fn held_rows(values: &[f64]) -> Option<f64> {
         && share(&is_even) >= REGULAR
         && share(&|holds| holds.round() == 1.0) >= AFTER_ONE
         && share(&|holds| holds < 1.0 - EVEN) <= EARLY;
+    // A motor that keeps a steady speed at each voltage changes it with the voltage only.
+    let is_own = |k: &&usize| volts[**k] == volts[k.saturating_sub(rows as usize)];
+    let is_read = changes.iter().filter(is_own).count() >= FEWEST_OWN;
     let by: Vec<f64> = changes.iter().map(|k| (values[*k] - values[*k - 1]).abs()).collect();
     let smallest = by.iter().copied().fold(f64::INFINITY, f64::min);
     let further = by.iter().filter(|by| **by > FURTHER * smallest).count() as f64;
-    (is_held && further >= GO_FURTHER * by.len() as f64).then_some(rows)
+    (is_held && is_read && further >= GO_FURTHER * by.len() as f64).then_some(rows)
 }
 
 /// The first row, those in which `values` change, and of a time without changes one in every `rows`.

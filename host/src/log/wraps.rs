@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::dropouts::LONGEST_SPIKE;
 use super::motion::ends;
 use super::quantum::quantum;
 use super::repair::{APART, far_steps};
@@ -55,10 +56,12 @@ fn within_a_turn(angle: &[f64]) -> Option<Wrapped> {
         (1..angle.len() - 1).map(|k| (step(k) - step(k - 1)).powi(2)).sum()
     };
     let is_smoother = roughness(&short) < SMOOTHER * roughness(&step);
-    // A number at the end of a type that stands for no reading goes there from anywhere: unwrapped it still stands alone.
+    // A number at the end of a type that stands for no reading goes there from anywhere, and back: unwrapped it still stands alone. A pause, in
+    // which the motor turned on, is one such step.
     let usual = (0..angle.len() - 1).filter(|k| step(*k).abs() <= 0.5 * turn).map(|k| short(k).abs());
     let furthest = APART * usual.fold(0.0, f64::max) + FEW_COUNTS * count.unwrap_or(0.0);
-    let is_motion = steps.iter().all(|k| short(*k).abs() <= furthest);
+    let odd: Vec<usize> = steps.iter().copied().filter(|k| short(*k).abs() > furthest).collect();
+    let is_motion = odd.windows(2).all(|pair| pair[1] - pair[0] > LONGEST_SPIKE);
     (steps.len() >= FEWEST_WRAPS && is_smoother && is_motion).then_some(Wrapped { turn, steps })
 }
 
@@ -71,7 +74,10 @@ fn modulus(angle: &[f64]) -> Option<f64> {
     let mut sizes: Vec<f64> = far.iter().map(|&k| (step(k) - around(k)).abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let size = *sizes.get(sizes.len() / 2)?;
-    let motion = (0..angle.len() - 1).filter(|k| !far.contains(k)).map(|k| step(k).abs()).fold(0.0, f64::max);
+    let motion = (0..angle.len() - 1)
+        .filter(|k| far.binary_search(k).is_err())
+        .map(|k| step(k).abs())
+        .fold(0.0, f64::max);
     let (low, high) = ends(angle);
     let same = |size: f64| sizes.iter().all(|s| (s - size).abs() < motion + 0.01 * size);
     // The motion always goes on in the direction opposite to the jump.

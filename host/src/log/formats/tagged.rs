@@ -23,7 +23,7 @@ const TURNS: f64 = 1.0;
 const RISE: f64 = 0.95;
 /// Stamps in whole numbers that are further apart are microseconds.
 const LONGEST_STEP_MS: f64 = 500.0;
-/// What single letters stand for.
+/// What single letters stand for where both are there; `P` beside others is a position, or a controller's.
 const LETTERS: [(&str, &str); 2] = [("P", "pwm"), ("E", "enc")];
 
 /// The word before a line, its stamp, and the values behind that.
@@ -66,7 +66,15 @@ pub fn is(start: &[u8]) -> bool {
         let alike = lines.iter().filter(|line| line.1 == lines[0].1).count();
         rises as f64 >= RISE * (lines.len() - 1) as f64 && alike as f64 >= MOST * lines.len() as f64
     };
-    (2..=MOST_KINDS).contains(&kinds.len())
+    // Below a header that names every field it is a table, and the word one of its columns.
+    let width = |line: &str| line.split([',', ';', '\t']).count();
+    let is_headed = lines.first().is_some_and(|head| {
+        row(head).is_none()
+            && head.chars().any(char::is_alphabetic)
+            && rows.iter().all(|(_, _, values)| values.len() + 2 == width(head))
+    });
+    !is_headed
+        && (2..=MOST_KINDS).contains(&kinds.len())
         && rarest >= FEWEST
         && rows.len() as f64 >= MOST * lines.len() as f64
         && turns as f64 >= TURNS * rarest as f64
@@ -91,9 +99,10 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let longest = kinds.values().max_by_key(|lines| lines.len()).map(stamps).unwrap_or_default();
     let second = second(&longest);
     let mut all: BTreeMap<String, Series> = BTreeMap::new();
+    let is_pair = LETTERS.iter().all(|(letter, _)| kinds.contains_key(letter));
     for (tag, lines) in &kinds {
         let width = lines.iter().map(|line| line.1.len()).max().unwrap_or(0);
-        let letter = LETTERS.iter().find(|(letter, _)| letter == tag).map(|(_, word)| *word);
+        let letter = LETTERS.iter().find(|(letter, _)| is_pair && letter == tag).map(|(_, word)| *word);
         let name = letter.filter(|word| !kinds.contains_key(word)).unwrap_or(*tag);
         for place in 0..width {
             let title = if width == 1 { name.to_owned() } else { format!("{name}_{place}") };
@@ -145,6 +154,8 @@ mod tests {
         assert!(!is(lines(80, |k| format!("{},{k},1,2\n", if k < 40 { "ramp" } else { "step" }))));
         assert!(!is(lines(80, |k| format!("{},{k},120\n", if k % 2 == 0 { "FWD" } else { "REV" }))));
         assert!(!is(lines(80, |k| format!("DATA,{k},120\n"))));
+        let seldom = lines(300, |k| format!("{},{k},120,55\n", if k % 16 == 0 { "SAT" } else { "OK" }));
+        assert!(!is(format!("status,ms,duty,rpm\n{seldom}")));
         assert!(!is(lines(80, |k| format!("u:{k},w:{k}\n"))));
         assert!(!is(lines(80, |k| format!("{k},{k}\n"))));
     }

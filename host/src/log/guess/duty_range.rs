@@ -21,8 +21,11 @@ pub(super) fn told(name: &str) -> Option<u32> {
         let bits = number(bits.trim().trim_end_matches('-')).filter(|bits| (1..=16).contains(bits))?;
         return Some((1 << bits) - 1);
     }
-    let (_, last) = inside.rsplit_once("..").or_else(|| inside.rsplit_once(['-', ' ', '\u{2013}']))?;
-    number(last).filter(|full| *full > 1)
+    let (first, last) = inside.rsplit_once("..").or_else(|| inside.rsplit_once(['-', ' ', '\u{2013}']))?;
+    // Before it stands where the duty begins, zero or full duty back: a pulse of a servo begins at 1000, and the number of a pin behind nothing.
+    let first = first.trim().trim_end_matches("to").trim().trim_end_matches(['.', '-', '\u{2013}']).trim();
+    let begins = first.replace('\u{2212}', "-").parse::<f64>().is_ok_and(|begins| begins <= 0.0);
+    number(last).filter(|full| begins && *full > 1)
 }
 
 /// What is asked of a duty in whole numbers whose highest is none that is full duty for sure.

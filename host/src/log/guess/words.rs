@@ -219,8 +219,8 @@ pub(super) fn bracketed(name: &str) -> (String, Option<String>) {
             return (format!("{before}{after}").trim().to_owned(), Some(inside.trim().to_owned()));
         }
     }
-    // "Position / rad", "Zeit in s".
-    for between in [" / ", " in ", ", "] {
+    // "Position / rad", "Zeit in s", "tension en V".
+    for between in [" / ", " in ", " en ", ", "] {
         if let Some((before, unit)) = name.rsplit_once(between)
             && unit_named(unit.trim()).is_some()
         {

@@ -196,8 +196,8 @@ const NEXT = {
 };
 // A data problem is mended where it is: the columns of its record, its bad seconds, or what is said of it.
 async function mendData({ mend, where }) {
-  const { entries } = state.data, of = (name) => name && where && where.includes(name);
-  const by = entries.findIndex((e) => of(e.file)), at = by < 0 ? entries.findIndex((e) => of(e.name + ",")) : by;
+  const { entries } = state.data, place = (where || "").split(", column ")[0].split(/[\\/]/).pop();
+  const by = entries.findIndex((e) => e.file === place), at = by < 0 ? entries.findIndex((e) => e.name === place) : by;
   const file = entries[Math.max(at, 0)].file;
   if (mend === "columns" && file !== null) return openAgain(Math.max(at, 0));
   if (mend === "range" && at >= 0) {
