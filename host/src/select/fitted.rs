@@ -234,7 +234,7 @@ impl Fitted {
         self.error(data) > STRAYS * other.error(data)
     }
 
-    /// Error of its free run over the records that it was fitted to, rms, in the measured unit.
+    /// Error of its simulation of the records that it was fitted to, rms, in the measured unit.
     pub fn error(&self, data: &Evidence) -> f64 {
         let run = || simulated(&data.whole, &self.values()).map_or(f64::INFINITY, |m| m.rmse);
         *self.simulated.get_or_init(run)
