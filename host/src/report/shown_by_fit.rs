@@ -63,12 +63,13 @@ fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
 }
 
 /// How many times nearer than the last model of `ladder` a smaller one, or the `usual` one, comes to the records that judge; 1 where none
-/// comes much nearer.
+/// comes much nearer, over whole records and within a second alike: how far a whole record drifts a disturbance decides, by chance.
 pub fn beaten(ladder: &[Rung], usual: Option<&Rung>) -> f64 {
-    let size = ladder.last().map_or(0, |last| last.effects.len());
-    let smaller = nearest(ladder, |rung| rung.effects.len() < size).map(|(_, times)| times);
-    let usual = usual_is_nearer(ladder, usual).map(|(_, times)| times);
-    smaller.into_iter().chain(usual).fold(1.0, f64::max)
+    let Some(last) = ladder.last() else { return 1.0 };
+    let keeps_nearer = |rung: &Rung| judged(last).strayed > MUCH_WORSE * judged(rung).strayed;
+    let smaller = nearest(ladder, |rung| rung.effects.len() < last.effects.len() && keeps_nearer(rung));
+    let usual = usual_is_nearer(ladder, usual.filter(|rung| keeps_nearer(rung)));
+    smaller.map(|(_, times)| times).into_iter().chain(usual.map(|(_, times)| times)).fold(1.0, f64::max)
 }
 
 /// The model of `ladder` among those asked for that comes nearest to the records kept out, and how many times nearer than the last one; none
@@ -189,6 +190,7 @@ fn of_the_sensor(kind: Kind, parameters: &[Estimate]) -> Option<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::measures::Measures;
 
     #[test]
     fn a_usual_model_that_is_much_better_on_the_records_that_judge_is_told() {
@@ -220,7 +222,10 @@ mod tests {
 
     #[test]
     fn a_smaller_model_that_meets_the_validation_records_much_better_is_named() {
-        let rung = |effects: &[Kind], rmse| Rung::leaving(effects, 0.0, Some(rmse));
+        let rung = |effects: &[Kind], rmse| {
+            let plain = Rung::leaving(effects, 0.0, Some(rmse));
+            Rung { validation: plain.validation.map(|m| Measures { strayed: rmse, ..m }), ..plain }
+        };
         let ladder =
             [rung(&[], 1.2), rung(&[Kind::Coulomb, Kind::Delay], 0.04), rung(&[Kind::Stribeck], 0.12)];
         let told = doubted_by_validation(&ladder).unwrap();
@@ -238,6 +243,12 @@ mod tests {
             (beaten(&[base, one, Rung { validation: ladder[0].validation, ..both }], None) - 10.0).abs()
                 < 1e-9
         );
+        // What a disturbance drives a whole record off by is no beating: within a second both miss as much.
+        let drifts = ladder
+            .clone()
+            .map(|rung| Rung { validation: rung.validation.map(|m| Measures { strayed: 0.1, ..m }), ..rung });
+        let [base, both, one] = drifts;
+        assert_eq!(beaten(&[base.clone(), one, Rung { validation: base.validation, ..both }], None), 1.0);
         let alone = ladder.map(|rung| Rung { validation: None, ..rung });
         assert_eq!(doubted_by_validation(&alone), None);
     }
