@@ -44,6 +44,8 @@ impl Measured {
         let problem = problem_of(model, std::slice::from_ref(record), motor).unwrap();
         let run = free_runs(&problem, &model.values()).remove(0);
         let (rig, speed) = (model.rig(1e-3), run.first_speed_rad_s);
+        let first = record.angle_rad.as_ref().expect("it measures its angle")[0];
+        let trail = first - model.start_moving(1e-3, first, speed).angle_rad();
         let steps: Vec<usize> =
             record.time_s.iter().map(|t| ((t - record.time_s[0]) * 1e3).round() as usize).collect();
         let volts =
@@ -54,8 +56,9 @@ impl Measured {
             motor: motor.clone(),
             volts,
             readings: steps.iter().zip(angle).skip(1).map(|(step, x)| (step - 1, *x)).collect(),
-            begin: [angle[0], speed, speed * rig.nominal_v / rig.reference_speed],
-            first_error: angle[0] - model.start_moving(1e-3, angle[0], speed).angle_rad(),
+            // The shaft is ahead of a filtered reading.
+            begin: [angle[0] + trail, speed, speed * rig.nominal_v / rig.reference_speed],
+            first_error: angle[0] - model.start_moving(1e-3, angle[0] + trail, speed).angle_rad(),
             count: problem.grids[0].offset(),
             own: run.measures().rmse,
         }

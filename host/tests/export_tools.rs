@@ -71,7 +71,7 @@ fn mujoco_turns_as_the_model_does_with_every_effect() {
         model(&[(Kind::Coulomb, &[0.2])]),
         model(&[(Kind::CoulombAsymmetric, &[0.3, 0.1])]),
         model(&[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.4])]),
-        // Whose excess falls like a bell: MuJoCo's own bristle.
+        // Whose excess falls like a bell.
         model(&[(Kind::Stribeck, &[0.2, 0.3, 0.2, 0.0])]),
         model(&[(Kind::LoadFriction, &[0.2, 0.3])]),
         model(&[(Kind::QuadraticDrag, &[0.02])]),

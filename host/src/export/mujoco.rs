@@ -39,11 +39,10 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let first = between.as_ref().map(|between| between.kind);
     let kept: Vec<_> =
         all.into_iter().filter(|(kind, _)| !kind.is_transmission() || Some(*kind) == first).collect();
-    let mut own: Vec<(Kind, Vec<f64>)> = kept.iter().filter(|(kind, p)| !native(*kind, p)).cloned().collect();
+    let mut own: Vec<(Kind, Vec<f64>)> = kept.iter().filter(|(kind, _)| !native(*kind)).cloned().collect();
     // What acts on a late voltage must be late too.
     let late = own.iter().any(|(kind, _)| kind.spec().port == Port::Voltage);
-    own =
-        kept.iter().filter(|(kind, p)| !native(*kind, p) || late && *kind == Kind::Delay).cloned().collect();
+    own = kept.iter().filter(|(kind, _)| !native(*kind) || late && *kind == Kind::Delay).cloned().collect();
 
     let output = options.name.as_deref().unwrap_or(OUTPUT);
     if between.is_some() && output == ROTOR {
@@ -55,7 +54,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let of_rotor = 1.0 - between.as_ref().map_or(0.0, |between| between.share);
     let inertia = of_rotor * scale * b.tau_m / b.gain;
     for (kind, p) in kept.iter().filter(|(kind, _)| !own.iter().any(|(other, _)| other == kind)) {
-        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, inertia, driven, model });
+        add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, driven, model });
     }
     let mut notes = Vec::new();
     if options.torque_per_volt.is_none() {
