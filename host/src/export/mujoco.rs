@@ -1,8 +1,8 @@
 //! MJCF for MuJoCo 4: a hinge with MuJoCo's own `dcmotor`, and beside it a Python program with the equations that MJCF lacks.
 //!
 //! `dcmotor` is the base model: resistance, motor constant and electrical time constant, so that the speed acts on the current.
-//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating, delay and a break-away level that falls like a
-//! bell are the actuator's. Its `saturation` is no iron's: it clips torque, current and the current's rate, and K stays what it is. Rotor and
+//! Dry friction is the joint's, a weight a body's, a spring the joint's; cogging, heating and delay are the actuator's. Its
+//! `saturation` is no iron's: it clips torque, current and the current's rate, and K stays what it is. Rotor and
 //! load with `compliance` between them are two bodies on one axis, tied by a tendon of its stiffness and damping. Every other
 //! effect that acts on voltage, torque or reading is in the program, the gear contact of `backlash` between two bodies too: a
 //! tendon with a dead band would be damped within it.
@@ -51,8 +51,6 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     }
     let driven = if between.is_some() { ROTOR } else { output };
     let mut parts = Parts::default();
-    let of_rotor = 1.0 - between.as_ref().map_or(0.0, |between| between.share);
-    let inertia = of_rotor * scale * b.tau_m / b.gain;
     for (kind, p) in kept.iter().filter(|(kind, _)| !own.iter().any(|(other, _)| other == kind)) {
         add(&mut parts, *kind, p, &Setting { scale, step_s, resistance, driven, model });
     }
