@@ -33,7 +33,7 @@ pub fn tests() -> Result<Count> {
         tests.env(variable, arm::build_image_for(board)?);
     }
     tests.env("MOTORLENS_IMAGE", image).env("MOTORLENS_PROGRAM", program).env("MOTORLENS_SINES", sines()?);
-    process::run_tests(tests.arg("--locked"))
+    process::run_tests(tests.args(["--locked", "--no-fail-fast"]))
 }
 
 /// Instructions on the emulated core, by name.

@@ -15,13 +15,14 @@ use motorlens_virtual_motor::{Motor, VirtualMotor};
 use rigless::soc::stm32f427::generated::adc1::Register as Converter;
 use rigless::soc::stm32f427::generated::dma2::Register as Stream;
 
-/// The converter's inputs are changed so often, ns: twenty times in a PWM period.
-const LOOK_NS: u64 = 2_500;
+/// The converter's inputs are changed so often, ns: forty times in a PWM period. Half as often, a look more or less in an interval of ten
+/// periods is 5 mV of the ripple, half of what the mean voltage may be off.
+const LOOK_NS: u64 = 1_250;
 /// The supply's ripple, V.
 const RIPPLE_V: f64 = 1.0;
 /// What the supply in the log may be off, V: a count of the converter and a millivolt of the emulated pin, both behind the divider by 11,
 /// and of the ripple a twenty-fifth that conversions may miss of pulses (as the library's test of their evenness allows) and the
-/// twentieth of a period to which the pin follows them. Conversions in step with the pulses would be off by half of the ripple and more.
+/// fortieth of a period to which the pin follows them. Conversions in step with the pulses would be off by half of the ripple and more.
 const SUPPLY_OFF_V: f64 = 11.0 * (3.3 / 4095.0 + 1e-3) + RIPPLE_V * (0.04 + LOOK_NS as f64 / 50_000.0);
 /// DMA2 among the controllers.
 const DMA_2: usize = 1;
