@@ -207,8 +207,7 @@ impl Findings {
 }
 
 impl Findings {
-    /// The same, found on `records`: the headline says what unit it supposes that only a mapping says, of an angle that an effect goes with, and
-    /// of a speed.
+    /// The same, found on `records`: the headline says what unit it supposes that only a mapping says, of an angle that an effect goes with.
     #[must_use]
     pub fn supposing(mut self, records: &[Record]) -> Self {
         self.headline += &supposes(&self.effects, records);
