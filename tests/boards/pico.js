@@ -22,6 +22,7 @@ const fs = require("fs");
 const net = require("net");
 const { Simulator, USBCDC, GPIOPinState, ConsoleLogger, LogLevel } = require("rp2040js");
 const { Motor } = require("./motor.js");
+const { Patience } = require("./patience.js");
 
 const FLASH = 0x10000000;
 const VECTORS = FLASH + 0x100; // behind the second boot stage
@@ -243,7 +244,9 @@ function advance() {
 
 let socket = null;
 let callers = Number(lines);
+const patience = new Patience(() => clock.nanos * 1e-9);
 function loop() {
+  if (patience.waits(volts() !== null)) return setTimeout(loop, 1);
   // The bus is there from the start, the line when somebody is on it.
   if (socket || clock.nanos < 0.2e9) {
     for (let i = 0; i < 250; i++) {
@@ -259,7 +262,7 @@ function loop() {
 const server = net.createServer((client) => {
   socket = client;
   client.setNoDelay(true);
-  client.on("data", (bytes) => receiving.push(...bytes));
+  client.on("data", (bytes) => (receiving.push(...bytes), patience.heard()));
   client.on("error", () => {});
   client.on("close", () => {
     if (socket === client) socket = null; // the next one may be there before this one is seen to be gone

@@ -1,5 +1,5 @@
 // An Arduino Uno that runs the compiled sketch, wired to a driver, a motor and its encoder. Its serial line is a TCP
-// port: `node uno.js sketch.hex [fault]` prints the port. Time goes as fast as the emulator runs.
+// port: `node uno.js sketch.hex [fault]` prints the port. Time goes as fast as the emulator runs (but see patience.js).
 //
 // Faults: jam (the shaft sticks after 2 s of the first run), emergency (the contact opens there), fast (an encoder of
 // 14 times the lines, too fast for interrupts), tell (none; there it prints a line).
@@ -8,6 +8,7 @@ const fs = require("fs");
 const net = require("net");
 const avr = require("avr8js");
 const { Motor } = require("./motor.js");
+const { Patience } = require("./patience.js");
 
 const HZ = 16e6;
 const [hex, fault = "none"] = process.argv.slice(2);
@@ -85,7 +86,9 @@ function advance(end) {
 }
 
 // A turn of 20 ms of the board's time, then the sockets get theirs.
+const patience = new Patience(() => cpu.cycles / HZ);
 function turn() {
+  if (patience.waits(volts() !== null)) return setTimeout(turn, 1);
   if (socket) {
     advance(cpu.cycles + HZ * 0.02);
     feed();
@@ -98,7 +101,7 @@ function turn() {
 const server = net.createServer((client) => {
   socket = client;
   client.setNoDelay(true);
-  client.on("data", (bytes) => (receiving.push(...bytes), feed()));
+  client.on("data", (bytes) => (receiving.push(...bytes), patience.heard(), feed()));
   client.on("error", () => {});
   client.on("close", () => {
     console.log(`closed: driver ${volts() === null ? "off" : "driven"}`);

@@ -134,7 +134,7 @@ pub fn case(count: &mut Count, name: &str, test: impl FnOnce() -> Result<()>) {
         }
         Err(error) => {
             println!("test {name} ... FAILED\n{error:?}");
-            count.failed += 1;
+            count.fail(name, &format!("{error:?}"));
         }
     }
 }

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use crate::report::Count;
+use crate::report::{Count, Listener};
 
 /// The top of the repository.
 pub fn root() -> PathBuf {
@@ -68,15 +68,16 @@ pub fn run_tests(command: &mut Command) -> Result<Count> {
     let line = describe(command);
     let mut child =
         command.stdout(Stdio::piped()).spawn().with_context(|| format!("cannot start: {line}"))?;
-    let mut count = Count::default();
+    let mut listener = Listener::default();
     let out = child.stdout.take().expect("piped above");
     for text in BufReader::new(out).split(b'\n') {
         let text = text?;
         std::io::stdout().write_all(&text)?;
         println!();
-        count += Count::from_test_line(&String::from_utf8_lossy(&text));
+        listener.hear(&String::from_utf8_lossy(&text));
     }
     let status = child.wait()?;
+    let mut count = listener.count;
     if !status.success() {
         println!("{status}: {line}");
         count.failed = count.failed.max(1);

@@ -40,7 +40,7 @@ pub fn tests() -> Result<Count> {
     ensure!(name(&wheel).contains("-abi3-"), "{} is for one Python alone", name(&wheel));
     process::run(install().arg(format!("{}[tables,plots,test]", wheel.display())))?;
     let output = Command::new(&python)
-        .args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"])
+        .args(["-m", "pytest", "--quiet", "-rsfE", "-p", "no:cacheprovider"])
         .current_dir(directory())
         .output()
         .context("cannot start pytest")?;
@@ -51,6 +51,8 @@ pub fn tests() -> Result<Count> {
     if count.skipped > 0 {
         println!("{} skipped: {}", count.skipped, why.join("; "));
     }
+    let failed = said.lines().filter(|line| line.starts_with("FAILED ") || line.starts_with("ERROR "));
+    count.failures.extend(failed.map(|line| vec![line.to_owned()]));
     if !output.status.success() {
         count.failed = count.failed.max(1);
     }
@@ -67,7 +69,12 @@ fn counted(line: &str) -> Count {
             .and_then(|pair| pair[0].parse().ok())
             .unwrap_or(0)
     };
-    Count { passed: of("passed"), failed: of("failed") + of("error"), skipped: of("skipped") }
+    Count {
+        passed: of("passed"),
+        failed: of("failed") + of("error"),
+        skipped: of("skipped"),
+        ..Count::default()
+    }
 }
 
 /// A file's name without its directory.
