@@ -13,6 +13,9 @@ const PATIENCE: Duration = Duration::from_secs(15);
 /// A run whose shaft still turns is begun again until it has been waited for so long. Between the runs of a series a pendulum or a spring
 /// swings for longer than the board waits, and a shaft that is not at rest by then is more likely driven.
 const ROLL_OUT: Duration = Duration::from_secs(60);
+/// A board of before version 5 of the link waits for six seconds, and then begins a run although the shaft still turns. It is stopped before:
+/// a second is more than a request takes on any line that carries a log.
+const BEFORE_IT_BEGINS: Duration = Duration::from_secs(5);
 
 /// The state of capturing one run.
 pub struct Capture {
@@ -38,6 +41,11 @@ pub struct Capture {
     roll_out: Duration,
     began: Option<Duration>,
     again: u32,
+    /// Whether this board begins a run although the shaft still turns; when it was last asked to begin, and whether it has been stopped since
+    /// because it has waited for so long.
+    begins_turning: bool,
+    asked: Duration,
+    withheld: bool,
     outcome: Option<Result<Captured, Fault>>,
 }
 
@@ -75,6 +83,9 @@ impl Capture {
             roll_out: Duration::ZERO,
             began: None,
             again: 0,
+            begins_turning: false,
+            asked: Duration::ZERO,
+            withheld: false,
             outcome: None,
         }
     }
@@ -164,6 +175,10 @@ impl Capture {
                     self.lost = Some(status.reset)
                 }
                 FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
+                // A board that has no word for a shaft that goes on turning begins the run all the same.
+                FromBoard::Hello(hello) => {
+                    self.begins_turning = Cause::Turning.told_to(hello.newest) != Cause::Turning;
+                }
                 _ => {}
             }
         }
@@ -197,6 +212,7 @@ impl Capture {
                     self.heard = now;
                     if matches!(message, ToBoard::Start { .. }) {
                         self.began.get_or_insert(now);
+                        (self.asked, self.withheld) = (now, false);
                     }
                     self.exchange.ask(message, now);
                 }
@@ -220,6 +236,16 @@ impl Capture {
         self.script.push_back(ToBoard::Start { run: self.run, segments: self.segments });
     }
 
+    /// Whether the board has waited for the shaft for so long that it would soon begin the run in spite of it.
+    fn must_withhold(&self, status: &Status, now: Duration) -> bool {
+        let waits = status.next == 0 && self.collector.is_empty();
+        self.begins_turning
+            && waits
+            && !self.withheld
+            && !self.stopped
+            && now.saturating_sub(self.asked) >= BEFORE_IT_BEGINS
+    }
+
     /// The run goes on, or is over and its log still comes.
     fn follow(&mut self, now: Duration) {
         if now.saturating_sub(self.heard) > PATIENCE {
@@ -231,24 +257,28 @@ impl Capture {
             return;
         }
         let waited = self.began.map_or(Duration::ZERO, |began| now.saturating_sub(began));
-        let ended = match self.status {
-            Some(status) => match status.state {
-                RunState::Stopped(Cause::Turning) if self.stopped => {
+        let ended = match self.status.map(|status| (status.state, status)) {
+            Some((RunState::Stopped(cause), status)) => {
+                // Stopped from here, before it would have begun.
+                let cause = if self.withheld && cause == Cause::Asked { Cause::Turning } else { cause };
+                if cause == Cause::Turning && self.stopped {
                     // It would not have begun again in any case.
                     self.outcome = Some(Err(Fault::Stopped));
                     return;
                 }
-                RunState::Stopped(Cause::Turning) if waited < self.roll_out => {
+                if cause == Cause::Turning && waited < self.roll_out {
                     self.begin_again();
                     return;
                 }
-                RunState::Stopped(cause) => {
-                    self.collector.expect(status.next);
-                    Some((cause, status))
-                }
-                _ => None,
-            },
-            None => None,
+                self.collector.expect(status.next);
+                Some((cause, status))
+            }
+            Some((RunState::Running, status)) if self.must_withhold(&status, now) => {
+                self.withheld = true;
+                self.exchange.ask(ToBoard::Stop, now);
+                return;
+            }
+            _ => None,
         };
         for (first, count) in self.collector.requests(now) {
             self.exchange.tell(ToBoard::ReadLog { first, count });
