@@ -9,6 +9,7 @@
 // does so with interrupts on),
 // bounce (the contact opens for 20 us), dead (the sampling timer's alarm is lost), pumped (the supply rises to 19 V),
 // crystal (it stops: timer and watchdog stand, and the PLL, which the core and the PWM hang on, swings on by itself),
+// crystal-back (it does so, and swings again after 0.1 s: timer and watchdog count on),
 // short (8 A more at the current's amplifier), silent (nothing of the host arrives for a second), panic:ADDRESS (the control, to which the
 // variable at this address points, looks borrowed, over which the program panics).
 // What the pins do then is printed. Where the watchdog starts the board anew it comes back on the bus, and the caller's line stays.
@@ -188,6 +189,25 @@ watchdog.onWatchdogTrigger = () => {
   start();
 };
 
+// Without the crystal the timer's count, its alarms and the watchdog stand; what is noted in the watchdog's scratch registers is noted, for
+// registers have the core's clock. What is returned lets the crystal swing again.
+function stopCrystal() {
+  const stands = new Map([0x24, 0x28, 0x08, 0x0c].map((offset) => [offset, timer.readUint32(offset)])); // TIMERAWH, -L, TIMEHR, -LR
+  const [read, write, writeWatchdog] = [timer.readUint32, timer.writeUint32, watchdog.writeUint32];
+  for (const alarm of timer.alarms) timer.disarmAlarm(alarm);
+  watchdog.writeUint32(0, 0);
+  timer.readUint32 = (offset) => stands.get(offset) ?? read.call(timer, offset);
+  timer.writeUint32 = () => {};
+  watchdog.writeUint32 = (offset, value) => {
+    if (offset >= 0x0c && offset < 0x2c) writeWatchdog.call(watchdog, offset, value); // SCRATCH0 to SCRATCH7
+  };
+  return () => {
+    [timer.readUint32, timer.writeUint32, watchdog.writeUint32] = [read, write, writeWatchdog];
+    watchdog.writeUint32(0, 1 << 30); // ENABLE
+  };
+}
+
+let swingAgain = null;
 function injure() {
   if (since !== null || fault === "none" || driven < 0.3) return;
   since = 0;
@@ -197,14 +217,7 @@ function injure() {
   if (fault === "short") short = 8;
   if (fault === "panic") rp2040.writeUint32(rp2040.readUint32(Number(address)), 1);
   if (fault === "dead") rp2040.peripherals[TIMER].writeUint32Atomic(0x20, 1, 0); // ARMED: a 1 takes the alarm back
-  if (fault === "crystal") {
-    const stands = [0x24, 0x28, 0x08, 0x0c].map((offset) => [offset, timer.readUint32(offset)]); // TIMERAWH, -L, TIMEHR, -LR
-    const readTimer = timer.readUint32.bind(timer);
-    timer.readUint32 = (offset) => new Map(stands).get(offset) ?? readTimer(offset);
-    for (const alarm of timer.alarms) timer.disarmAlarm(alarm);
-    watchdog.writeUint32(0, 0);
-    timer.writeUint32 = watchdog.writeUint32 = () => {};
-  }
+  if (fault.startsWith("crystal")) swingAgain = stopCrystal();
   if (fault === "fault") {
     core.PM = true; // as in the handler, to which nothing but the NMI comes
     core.PC = rp2040.readUint32(VECTORS + 12) & ~1;
@@ -225,6 +238,7 @@ function advance() {
   if (since !== null) {
     since += STEP;
     if (fault === "bounce" && since > 1.5 * STEP) rp2040.gpio[10].setInputValue(false);
+    if (fault === "crystal-back" && since > 0.1 && swingAgain) (swingAgain(), (swingAgain = null));
     if (applied === null && off === null) off = since;
     if (applied !== null) off = null;
   }

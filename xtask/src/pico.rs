@@ -24,6 +24,9 @@ const PROGRAMME: [&str; 8] =
 const COUNTS: &str = "1320";
 /// What the README prints first for a board that is wired.
 const CHECK: &str = "device check --port PORT";
+/// And then; here each of its runs takes so long, s, instead of eight: an emulator is four times slower than the chip.
+const CAPTURE: &str = "capture --port PORT --programme default --counts-per-rev COUNTS --out DIR";
+const SHORTENED: [&str; 2] = ["--seconds", "1"];
 /// Volts at which the emulated motor, with its dry friction, breaks away and has made the counts by which that is seen.
 const BREAKAWAY_V: RangeInclusive<f64> = 0.48..=1.5;
 /// What the emulated board's converter has at its inputs.
@@ -66,7 +69,7 @@ const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fa
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
 /// What the board tells after a restart that it has noted no other reason for.
 const HUNG: &str = "because the firmware hung";
-const FAULTS: [Fault; 12] = [
+const FAULTS: [Fault; 13] = [
     fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
     Fault {
         driver: "in-in",
@@ -93,6 +96,11 @@ const FAULTS: [Fault; 12] = [
         ..fault("silent", "link lost", "a host that falls silent for half a second stops the motor")
     },
     fault("crystal", "", "a crystal that stops while the PLL swings on takes the pins down"),
+    fault(
+        "crystal-back",
+        "because the chip's crystal stopped",
+        "and where it swings again the watchdog starts the board anew, which says so",
+    ),
 ];
 
 /// Writes the UF2 files of both Picos, and captures from an emulated one.
@@ -175,6 +183,25 @@ pub fn tests() -> Result<Count> {
                 let volts = ended.document["breakaway_v"][way].as_f64();
                 ensure!(volts.is_some_and(|volts| BREAKAWAY_V.contains(&volts)), "{ended:?}");
             }
+            Ok(())
+        },
+    );
+    emulated::case(
+        &mut count,
+        "the README's capture of the default protocol, in shorter runs, loses no sample",
+        || {
+            let out = out.join("readme");
+            let capture =
+                documented::line(&process::root(), CAPTURE).context("the README prints no such command")?;
+            let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref()], |port| {
+                let mut command = emulated::motorlens(&["--json"]);
+                command.args(capture.as_run(port, &out)).args(SHORTENED);
+                Ok(command)
+            })?;
+            ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
+            let logs = ended.document["logs"].as_array().context("no logs")?;
+            ensure!(logs.len() == 7, "not seven logs: {ended:?}");
+            ensure!(logs.iter().all(|log| log["missing"] == 0 && log["samples"] == 1000), "{ended:?}");
             Ok(())
         },
     );

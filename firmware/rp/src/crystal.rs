@@ -5,6 +5,9 @@
 //! on, at a frequency that nobody states, and the PWM holds its last duty. So the core's own timer, SysTick, looks whether the microseconds
 //! still go on.
 //!
+//! What has happened can be told only where the crystal swings again. Without it the board comes back by its power or by its RUN pin alone, and
+//! both clear the watchdog's scratch registers (RP2040 data sheet 4.7.4), as a power cycle clears the memory: a start by power is all it knows.
+//!
 //! Where the core stands too, nothing does. The chip's resuscitation (CLK_SYS_RESUS, RP2040 data sheet 2.15.5) would give the core
 //! clk_ref, which is what has stopped: from the ring oscillator no microsecond could be made that is fit to sample by.
 
@@ -43,7 +46,8 @@ fn SysTick() {
     SEEN_US.store(now, Ordering::Relaxed);
     STOOD.store(stood, Ordering::Relaxed);
     if stood >= STANDS {
-        // The watchdog stands as well: the pins are held low until the board gets its power anew.
+        // The watchdog stands as well: the pins are held low until the crystal swings again, when it goes on counting and restarts the
+        // board, which tells what is noted here, or until the board gets its power anew.
         stop_for_good(Reset::Clock);
     }
 }

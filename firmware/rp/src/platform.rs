@@ -58,9 +58,9 @@ impl Platform for Board {
     }
 }
 
-/// Notes why the board is about to be started anew, in the watchdog's first scratch register; a start by power clears it (RP2040
-/// datasheet 4.7.6). What is noted first stays: the guard, which comes half a millisecond after a panic or a fault in a run, would have
-/// it that the program hung.
+/// Notes why the board is about to be started anew, in the watchdog's first scratch register; a start by power or by the RUN pin clears it
+/// (RP2040 datasheet 4.7.4). What is noted first stays: the guard, which comes half a millisecond after a panic or a fault in a run, would
+/// have it that the program hung.
 pub fn note(reason: Reset) {
     // SAFETY: a register that nothing else uses; the boot program reads others.
     let noted = unsafe { (*pac::WATCHDOG::ptr()).scratch0() };
