@@ -137,10 +137,10 @@ void setup() {
 void loop() {
   alive();
   if (!Serial.available()) return;
-  text[Serial.readBytesUntil('\n', text, sizeof text - 1)] = 0;
-  const uint8_t run = text[6] - '0';
+  text[Serial.readBytesUntil('\n', text, sizeof text - 1)] = 0; const uint8_t run = text[6] - '0';
   if (strncmp(text, "start ", 6) || run >= RUNS) return;
-  for (int32_t stood = count() - 1, at; (at = count()) != stood; stood = at) delay(100), alive();
+  for (int32_t stood = count() - 1, at, looks = 0; (at = count()) != stood; stood = at, delay(100), alive())
+    if (++looks > 50) { while (Serial.read() >= 0) {} return; } // it turns: the computer asks again, if it still listens
   say("# programme: %s", NAMES[run]), say("# runs: %d", RUNS), say("# samples: %lu", (unsigned long)SAMPLES);
   say("# duty_full: %d", DUTY_FULL), say("t_us,duty,count,supply_mv");
   lost = 0;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::Console;
 use super::capture::{Args, discover_next, shaft};
 use super::interrupt::interrupted;
-use crate::device::{End, Listen, Port, Shaft, to_record};
+use crate::device::{End, Fault, Listen, Port, Shaft, to_record};
 use crate::error::{Error, Result};
 use crate::log::{Warning, faults, suspicions, write_canonical};
 
@@ -48,6 +48,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         if let End::Nothing(bytes, trouble) = end {
             outcome?;
             return Err(nothing(args, bytes, trouble));
+        }
+        if end == End::Stopped {
+            outcome?;
+            return Err(Fault::Stopped.into());
         }
         runs = listen.run().number("runs").map_or(1, |runs| runs as u32).clamp(1, MOST_RUNS);
         let name = listen.run().pairs.get("programme").map_or("", String::as_str);
@@ -135,7 +139,8 @@ fn nothing(args: &Args, bytes: u64, trouble: Option<String>) -> Error {
     match (bytes, trouble) {
         (0, _) => Error::device(
             format!("{port}: not one byte came"),
-            "check that the sketch is on the board, and that no other program (a serial monitor) has the port",
+            "check that the sketch is on the board, that the shaft rests (the sketch waits for it), and that no other program (a serial \
+             monitor) has the port",
         ),
         (_, None) => Error::device(
             format!("{port}: {bytes} bytes came, but no run began"),

@@ -27,6 +27,8 @@ pub enum End {
     Told(String),
     /// It fell silent in the run.
     Silent,
+    /// It was told to stop before it had begun, and has not begun since.
+    Stopped,
     /// Nothing of the protocol came; bytes that were no lines of it, and what was wrong with the last.
     Nothing(u64, Option<String>),
 }
@@ -42,6 +44,7 @@ impl End {
         match self {
             End::Told(why) => why,
             End::Silent => "link loss",
+            End::Stopped => "stopped",
             End::Nothing(..) => "nothing",
         }
     }
@@ -61,6 +64,8 @@ pub struct Listen {
     bytes: u64,
     trouble: Option<String>,
     stop: bool,
+    /// Since when the board is told to stop.
+    stopping: Option<Duration>,
     end: Option<End>,
 }
 
@@ -79,6 +84,7 @@ impl Listen {
             bytes: 0,
             trouble: None,
             stop: false,
+            stopping: None,
             end: None,
         }
     }
@@ -93,7 +99,8 @@ impl Listen {
         self.damaged
     }
 
-    /// Asks the board to end the run; what it prints until then still counts.
+    /// Asks the board to end the run, again and again until it does; what it prints until then still counts. A run that has not begun is
+    /// asked for no longer.
     pub fn stop(&mut self) {
         self.stop = true;
     }
@@ -149,27 +156,29 @@ impl Listen {
         if self.end.is_some() {
             return;
         }
-        if std::mem::take(&mut self.stop) {
-            out.extend_from_slice(b"stop\n");
-            return;
-        }
         let begun = *self.asked.get_or_insert(now);
-        match self.heard {
-            Some(heard) if now.saturating_sub(heard) > SILENCE => self.end = Some(End::Silent),
-            None if now.saturating_sub(begun) > PATIENCE => {
+        let stopping = if self.stop { Some(*self.stopping.get_or_insert(now)) } else { None };
+        let silent = now.saturating_sub(self.spoke);
+        match (self.heard, stopping) {
+            (Some(heard), _) if now.saturating_sub(heard) > SILENCE => self.end = Some(End::Silent),
+            (None, Some(since)) if now.saturating_sub(since) > SILENCE => self.end = Some(End::Stopped),
+            (None, None) if now.saturating_sub(begun) > PATIENCE => {
                 self.end = Some(End::Nothing(self.bytes, self.trouble.take()));
             }
-            Some(_) if now.saturating_sub(self.spoke) >= KEEP_ALIVE => {
-                self.spoke = now;
-                out.push(b'\n');
-            }
-            None if self.spoke == Duration::ZERO || now.saturating_sub(self.spoke) >= ASK => {
-                // Not zero, which says that nothing was sent yet.
-                self.spoke = now.max(Duration::from_nanos(1));
-                out.extend_from_slice(format!("start {}\n", self.number).as_bytes());
+            // A line may lose it, and a board that waits for its shaft to rest does not read it yet.
+            (_, Some(since)) if since == now || silent >= KEEP_ALIVE => self.say(now, "stop\n", out),
+            (Some(_), None) if silent >= KEEP_ALIVE => self.say(now, "\n", out),
+            (None, None) if self.spoke == Duration::ZERO || silent >= ASK => {
+                self.say(now, &format!("start {}\n", self.number), out);
             }
             _ => {}
         }
+    }
+
+    fn say(&mut self, now: Duration, words: &str, out: &mut Vec<u8>) {
+        // Not zero, which says that nothing was sent yet.
+        self.spoke = now.max(Duration::from_nanos(1));
+        out.extend_from_slice(words.as_bytes());
     }
 }
 
@@ -342,6 +351,34 @@ mod tests {
 
     fn ms(ms: u64) -> Duration {
         Duration::from_millis(ms)
+    }
+
+    #[test]
+    fn a_run_that_was_stopped_before_it_began_is_asked_for_no_more_and_one_that_goes_on_is_stopped_again() {
+        let said = |listen: &mut Listen, at: u64| {
+            let mut out = Vec::new();
+            listen.poll(ms(at), &mut out);
+            String::from_utf8(out).unwrap()
+        };
+        let begun = |listen: &mut Listen| {
+            assert_eq!(said(listen, 0), "start 0\n");
+            listen.stop();
+            assert_eq!(said(listen, 10), "stop\n");
+        };
+        let mut waits = Listen::new(0);
+        begun(&mut waits);
+        for at in (20..=3010).step_by(10) {
+            assert!(!said(&mut waits, at).contains("start"), "at {at} ms");
+        }
+        assert_eq!((said(&mut waits, 3020).as_str(), waits.end()), ("", Some(&End::Stopped)));
+
+        let mut late = Listen::new(0);
+        begun(&mut late);
+        late.receive(b"t_us,duty,count,supply_mv\n0,1,1,0\n", ms(500));
+        assert_eq!((said(&mut late, 510).as_str(), said(&mut late, 520).as_str()), ("stop\n", ""));
+        assert_eq!(said(&mut late, 610), "stop\n");
+        late.receive(b"# end: stopped\n", ms(620));
+        assert_eq!((said(&mut late, 710).as_str(), late.end()), ("", Some(&End::Told("stopped".into()))));
     }
 
     #[test]
