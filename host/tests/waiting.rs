@@ -73,7 +73,7 @@ fn a_shaft_that_never_rests_is_not_driven_by_a_board_that_would_begin_all_the_sa
 #[test]
 fn no_board_is_stopped_in_a_run_that_has_begun_nor_one_that_ends_its_wait_by_itself() {
     let (swings, takes) = (Duration::from_secs(3), Duration::from_secs(20));
-    let mut old = Board { takes, ..Board::new(*BEGINS_TURNING.end(), swings) };
+    let mut old = Board::new(*BEGINS_TURNING.end(), swings).running_for(takes);
     let captured = follow(&mut old, &mut capture()).0.expect("the run goes through");
     assert_eq!((captured.cause, old.starts, old.stops), (Cause::Finished, 1, 0));
     let mut new = Board::new(NEWEST, Duration::from_secs(8));
@@ -93,9 +93,8 @@ fn capture_says_once_that_the_shaft_still_turns_and_saves_the_run_that_follows()
     for (turns_ms, said) in [(1500, 1), (0, 0)] {
         let directory = tempfile::tempdir().expect("a directory");
         let here = directory.path();
-        let patience = Duration::from_millis(200);
-        let board = Board { patience, ..Board::new(NEWEST, Duration::from_millis(turns_ms)) };
-        let (port, board) = board.serve();
+        let board = Board::new(NEWEST, Duration::from_millis(turns_ms));
+        let (port, board) = board.waiting_for(Duration::from_millis(200)).serve();
         let told = run(here, &words(here, &port)).ends(0);
         let board = board.join().expect("the board answers to the end");
         assert_eq!(told.err.matches(WAITING).count(), said, "{}", told.err);
@@ -114,8 +113,7 @@ fn ctrl_c_ends_the_waiting_and_leaves_no_log() {
     let directory = tempfile::tempdir().expect("a directory");
     let here = directory.path();
     // By when the program has long begun to listen for Ctrl-C.
-    let patience = Duration::from_secs(1);
-    let (port, board) = Board { patience, ..Board::new(NEWEST, Duration::MAX) }.serve();
+    let (port, board) = Board::new(NEWEST, Duration::MAX).waiting_for(Duration::from_secs(1)).serve();
     let mut capture = command(here, &words(here, &port));
     let mut capture =
         capture.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");

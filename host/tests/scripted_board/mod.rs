@@ -29,12 +29,12 @@ enum Doing {
 /// The board.
 pub struct Board {
     /// The newest version of the link that it speaks.
-    pub newest: u16,
+    newest: u16,
     /// How long it waits for the shaft, until when that turns, and how long a run takes.
-    pub patience: Duration,
-    pub turns_until: Duration,
-    pub takes: Duration,
-    /// What it was asked for so often.
+    patience: Duration,
+    turns_until: Duration,
+    takes: Duration,
+    /// How often it was asked for these.
     pub starts: u32,
     pub stops: u32,
     /// Whether a run has begun although the shaft turned.
@@ -46,7 +46,7 @@ pub struct Board {
 }
 
 impl Board {
-    /// A board whose shaft turns until then, and that waits for it as every board does.
+    /// A board whose shaft turns until then, and that waits for it for as long as every board does; its runs are over at once.
     pub fn new(newest: u16, turns_until: Duration) -> Self {
         let status = Status {
             state: RunState::Idle,
@@ -72,6 +72,16 @@ impl Board {
             status,
             told: Duration::ZERO,
         }
+    }
+
+    /// The same, waiting for so long.
+    pub fn waiting_for(self, patience: Duration) -> Self {
+        Self { patience, ..self }
+    }
+
+    /// The same, whose runs take so long.
+    pub fn running_for(self, takes: Duration) -> Self {
+        Self { takes, ..self }
     }
 
     /// Takes what the host has sent, lets time pass, and says what there is to say.
