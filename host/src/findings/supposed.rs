@@ -6,14 +6,9 @@
 use motorlens_shared::effects::Kind;
 
 use crate::log::Record;
-use crate::log::guess::words;
+use crate::log::guess::{ASSUMED_COUNTS, words};
 use crate::log::units::Quantity;
 use crate::sentence::listed;
-
-/// Effects that repeat with the turns of the shaft.
-const OF_THE_ANGLE: [Kind; 3] = [Kind::Gravity, Kind::Cogging, Kind::Eccentricity];
-/// The counts of a turn that a proposal assumes, for a person to put the right ones in their place.
-const ASSUMED_COUNTS: f64 = 1320.0;
 
 /// What an answer with `effects` that was found on `records` supposes, in a sentence with a blank before it.
 pub fn supposes<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record>) -> String {
@@ -24,7 +19,7 @@ pub fn supposes<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Reco
 /// no effect rests on it.
 fn unit_of_angle<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record>) -> Option<String> {
     let resting: Vec<&str> =
-        effects.iter().filter(|kind| OF_THE_ANGLE.contains(kind)).map(|kind| kind.name()).collect();
+        effects.iter().filter(|kind| kind.spec().periodic).map(|kind| kind.name()).collect();
     if resting.is_empty() {
         return None;
     }
@@ -36,11 +31,13 @@ fn unit_of_angle<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Rec
         if !["", "*-1", "/-1"].contains(&scale) {
             return None;
         }
+        let counts = ASSUMED_COUNTS.to_string();
+        let in_counts = format!("counts of {counts} a turn");
         let (in_words, once_round) = match unit {
             "" | "rad" => ("rad", "6.283"),
             "deg" => ("degrees", "360"),
             "rev" => ("turns", "1"),
-            "counts" if record.meta.counts_per_rev() == Some(ASSUMED_COUNTS) => ("counts of 1320 a turn", "1320"),
+            "counts" if record.meta.counts_per_rev() == Some(ASSUMED_COUNTS) => (in_counts.as_str(), counts.as_str()),
             _ => return None,
         };
         let is_told = unit != "counts" && words::told(name).is_some_and(|(of, _)| of == Quantity::Angle);

@@ -209,6 +209,7 @@ impl Written {
             search: Search::Probes,
             laws: entry.laws(),
             remembers: false,
+            periodic: false,
             contains: &[],
         }
     }

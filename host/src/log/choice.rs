@@ -289,8 +289,9 @@ impl Choice<'_> {
             Guess::Open(Some(question)) => question.clone(),
             Guess::Open(None) => format!(
                 "say which column is what and in which unit; if they are time, voltage and speed: --map {}, and of a duty and encoder \
-                 counts: --map time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev 1320",
-                guess::example(self.names)
+                 counts: --map time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev {}",
+                guess::example(self.names),
+                guess::ASSUMED_COUNTS
             ),
         };
         let proposal = if let Guess::Proposed(proposal) = guess { Some(proposal) } else { None };

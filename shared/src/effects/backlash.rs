@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: between_masses(8),
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

@@ -42,6 +42,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Damped(0.5),
     laws: EXPLICIT,
     remembers: true,
+    periodic: false,
     contains: &[],
 };
 

@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Orders,
     laws: TORQUE,
     remembers: true,
+    periodic: true,
     contains: &[],
 };
 

@@ -25,6 +25,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: between_masses(4),
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

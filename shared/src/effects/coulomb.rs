@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: DRY,
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: DRY,
     remembers: false,
+    periodic: false,
     contains: &[("coulomb", "level"), ("constant_load", "difference")],
 };
 

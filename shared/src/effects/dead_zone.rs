@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: EXPLICIT,
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

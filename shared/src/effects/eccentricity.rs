@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: EXPLICIT,
     remembers: false,
+    periodic: true,
     contains: &[],
 };
 

@@ -25,6 +25,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: TORQUE,
     remembers: false,
+    periodic: true,
     contains: &[],
 };
 

@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: MESHING,
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

@@ -23,6 +23,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: EXPLICIT,
     remembers: true,
+    periodic: false,
     contains: &[],
 };
 

@@ -17,6 +17,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: TORQUE,
     remembers: true,
+    periodic: false,
     contains: &[],
 };
 

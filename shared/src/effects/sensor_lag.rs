@@ -21,6 +21,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Hold("hold"),
     laws: EXPLICIT,
     remembers: true,
+    periodic: false,
     contains: &[],
 };
 

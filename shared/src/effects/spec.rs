@@ -145,6 +145,8 @@ pub struct Spec {
     pub laws: Laws,
     /// Has something to remember from step to step.
     pub remembers: bool,
+    /// Repeats with the turns of a shaft: its size rests on the unit that the angle is read in.
+    pub periodic: bool,
     /// Simpler effects of one parameter that this one contains, each with the parameter here that is its own.
     pub contains: &'static [(&'static str, &'static str)],
 }

@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Retraced,
     laws: TORQUE,
     remembers: false,
+    periodic: false,
     contains: &[("constant_load", "preload")],
 };
 

@@ -21,6 +21,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: BRUSH,
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

@@ -22,6 +22,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: SERIES,
     remembers: true,
+    periodic: false,
     contains: &[],
 };
 

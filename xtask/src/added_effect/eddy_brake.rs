@@ -20,6 +20,7 @@ pub(super) const SPEC: Spec = Spec {
     search: Search::Probes,
     laws: TORQUE,
     remembers: false,
+    periodic: false,
     contains: &[],
 };
 

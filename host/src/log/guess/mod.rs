@@ -43,6 +43,7 @@ use questions::{
     unknown_unit,
 };
 
+pub(crate) use turns::ASSUMED_COUNTS;
 use turns::Turn;
 
 use super::sample::Sample;
@@ -313,9 +314,8 @@ fn written(names: &[String], parts: &[Part], rows: &[Vec<f64>], stamped: bool) -
     Proposal {
         map: map.join(","),
         supply_volts: duty_alone.then(|| "12".into()),
-        counts_per_rev: needs(PerTurn::Counts).then(|| {
-            turn.map(|turn| turn.taken.round()).or(wrap).map_or("1320".into(), |turn| turn.to_string())
-        }),
+        counts_per_rev: needs(PerTurn::Counts)
+            .then(|| turn.map(|turn| turn.taken.round()).or(wrap).unwrap_or(ASSUMED_COUNTS).to_string()),
         metres_per_rev: needs(PerTurn::Metres).then(|| "0.008".into()),
         rate: (!stamped && !has(Quantity::Time) && !has(Quantity::Interval)).then(|| "100".into()),
         preview: parts.iter().map(|part| preview(names, rows, part)).collect(),

@@ -4,7 +4,9 @@ use super::clocks::{self, DAYS};
 use super::columns::{self, Part};
 use super::preview::short;
 use super::ranges::Range;
-use super::{by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written};
+use super::{
+    ASSUMED_COUNTS, by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written,
+};
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
 use crate::log::timing;
@@ -203,7 +205,7 @@ pub(in crate::log) fn levels_question(sample: &Sample) -> Option<String> {
     (!levels.is_empty()).then(|| {
         format!(
             "{} hold 0 and 1 only, the level of an encoder's channel and no count: count the edges on the board (interrupts, a timer in encoder \
-             mode) and log the count, as --map ...,angle=count:counts --counts-per-rev 1320",
+             mode) and log the count, as --map ...,angle=count:counts --counts-per-rev {ASSUMED_COUNTS}",
             levels.join(" and ")
         )
     })

@@ -50,6 +50,10 @@ impl Turn {
     }
 }
 
+/// The counts of a turn that a proposal assumes where neither a speed nor a wrap tells them, for a person to put the right ones in their place:
+/// an encoder of 11 lines behind a gear of 30, the most usual of small geared motors.
+pub(crate) const ASSUMED_COUNTS: f64 = 1320.0;
+
 /// Widths at which magnetic encoders begin anew with every turn: 10 to 14 bits (AS5600, AS5048, MA730).
 const WIDTHS: [f64; 5] = [1024.0, 2048.0, 4096.0, 8192.0, 16_384.0];
 /// Rows in which a wrap is sought.

@@ -23,6 +23,7 @@ const fn row(name: &'static str, entry: Entry) -> Spec {
         search: Search::Probes,
         laws: entry.laws(),
         remembers: false,
+        periodic: false,
         contains: &[],
     }
 }
