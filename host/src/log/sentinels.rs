@@ -3,6 +3,8 @@
 //! Both stand at an end of the column. Without them its steps are those of the motion, which tell that neither is a reading, however
 //! seldom it comes; and once one of them is left out, the rest is looked at again.
 
+use std::borrow::Cow;
+
 use super::dropouts::LONGEST_SPIKE;
 use super::motion::{ends, peak};
 use super::repair::APART;
@@ -35,8 +37,11 @@ pub(super) fn in_passes(count: usize, find: impl Fn(usize, &[usize]) -> Vec<usiz
     out
 }
 
-/// The `values` at these samples.
-pub(super) fn picked(values: &[f64], samples: &[usize]) -> Vec<f64> {
+/// The `values` at these samples, each of which comes once: not copied where they are all, as in the first pass.
+pub(super) fn picked<'a>(values: &'a [f64], samples: &[usize]) -> Cow<'a, [f64]> {
+    if samples.len() == values.len() {
+        return Cow::Borrowed(values);
+    }
     samples.iter().map(|k| values[*k]).collect()
 }
 
