@@ -9,10 +9,33 @@ use super::{Coulomb, CoulombAsymmetric, Delay, Effect, Kind, Memory, Named, Now,
 use crate::scalar::Scalar;
 use crate::step::{Drive, Laws, State};
 
-/// Whether [`Between`] holds such an effect itself: its set need not be compiled.
-#[must_use]
-pub const fn is_common(kind: Kind) -> bool {
-    matches!(kind, Kind::Delay | Kind::Coulomb | Kind::CoulombAsymmetric | Kind::SensorLag)
+/// The common effects, each with the field of [`Between`] that holds it: what a set is taken apart by and what is put in agree.
+macro_rules! common {
+    ($($kind:ident $field:ident),+ $(,)?) => {
+        /// Whether [`Between`] holds such an effect itself: its set need not be compiled.
+        #[must_use]
+        pub const fn is_common(kind: Kind) -> bool {
+            matches!(kind, $(Kind::$kind)|+)
+        }
+
+        impl<S: Scalar, E> Between<S, E> {
+            /// Puts an effect in its field, where it is common.
+            #[inline(always)]
+            fn put(&mut self, kind: Kind, parameters: &[S], setting: &Setting<S>) {
+                match kind {
+                    $(Kind::$kind => self.$field = Some(<$kind<S> as Named<S>>::named(parameters, setting).into()),)+
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+common! {
+    Delay delay,
+    Coulomb friction,
+    CoulombAsymmetric friction,
+    SensorLag lag,
 }
 
 /// Effects behind a delay and dry friction, and before a filter, each of which may be absent.
@@ -34,13 +57,7 @@ impl<S: Scalar, E: Effects<S>> Between<S, E> {
     pub fn new(common: &[(Kind, &[S])], effects: E, setting: &Setting<S>) -> Self {
         let mut all = Self { delay: None, friction: None, effects, lag: None };
         for (kind, parameters) in common {
-            match kind {
-                Kind::Delay => all.delay = Some(Delay::named(parameters, setting)),
-                Kind::Coulomb => all.friction = Some(Coulomb::named(parameters, setting).into()),
-                Kind::CoulombAsymmetric => all.friction = Some(CoulombAsymmetric::named(parameters, setting)),
-                Kind::SensorLag => all.lag = Some(SensorLag::named(parameters, setting)),
-                _ => {}
-            }
+            all.put(*kind, parameters, setting);
         }
         all
     }
