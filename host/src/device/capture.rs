@@ -17,6 +17,21 @@ const ROLL_OUT: Duration = Duration::from_secs(60);
 /// a second is more than a request takes on any line that carries a log.
 const BEFORE_IT_BEGINS: Duration = Duration::from_secs(5);
 
+/// How far a run has come, as far as the board was told and has answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// The board is told what is to be run.
+    SettingUp,
+    /// It was told to begin, for the first time at `since`.
+    Starting { since: Duration },
+    /// It has said that it began: from then on another run's number tells that it no longer has this one.
+    Running { since: Duration },
+    /// It was told to stop a run of which it had told.
+    Stopping,
+    /// It was told to stop before it had told anything of the run, which may never have begun.
+    Cancelling,
+}
+
 /// The state of capturing one run.
 pub struct Capture {
     exchange: Exchange,
@@ -26,21 +41,15 @@ pub struct Capture {
     capabilities: Option<Capabilities>,
     collector: Collector,
     status: Option<Status>,
-    /// The board has said that it began the run: from then on another one's number tells that it no longer has it.
-    begun: bool,
+    stage: Stage,
     /// Why the board started that no longer has the run.
     lost: Option<Reset>,
     heard: Duration,
-    /// Told to stop.
-    stopped: bool,
-    /// And that before the board had told anything of the run.
-    stopping: bool,
     /// Segments of the programme, which the board holds once they are set.
     segments: u8,
-    /// How long a shaft that turns is waited for, since when it is, and how often the run was begun again.
+    /// How long a shaft that turns is waited for, and whether the run was begun again for it.
     roll_out: Duration,
-    began: Option<Duration>,
-    again: u32,
+    again: bool,
     /// Whether this board begins a run although the shaft still turns; when it was last asked to begin, and whether it has been stopped since
     /// because it has waited for so long.
     begins_turning: bool,
@@ -74,15 +83,12 @@ impl Capture {
             capabilities: None,
             collector: Collector::new(run),
             status: None,
-            begun: false,
+            stage: Stage::SettingUp,
             lost: None,
             heard: Duration::ZERO,
-            stopped: false,
-            stopping: false,
             segments,
             roll_out: Duration::ZERO,
-            began: None,
-            again: 0,
+            again: false,
             begins_turning: false,
             asked: Duration::ZERO,
             withheld: false,
@@ -102,7 +108,7 @@ impl Capture {
 
     /// Whether the run was begun again, because the shaft still turned, and has no samples yet.
     pub fn waits(&self) -> bool {
-        self.again > 0 && self.collector.is_empty()
+        self.again && self.collector.is_empty()
     }
 
     /// How the run is set up.
@@ -139,8 +145,10 @@ impl Capture {
     /// still comes; a run that has not begun does not begin, and is not waited for any longer.
     pub fn stop(&mut self, now: Duration) {
         self.script.clear();
-        self.stopped = true;
-        self.stopping |= self.status.is_none();
+        self.stage = match self.status {
+            Some(_) if self.stage != Stage::Cancelling => Stage::Stopping,
+            _ => Stage::Cancelling,
+        };
         self.exchange.ask(ToBoard::Stop, now);
     }
 
@@ -171,7 +179,9 @@ impl Capture {
                 FromBoard::NotHeld { first, count } => self.collector.not_held(first, count),
                 FromBoard::Status(status) if status.run == self.run => self.status = Some(status),
                 // It had told of the run: a board that was without power begins with none.
-                FromBoard::Status(status) if self.status.is_some() || self.begun => {
+                FromBoard::Status(status)
+                    if self.status.is_some() || matches!(self.stage, Stage::Running { .. }) =>
+                {
                     self.lost = Some(status.reset)
                 }
                 FromBoard::Capabilities(capabilities) => self.capabilities = Some(capabilities),
@@ -187,9 +197,9 @@ impl Capture {
     /// Lets time pass, and hands over what is to be sent.
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         let answer = self.exchange.take_answer();
-        // The last of the script is what begins the run.
-        let is_last = self.began.is_some() && self.script.is_empty() && !self.stopped;
-        self.begun |= is_last && matches!(answer, Some(Ok(FromBoard::Done)));
+        if let (Stage::Starting { since }, Some(Ok(FromBoard::Done))) = (self.stage, &answer) {
+            self.stage = Stage::Running { since };
+        }
         match answer {
             Some(Err(fault)) => self.refuse(fault),
             Some(Ok(FromBoard::Hello(hello))) if hello.newest < self.setup.since() => {
@@ -199,11 +209,13 @@ impl Capture {
             Some(Ok(FromBoard::Capabilities(can))) if has_built_in_sensors(&can) => {
                 self.refuse(Fault::BuiltInSensors);
             }
-            Some(Ok(FromBoard::Done)) if self.stopping && self.script.is_empty() && self.status.is_none() => {
+            Some(Ok(FromBoard::Done)) if self.stage == Stage::Cancelling && self.status.is_none() => {
                 // The board has stopped what it did, and whether that was this run, its next word on it tells.
                 self.exchange.ask(ToBoard::Status, now);
             }
-            Some(Ok(FromBoard::Status(status))) if self.stopping && status.run != self.run => {
+            Some(Ok(FromBoard::Status(status)))
+                if self.stage == Stage::Cancelling && status.run != self.run =>
+            {
                 self.outcome = Some(Err(Fault::Stopped));
             }
             Some(Ok(_)) | None if self.exchange.busy() => {}
@@ -211,8 +223,10 @@ impl Capture {
                 Some(message) => {
                     self.heard = now;
                     if matches!(message, ToBoard::Start { .. }) {
-                        self.began.get_or_insert(now);
                         (self.asked, self.withheld) = (now, false);
+                        if self.stage == Stage::SettingUp {
+                            self.stage = Stage::Starting { since: now };
+                        }
                     }
                     self.exchange.ask(message, now);
                 }
@@ -228,22 +242,19 @@ impl Capture {
         self.outcome = Some(Err(fault));
     }
 
-    /// Has the run begun under another number: under its own the board would take it for begun.
-    fn begin_again(&mut self) {
+    /// Has the run, waited for `since` then, begun under another number: under its own the board would take it for begun.
+    fn begin_again(&mut self, since: Duration) {
         self.run = self.run.wrapping_add(1);
-        self.again += 1;
-        (self.collector, self.status, self.begun) = (Collector::new(self.run), None, false);
+        self.again = true;
+        (self.collector, self.status) = (Collector::new(self.run), None);
+        self.stage = Stage::Starting { since };
         self.script.push_back(ToBoard::Start { run: self.run, segments: self.segments });
     }
 
     /// Whether the board has waited for the shaft for so long that it would soon begin the run in spite of it.
     fn must_withhold(&self, status: &Status, now: Duration) -> bool {
         let waits = status.next == 0 && self.collector.is_empty();
-        self.begins_turning
-            && waits
-            && !self.withheld
-            && !self.stopped
-            && now.saturating_sub(self.asked) >= BEFORE_IT_BEGINS
+        self.begins_turning && waits && !self.withheld && now.saturating_sub(self.asked) >= BEFORE_IT_BEGINS
     }
 
     /// The run goes on, or is over and its log still comes.
@@ -256,24 +267,28 @@ impl Capture {
             self.outcome = Some(Err(Fault::Forgotten(reset)));
             return;
         }
-        let waited = self.began.map_or(Duration::ZERO, |began| now.saturating_sub(began));
+        let (is_stopped, since) = match self.stage {
+            Stage::SettingUp => (false, now),
+            Stage::Starting { since } | Stage::Running { since } => (false, since),
+            Stage::Stopping | Stage::Cancelling => (true, now),
+        };
         let ended = match self.status.map(|status| (status.state, status)) {
             Some((RunState::Stopped(cause), status)) => {
                 // Stopped from here, before it would have begun.
                 let cause = if self.withheld && cause == Cause::Asked { Cause::Turning } else { cause };
-                if cause == Cause::Turning && self.stopped {
+                if cause == Cause::Turning && is_stopped {
                     // It would not have begun again in any case.
                     self.outcome = Some(Err(Fault::Stopped));
                     return;
                 }
-                if cause == Cause::Turning && waited < self.roll_out {
-                    self.begin_again();
+                if cause == Cause::Turning && now.saturating_sub(since) < self.roll_out {
+                    self.begin_again(since);
                     return;
                 }
                 self.collector.expect(status.next);
                 Some((cause, status))
             }
-            Some((RunState::Running, status)) if self.must_withhold(&status, now) => {
+            Some((RunState::Running, status)) if !is_stopped && self.must_withhold(&status, now) => {
                 self.withheld = true;
                 self.exchange.ask(ToBoard::Stop, now);
                 return;
