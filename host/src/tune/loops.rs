@@ -42,6 +42,13 @@ pub struct Loop {
     pub margins: Margins,
 }
 
+impl Loop {
+    /// Whether it reaches unity where it is looked at: a loop that is weaker than that controls nothing, and its margins say nothing.
+    fn crosses(&self) -> bool {
+        self.margins.crossover_hz > FROM / std::f64::consts::TAU
+    }
+}
+
 /// What the loop's open chain is at an angular frequency.
 type Chain<'a> = &'a dyn Fn(f64) -> Complex<f64>;
 
@@ -159,17 +166,17 @@ impl Plant {
     }
 }
 
-/// PI of the velocity.
-pub(super) fn velocity(plant: &Plant, margin: f64) -> Loop {
+/// PI of the velocity; none where no gain holds the margin.
+pub(super) fn velocity(plant: &Plant, margin: f64) -> Option<Loop> {
     let BaseValues { gain, tau_m, .. } = plant.base;
     let of =
         |kp: f64| plant.margins(&|s: Complex<f64>| Complex::new(kp, 0.0) + Complex::new(kp / tau_m, 0.0) / s);
-    let kp = largest(&|kp| plant.holds(&of(kp), margin), 1.0 / gain);
-    Loop { kp, ki: kp / tau_m, kd: 0.0, margins: of(kp) }
+    let kp = largest(&|kp| plant.holds(&of(kp), margin), 1.0 / gain)?;
+    Some(Loop { kp, ki: kp / tau_m, kd: 0.0, margins: of(kp) }).filter(Loop::crosses)
 }
 
-/// PD of the position.
-pub(super) fn position(plant: &Plant, margin: f64) -> Loop {
+/// PD of the position; none where no gains hold the margin.
+pub(super) fn position(plant: &Plant, margin: f64) -> Option<Loop> {
     let BaseValues { gain, tau_m, .. } = plant.base;
     let gains = |omega_n: f64| {
         let kp = tau_m * omega_n * omega_n / gain;
@@ -179,24 +186,27 @@ pub(super) fn position(plant: &Plant, margin: f64) -> Loop {
     };
     let of = |(kp, kd): (f64, f64)| plant.margins(&|s: Complex<f64>| (Complex::new(kp, 0.0) + s * kd) / s);
     let held = |omega_n: f64| plant.holds(&of(gains(omega_n)), margin);
-    let (kp, kd) = gains(largest(&held, 1.0 / tau_m));
-    Loop { kp, ki: 0.0, kd, margins: of((kp, kd)) }
+    let (kp, kd) = gains(largest(&held, 1.0 / tau_m)?);
+    Some(Loop { kp, ki: 0.0, kd, margins: of((kp, kd)) }).filter(Loop::crosses)
 }
 
-/// The largest number that `holds`, about `scale`: bisection of its logarithm.
-fn largest(holds: &dyn Fn(f64) -> bool, scale: f64) -> f64 {
+/// The largest number that `holds`, about `scale`: bisection of its logarithm. None where none of those tried does.
+fn largest(holds: &dyn Fn(f64) -> bool, scale: f64) -> Option<f64> {
     let (mut low, mut high) = (scale * 1e-3, scale * 1e4);
+    let mut found = None;
     for _ in 0..60 {
         let middle = (low * high).sqrt();
-        if holds(middle) { low = middle } else { high = middle }
+        if holds(middle) { (low, found) = (middle, Some(middle)) } else { high = middle }
     }
-    low
+    found
 }
+
+/// The lowest frequency at which a loop is looked at, rad/s.
+const FROM: f64 = 1e-2;
 
 /// Margins by a fine walk along the frequencies, of a chain that integrates once: the smallest of all crossings.
 fn margins(chain: Chain, per_decade: i32) -> Margins {
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
-    const FROM: f64 = 1e-2;
     let at = |k: i32| FROM * 10_f64.powf(f64::from(k) / f64::from(per_decade));
     let mut before = chain(at(0));
     // By Nyquist the curve of 1 + L, which begins below the axis and ends at 1, comes there without a turn round 0.
@@ -256,7 +266,7 @@ mod tests {
     #[test]
     fn a_velocity_loop_has_the_margin_that_was_asked_and_crosses_where_that_puts_it() {
         let delay = 3e-3;
-        let found = velocity(&rigid(delay), 60_f64.to_radians());
+        let found = velocity(&rigid(delay), 60_f64.to_radians()).unwrap();
         assert!((found.margins.phase_deg - 60.0).abs() < 0.1, "{found:?}");
         let omega = found.margins.crossover_hz * std::f64::consts::TAU;
         let spent = omega * delay + (omega * BASE.tau_e).atan();
@@ -268,18 +278,27 @@ mod tests {
     #[test]
     fn more_delay_makes_both_loops_slower_and_keeps_their_margins() {
         for design in [velocity, position] {
-            let [fast, slow] = [2e-3, 1e-2].map(|delay| design(&rigid(delay), 60_f64.to_radians()));
+            let [fast, slow] = [2e-3, 1e-2].map(|delay| design(&rigid(delay), 60_f64.to_radians()).unwrap());
             assert!(slow.margins.crossover_hz < 0.6 * fast.margins.crossover_hz, "{fast:?} {slow:?}");
             assert!(slow.margins.phase_deg > 59.9 && slow.margins.gain > 2.0, "{slow:?}");
+        }
+    }
+
+    /// With the pole cancelled nothing is ever further than a quarter turn from the edge.
+    #[test]
+    fn a_margin_that_no_gain_has_gives_no_loop() {
+        for design in [velocity, position] {
+            let found = design(&rigid(3e-3), 100_f64.to_radians());
+            assert!(found.is_none(), "{found:?}");
         }
     }
 
     #[test]
     fn a_shaft_that_hardly_gives_leaves_the_rigid_loops() {
         for design in [velocity, position] {
-            let stiff = design(&rigid(3e-3), 60_f64.to_radians());
+            let stiff = design(&rigid(3e-3), 60_f64.to_radians()).unwrap();
             for seen in [false, true] {
-                let given = design(&springy(2000.0, seen), 60_f64.to_radians());
+                let given = design(&springy(2000.0, seen), 60_f64.to_radians()).unwrap();
                 assert!((given.kp / stiff.kp - 1.0).abs() < 0.02, "{stiff:?} {given:?}");
             }
         }
@@ -291,12 +310,12 @@ mod tests {
         let margin = 60_f64.to_radians();
         for seen in [false, true] {
             let plant = springy(8.0, seen);
-            let kp = velocity(&rigid(3e-3), margin).kp;
+            let kp = velocity(&rigid(3e-3), margin).unwrap().kp;
             let there = plant
                 .margins(&|s: Complex<f64>| Complex::new(kp, 0.0) + Complex::new(kp / BASE.tau_m, 0.0) / s);
             assert!(!plant.holds(&there, margin), "{there:?}");
             for design in [velocity, position] {
-                let found = design(&plant, margin);
+                let found = design(&plant, margin).unwrap();
                 assert!(found.margins.phase_deg > 59.9 && found.margins.gain >= LEAST_GAIN, "{found:?}");
             }
         }
@@ -312,7 +331,7 @@ mod tests {
         let touching = springy(150.0, false);
         let gap = Plant { shaft: touching.shaft.map(|shaft| Shaft { opens: true, ..shaft }), ..touching };
         let margin = 60_f64.to_radians();
-        let [spring, teeth] = [touching, gap].map(|plant| velocity(&plant, margin));
+        let [spring, teeth] = [touching, gap].map(|plant| velocity(&plant, margin).unwrap());
         assert!(teeth.kp < spring.kp && teeth.margins.phase_deg > 59.9, "{spring:?} {teeth:?}");
     }
 }

@@ -83,7 +83,7 @@ pub struct Tuned {
 /// Designs the loops of `model` and tries them.
 ///
 /// # Errors
-/// A period, a margin or a limit that no loop can hold.
+/// A period, a margin or a limit that no loop can hold, a margin that no gain of this model holds.
 ///
 /// ```
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
@@ -108,8 +108,14 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     let delay_s = 0.5 * options.period_s + lag_s(model);
     let margin = options.phase_margin_deg.to_radians();
     let plant = loops::Plant::of(model, delay_s);
-    let velocity = loops::velocity(&plant, margin);
-    let position = loops::position(&plant, margin);
+    let none = |of: &str| {
+        Error::usage(
+            format!("no gain of the {of} loop holds a phase margin of {} degrees", options.phase_margin_deg),
+            "ask for a smaller margin, down to 20 degrees; or check the damping in the model: a shaft with next to none rings under every gain",
+        )
+    };
+    let velocity = loops::velocity(&plant, margin).ok_or_else(|| none("velocity"))?;
+    let position = loops::position(&plant, margin).ok_or_else(|| none("position"))?;
     let feedforward = feedforward(model);
     let loads = load::Loads::of(model);
     let (trials, steps) = trial::all(model, options, &[velocity, position], &feedforward, &loads);
