@@ -19,7 +19,13 @@ pub fn shell(path: &Path) -> String {
 
 /// What to do next, with the commands that do it.
 pub fn told(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
-    then(&step.label.to_lowercase(), &commands(step, model, logs).join("\n  "))
+    let label = step.label.to_lowercase();
+    // A data problem is mended by an option or in the log, which its own text says; the command only shows it.
+    let what = match &step.place {
+        Some(place) => format!("{label}, as the data problem of {place} says; see it on the page"),
+        None => label,
+    };
+    then(&what, &commands(step, model, logs).join("\n  "))
 }
 
 /// The commands of the next step, to be pasted where the files are few. A model that was not written is written first.
@@ -109,6 +115,18 @@ mod tests {
         let step = NextStep::new(Action::Diagnose, None);
         let told = told(&step, Some(Path::new("base.json")), &["a.csv".into(), "b.csv".into()]);
         assert_eq!(told, "next: find what is missing with\n  motorlens diagnose base.json a.csv b.csv\n");
+    }
+
+    #[test]
+    fn a_data_problem_is_mended_as_its_text_says_and_the_page_shows_it() {
+        let place = Some("run.csv, column voltage_v".to_owned());
+        let label = "Give the voltage that drove the motor".to_owned();
+        let step = NextStep { place, label, ..NextStep::new(Action::Data, None) };
+        assert_eq!(
+            told(&step, None, &["run.csv".into()]),
+            "next: give the voltage that drove the motor, as the data problem of run.csv, column voltage_v says; see it on the page with\n  \
+             motorlens serve run.csv\n"
+        );
     }
 
     #[test]
