@@ -1,5 +1,8 @@
 //! The library as a stranger calls it: slices in, findings out, stopped from outside.
 
+#[path = "../src/formula/lobe.rs"]
+mod lobe;
+
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -111,24 +114,7 @@ fn calls_on_several_threads_do_not_disturb_each_other() {
 #[test]
 fn an_effect_that_one_call_is_offered_is_unknown_to_the_next() {
     const NAME: &str = "lobe_of_one_call";
-    let size = WrittenParameter {
-        name: "size".into(),
-        unit: "V".into(),
-        meaning: String::new(),
-        low: -6.0,
-        typical: 0.3,
-        high: 6.0,
-    };
-    let lobe = define(&Written {
-        name: NAME.into(),
-        port: "torque".into(),
-        formula: "-size * sin(3 * angle)".into(),
-        title: String::new(),
-        signature: String::new(),
-        source: String::new(),
-        parameters: vec![size],
-    })
-    .unwrap();
+    let lobe = define(&lobe::lobe(NAME, 0.3)).unwrap();
     let with_it = Library::default().with(lobe).unwrap();
     let (time, volts, angle) = measured(0.6);
     let called = |options: Options| {

@@ -140,28 +140,11 @@ pub fn written(kind: Kind) -> Option<Written> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formula::WrittenParameter;
+    use crate::formula;
     use crate::simulate::Custom;
 
     fn lobe(typical: f64) -> Kind {
-        let size = WrittenParameter {
-            name: "size".into(),
-            unit: "V".into(),
-            meaning: String::new(),
-            low: 0.0,
-            typical,
-            high: 6.0,
-        };
-        let written = Written {
-            name: "library_test_lobe".into(),
-            port: "torque".into(),
-            formula: "-size * sin(3 * angle)".into(),
-            title: String::new(),
-            signature: String::new(),
-            source: String::new(),
-            parameters: vec![size],
-        };
-        define(&written).unwrap()
+        define(&formula::lobe::lobe("library_test_lobe", typical)).unwrap()
     }
 
     #[test]

@@ -24,6 +24,8 @@ mod definition;
 mod file;
 mod grammar;
 mod library;
+#[cfg(test)]
+mod lobe;
 
 pub use definition::{Written, WrittenParameter};
 pub use file::read;
