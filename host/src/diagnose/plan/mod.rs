@@ -4,20 +4,24 @@
 //! that is left between two rivals after the first one's parameters are partialled out, to first
 //! order: a programme is as good as the pair that it separates least.
 
+mod menu;
+mod nested;
+mod view;
+
 use motorlens_shared::effects::Kind;
-use motorlens_shared::excitation::{Player, Programme, Segment, Shape};
-use nalgebra::{DMatrix, DVector};
+use motorlens_shared::excitation::Programme;
 
 use super::contained::extended;
 use super::discover::reading_noise;
 use super::evidence::Evidence;
 use crate::findings::multiple;
-use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
 use crate::fit::search::Problem;
-use crate::fit::simulate::{LANES, predict_block};
-use crate::log::Record;
 use crate::select::fitted::Fitted;
+use menu::{menu, played};
+use nested::nested;
+pub use nested::simplest;
+use view::{View, increments};
 
 /// What the rig allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,13 +57,6 @@ pub struct Plan {
 
 /// A difference below so many times the noise of a reading is not to be seen.
 const LEAST_SHOWN: f64 = 0.1;
-/// Rate at which programmes are tried, Hz.
-const RATE_HZ: u32 = 500;
-/// A longer programme would show nothing new, s.
-const LONGEST_S: f64 = 24.0;
-/// Differences over 50 ms, every 4 ms.
-const SPAN: usize = 25;
-const STRIDE: usize = 2;
 
 /// The programme that best separates `rivals`; none with fewer than two of them.
 ///
@@ -151,135 +148,6 @@ fn in_usual_shape(c: &Fitted) -> Fitted {
     usual
 }
 
-/// Those of `kinds` that contain no other of them: of nested equations that fit alike the simpler suffices.
-pub fn simplest(kinds: &[Kind]) -> Vec<Kind> {
-    let rich = |k: &Kind| kinds.iter().any(|other| nested(*k, *other).is_some_and(|(_, rich)| rich == *k));
-    kinds.iter().copied().filter(|k| !rich(k)).collect()
-}
-
-/// The simpler and the richer of two equations of which one contains the other.
-fn nested(a: Kind, b: Kind) -> Option<(Kind, Kind)> {
-    let within = |(simple, rich): &(Kind, Kind)| simple != rich && rich.spec().holds(simple.name());
-    [(a, b), (b, a)].into_iter().find(within)
-}
-
-/// Programmes within the limits.
-fn menu(limits: Limits) -> Vec<Programme> {
-    let volts = limits.volts as f32;
-    let seconds = limits.seconds.min(LONGEST_S) as f32;
-    let share = |part: f32| part * volts;
-    let triangle =
-        |part: f32| Shape::Triangle { amplitude_v: share(part), period_s: (seconds / 2.0).min(4.0) };
-    let slow = [triangle(0.1), triangle(0.2)].map(|shape| Segment { shape, seconds: seconds / 2.0 });
-    let mut menu: Vec<Programme> = Programme::sequence("slow-triangles", slow).into_iter().collect();
-    let multisine = |part: f32| Shape::Multisine {
-        amplitude_v: share(part),
-        low_hz: 0.2,
-        high_hz: 8.0,
-        tones: 14,
-        seed: 7,
-    };
-    let single = [
-        ("pulse-and-coast", Shape::PulseAndCoast { amplitude_v: share(0.9) }),
-        ("multisine", multisine(0.7)),
-        ("small-multisine", multisine(0.25)),
-        ("prbs", Shape::Prbs { amplitude_v: share(0.8), chip_s: 0.06, seed: 7 }),
-        ("staircase", Shape::Staircase { amplitude_v: share(0.9), hold_s: 0.6, seed: 7 }),
-        ("one-way-sine", Shape::Sine { amplitude_v: share(0.3), frequency_hz: 1.0, offset_v: share(0.5) }),
-        ("sine", Shape::Sine { amplitude_v: share(0.6), frequency_hz: 0.5, offset_v: 0.0 }),
-    ];
-    menu.extend(single.map(|(name, shape)| Programme::single(name, shape, seconds)));
-    menu.retain(|p| p.validate(volts).is_ok());
-    menu
-}
-
-/// The programme laid on the model's grid, from rest; nothing is measured yet.
-fn played(programme: &Programme, problem: &Problem) -> Option<Grid> {
-    let voltage_v: Vec<f64> = Player::new(programme, RATE_HZ).ok()?.map(f64::from).collect();
-    let n = voltage_v.len();
-    let record = Record {
-        name: programme.name.as_str().into(),
-        time_s: (0..n).map(|k| k as f64 / f64::from(RATE_HZ)).collect(),
-        angle_rad: Some(vec![0.0; n]),
-        voltage_v,
-        ..Record::default()
-    };
-    Some(Grid::new(&record, problem.rig.count_rad))
-}
-
-/// What each of `points` expects to see on `grid`, as differences over 50 ms in the unit that `problem` has measured: of the angle, or the mean
-/// speed in that time.
-fn increments(problem: &Problem, layout: &Layout, points: &[Vec<f64>], grid: &Grid) -> Vec<DVector<f64>> {
-    let speed = problem.grids.iter().any(|grid| grid.quantity != Quantity::Angle);
-    let unit = if speed { f64::from(RATE_HZ) / SPAN as f64 } else { 1.0 };
-    let mut seen: Vec<DVector<f64>> = Vec::new();
-    let mut series = Vec::new();
-    for chunk in points.chunks(LANES) {
-        predict_block(layout, chunk, &problem.rig, grid, &mut series);
-        for l in 0..chunk.len() {
-            let n = series.len().saturating_sub(SPAN) / STRIDE;
-            let step = |k: usize| unit * (series[k * STRIDE + SPAN].0[l] - series[k * STRIDE].0[l]);
-            seen.push(DVector::from_fn(n, |k, _| step(k)));
-        }
-    }
-    seen
-}
-
-/// What one rival expects to see, and how its parameters could bend that.
-struct View {
-    centre: DVector<f64>,
-    tangent: DMatrix<f64>,
-}
-
-impl View {
-    fn new(problem: &Problem, layout: &Layout, x: &[f64], grid: &Grid) -> Self {
-        let mut points = vec![x.to_vec()];
-        let mut deltas = Vec::new();
-        for k in 0..layout.len() {
-            let d = layout.step(k, x[k]);
-            let mut moved = x.to_vec();
-            moved[k] += d;
-            points.push(moved);
-            deltas.push(d);
-        }
-        let mut seen = increments(problem, layout, &points, grid);
-        let centre = seen.remove(0);
-        let columns: Vec<DVector<f64>> = seen.iter().zip(&deltas).map(|(p, d)| (p - &centre) / *d).collect();
-        Self { tangent: DMatrix::from_columns(&columns), centre }
-    }
-
-    /// rms of what this rival could not imitate of `other`.
-    fn left_of(&self, other: &DVector<f64>) -> f64 {
-        left(&self.tangent, other - &self.centre)
-    }
-
-    /// rms of what the most visible parameter of this rival `c` that `simple` lacks would show at its usual size, and
-    /// no other parameter could imitate.
-    fn added(&self, c: &Fitted, simple: Kind) -> f64 {
-        let common = simple.spec().parameters;
-        let own = c.kinds().last().map_or(&[][..], |kind| kind.spec().parameters);
-        let first = c.layout.len() - own.len();
-        let news = (0..own.len()).filter(|k| !common.iter().any(|p| p.name == own[*k].name));
-        news.map(|k| {
-            let others = self.tangent.clone().remove_column(first + k);
-            left(&others, self.tangent.column(first + k).into_owned())
-        })
-        .fold(0.0, f64::max)
-    }
-}
-
-/// rms of what is left of `difference` beside the columns of `tangent`.
-fn left(tangent: &DMatrix<f64>, difference: DVector<f64>) -> f64 {
-    let mut h = tangent.tr_mul(tangent);
-    for k in 0..h.nrows() {
-        h[(k, k)] += 1e-9 * h[(k, k)] + 1e-15;
-    }
-    let g = tangent.tr_mul(&difference);
-    let bend = h.cholesky().map_or_else(|| DVector::zeros(g.len()), |f| f.solve(&g));
-    let left = difference - tangent * bend;
-    (left.norm_squared() / left.len().max(1) as f64).sqrt()
-}
-
 impl Plan {
     /// Whether it would show anything: the best of all programmes may not.
     pub fn shows(&self) -> bool {
@@ -335,29 +203,6 @@ mod tests {
     use crate::select::forward::forward;
 
     #[test]
-    fn records_of_speed_are_compared_with_speeds_and_records_of_angle_with_angles() {
-        let case = Case::new(11, &[], Conditions { disturbed: 0.0, spoilt: 0.0 });
-        let (evidence, base) = prepare(&case.records, &case.held_out, &case.motor).unwrap();
-        let slow = Shape::Sine { amplitude_v: 6.0, frequency_hz: 0.1, offset_v: 0.0 };
-        let programme = Programme::single("slow", slow, 10.0);
-        let highest = |problem: &Problem| {
-            let grid = played(&programme, problem).unwrap();
-            let seen = increments(problem, &base.layout, std::slice::from_ref(&base.x), &grid);
-            seen[0].max()
-        };
-        let steady = 6.0 * base.values().base.gain;
-        let angle = evidence.train.clone();
-        let mut speed = angle.clone();
-        let means = |mut grid: Grid| {
-            grid.quantity = Quantity::Speed;
-            grid.read_as(Quantity::MeanSpeed)
-        };
-        speed.grids = speed.grids.into_iter().map(means).collect();
-        assert!((highest(&angle) / (0.05 * steady) - 1.0).abs() < 0.02, "{} rad", highest(&angle));
-        assert!((highest(&speed) / steady - 1.0).abs() < 0.02, "{} rad/s", highest(&speed));
-    }
-
-    #[test]
     fn a_programme_that_stays_within_its_limits_separates_friction_from_a_dead_zone() {
         let ideal = Conditions { disturbed: 0.0, spoilt: 0.0 };
         let case = Case::new(11, &[motorlens_virtual_motor::Kind::Coulomb], ideal);
@@ -406,13 +251,6 @@ mod tests {
             assert!(plan.why().contains(says), "{}", plan.why());
             assert_eq!(NextExperiment::of(Some(plan), &[]).is_some(), separation > 0.1, "{says}");
         }
-    }
-
-    #[test]
-    fn laws_that_contain_another_one_are_no_rivals_of_it() {
-        let all = [Kind::Stribeck, Kind::Coulomb, Kind::DeadZone, Kind::CoulombAsymmetric];
-        assert_eq!(simplest(&all), [Kind::Coulomb, Kind::DeadZone]);
-        assert_eq!(simplest(&[Kind::Stribeck, Kind::CoulombAsymmetric]).len(), 2);
     }
 
     #[test]
