@@ -19,7 +19,7 @@ fn volts(t: f64, lively: bool) -> f64 {
     if lively { 0.5 * level + 5.0 * (4.4 * t).sin() } else { level }
 }
 
-/// Angle and speed at every step under a drive that renews its voltage every `hold_s`.
+/// Angle and speed at every step under a drive that updates its voltage every `hold_s`.
 fn motion(hold_s: f64, lively: bool) -> Vec<(f64, f64)> {
     let (mut x, mut w) = (0.0, 0.0);
     let share = 1.0 - (-STEP_S / TAU_S).exp();

@@ -11,7 +11,7 @@ pub struct Sensor {
     pub latency_s: f64,
     /// Time constant of a filter before counting, s.
     pub filter_s: f64,
-    /// A reading is renewed only this often, s; at every sample where zero.
+    /// A reading is updated only this often, s; at every sample where zero.
     pub hold_s: f64,
     /// Reading error of a disc off its centre: amplitude at the output, rad, and phase.
     pub eccentric: (f64, f64),

@@ -65,7 +65,7 @@ pub fn climb<'a>(
     }
 }
 
-/// A rung of the ladder.
+/// A line for a model of the sequence.
 pub fn rung_line(rung: &Rung, unit: &str) -> String {
     errors(&prose::effects(&rung.effects), rung, unit)
 }

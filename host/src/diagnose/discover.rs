@@ -33,7 +33,7 @@ pub enum Progress {
         /// The effect on trial.
         effect: Kind,
     },
-    /// A rung of the ladder is fitted.
+    /// A model of the sequence is fitted.
     Rung(Rung),
     /// The speeds turn out to be read so: the ladder is climbed anew.
     Anew(Quantity),

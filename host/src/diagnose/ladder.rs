@@ -11,7 +11,7 @@ use crate::fit::noise::Noise;
 use crate::select::fitted::Fitted;
 use crate::select::gain::Gain;
 
-/// A rung of the ladder.
+/// A model of the sequence, with its errors.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rung {
     /// Effects in the model.

@@ -116,10 +116,10 @@ impl Grid {
     pub fn new(record: &Record, quantum: f64) -> Self {
         let interval = timing::median_interval(&record.time_s);
         let (quantity, column) = main_column(record, quantum, interval);
-        let renewed = renewals(quantity, column);
+        let updated = updates(quantity, column);
         let at = |kept: &Vec<usize>| -> Vec<f64> { kept.iter().map(|k| record.time_s[*k]).collect() };
-        let renewal = renewed.as_ref().map(|kept| timing::median_interval(&at(kept)));
-        let step = cell_length(interval, renewal.unwrap_or(interval), record.duration_s());
+        let update_s = updated.as_ref().map(|kept| timing::median_interval(&at(kept)));
+        let step = cell_length(interval, update_s.unwrap_or(interval), record.duration_s());
         let thin = ((step / interval).round() as usize).max(1);
         let origin = record.time_s[0];
         let cells = (record.duration_s() / step).ceil() as usize + 1;
@@ -142,10 +142,10 @@ impl Grid {
             scales: Vec::new(),
             even: 0.0,
             even_offset: f64::INFINITY,
-            interval_s: renewal.unwrap_or(interval * thin as f64),
+            interval_s: update_s.unwrap_or(interval * thin as f64),
             skip: 0,
         };
-        for k in renewed.unwrap_or_else(|| (0..record.len()).step_by(thin).collect()) {
+        for k in updated.unwrap_or_else(|| (0..record.len()).step_by(thin).collect()) {
             let position = (record.time_s[k] - origin) / step;
             grid.places.push(place(position));
             grid.time_s.push(record.time_s[k]);
@@ -238,8 +238,8 @@ impl Grid {
 
 /// About a millisecond, dividing the sampling interval where that is longer; more for records of many minutes with
 /// few samples, such as sweeps of steady speeds.
-fn cell_length(interval: f64, renewal: f64, duration: f64) -> f64 {
-    let slow = (1.001 * renewal / BETWEEN_READINGS).min(LONGEST_SLOW_CELL);
+fn cell_length(interval: f64, update_s: f64, duration: f64) -> f64 {
+    let slow = (1.001 * update_s / BETWEEN_READINGS).min(LONGEST_SLOW_CELL);
     let longest = LONGEST_CELL.max(slow).max((duration / MOST_CELLS).min(LONGEST_SWEEP_CELL));
     if interval >= SHORTEST_CELL {
         interval / (interval / longest).ceil()
@@ -275,9 +275,9 @@ const HELD_ROWS: usize = 3;
 /// ... in this share of its changes, give or take a row.
 const HELD_SHARE: f64 = 0.6;
 
-/// The rows at which a held reading is renewed; none where readings are not held. A slow update between them (a radio, a slow bus)
-/// repeats what was read before, which is no further measurement. A column that stands still is taken to be renewed as often.
-fn renewals(quantity: Quantity, column: &[f64]) -> Option<Vec<usize>> {
+/// The rows at which a held reading is updated; none where readings are not held. A slow update between them (a radio, a slow bus)
+/// repeats what was read before, which is no further measurement. A column that stands still is taken to be updated as often.
+fn updates(quantity: Quantity, column: &[f64]) -> Option<Vec<usize>> {
     if quantity == Quantity::Angle {
         return None;
     }
@@ -320,13 +320,13 @@ pub(super) mod tests {
 
     /// Every tenth row is a reading, as over a radio; a slow speed of few levels changes as it likes.
     #[test]
-    fn a_held_speed_counts_once_a_renewal() {
+    fn a_held_speed_counts_once_an_update() {
         let held: Vec<f64> = (0..600).map(|k| f64::from(k / 10) * 0.1).collect();
-        let kept = renewals(Quantity::Speed, &held).unwrap();
+        let kept = updates(Quantity::Speed, &held).unwrap();
         assert!(kept.len() == 60 && kept[7] == 70, "{kept:?}");
         let levels: Vec<f64> = (0..600).map(|k| (f64::from(k) * 0.02).sin() * 3.0).map(f64::round).collect();
-        assert_eq!(renewals(Quantity::Speed, &levels), None);
-        assert_eq!(renewals(Quantity::Angle, &held), None);
+        assert_eq!(updates(Quantity::Speed, &levels), None);
+        assert_eq!(updates(Quantity::Angle, &held), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How long a sensor holds its readings, and how old they are when a record begins.
 //!
-//! A reading that is renewed every `time` seconds changes only in the samples that follow an update, whatever the motor
+//! A reading that is updated every `time` seconds changes only in the samples that follow an update, whatever the motor
 //! does. So the instants of its changes, turned around a circle once every `time`, crowd on one side of it: where, tells
 //! the age; how sharply the crowd depends on `time`, its precision, which is a small part of a sample over a record.
 

@@ -1,4 +1,4 @@
-//! Whether a motor answers to each step of a voltage that is renewed regularly.
+//! Whether a motor answers to each step of a voltage that is updated regularly.
 //!
 //! A voltage in steps is a smooth course and a sawtooth on top, one tooth an update. Where the drive itself holds the voltage, the
 //! shaft follows the teeth as a first-order motor does, `tau w' + w = gain v`, a little late perhaps; where only the log holds it,

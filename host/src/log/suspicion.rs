@@ -10,7 +10,7 @@ use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
-use super::renewed::stale_voltage;
+use super::stale::stale_voltage;
 use super::stops::hard_stop;
 use super::timing::median_interval;
 use super::units::Quantity;

@@ -52,7 +52,7 @@ pub struct Story {
     pub title: String,
     /// The model with its effects.
     pub model: Model,
-    /// The base model of the first rung.
+    /// The base model, the first of the sequence.
     pub base: Values,
     /// Records, training first.
     pub records: Vec<Shown>,

@@ -157,7 +157,7 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Feedback by what the encoder shows, renewed once a period, and the profile's own command.
+    /// Feedback by what the encoder shows, updated once a period, and the profile's own command.
     pub(super) fn follow(&self) -> (Tracking, Course) {
         let (gains, velocity) = (self.gains, self.is_velocity);
         let period = self.options.period_s;

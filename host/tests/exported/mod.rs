@@ -70,7 +70,7 @@ pub fn sets() -> Vec<Model> {
         vec![(Kind::Eccentricity, &[0.004, -0.002]), (Kind::SensorLag, &[0.012, 0.0])],
         vec![(Kind::Eccentricity, &[0.004, -0.002]), (Kind::SensorLag, &[0.0, 0.013_773_1])],
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.013_773_1])],
-        // Renewed several times in a step.
+        // Updated several times in a step.
         vec![(Kind::Coulomb, &[0.3]), (Kind::SensorLag, &[0.0, 0.000_371_31])],
         vec![
             (Kind::Backlash, &[0.05, 0.4, 0.3, 120.0, 0.4]),

@@ -35,8 +35,8 @@ pub struct SensorLag<S> {
     hold: S,
     /// What whole holds leave of a step.
     rest: S,
-    /// The reading is renewed within a step where its age exceeds the hold by more than this.
-    renewed_above: S,
+    /// The reading is updated within a step where its age exceeds the hold by more than this.
+    updated_above: S,
     on_motor: bool,
 }
 
@@ -63,7 +63,7 @@ impl<S: Scalar> SensorLag<S> {
                 if step > hold { (step - whole * hold).max(0.0) } else { step }
             }),
             // Of several updates in a step the last counts, and there is one in every step.
-            renewed_above: S::pick_gt(h, hold, -hold, S::zero()),
+            updated_above: S::pick_gt(h, hold, -hold, S::zero()),
             on_motor: setting.encoder_on_motor,
         }
     }
@@ -89,7 +89,7 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
         let over = older - self.hold;
         memory.age = S::pick_gt(zero, over, older, over);
         let trail = moved * memory.age / self.step;
-        let held = S::pick_gt(self.renewed_above, over, memory.store + moved, trail);
+        let held = S::pick_gt(self.updated_above, over, memory.store + moved, trail);
         memory.store = S::pick_gt(self.hold, zero, held, filtered);
     }
     #[inline(always)]
@@ -124,21 +124,21 @@ mod tests {
     }
 
     #[test]
-    fn a_held_reading_is_renewed_at_multiples_of_its_time_many_or_few_to_a_step() {
+    fn a_held_reading_is_updated_at_multiples_of_its_time_many_or_few_to_a_step() {
         let truth = run(Kind::SensorLag, &[0.0, 0.0], &[6.0; 2000]).0;
         for hold in [12.4, 2.708_3, 1.371_7, 0.831_9, 0.371_7, 0.131_37] {
             let held = run(Kind::SensorLag, &[0.0, 1e-3 * hold], &[6.0; 2000]).0;
             for (k, reading) in held.iter().enumerate().skip(20) {
                 // Between two steps the shaft moves evenly enough.
-                let renewed = libm::floor((k + 1) as f64 / hold + 1e-9) * hold - 1.0;
-                let (before, part) = (renewed as usize, renewed.fract());
+                let updated = libm::floor((k + 1) as f64 / hold + 1e-9) * hold - 1.0;
+                let (before, part) = (updated as usize, updated.fract());
                 close(*reading, truth[before] + part * (truth[before + 1] - truth[before]), 2e-5);
             }
         }
     }
 
     #[test]
-    fn a_hold_that_divides_the_step_is_renewed_at_its_end() {
+    fn a_hold_that_divides_the_step_is_updated_at_its_end() {
         let truth = run(Kind::SensorLag, &[0.0, 0.0], &[6.0; 200]).0;
         for hold in [5e-4, 2e-4, 1e-4, 1e-3 / 3.0] {
             assert_eq!(run(Kind::SensorLag, &[0.0, hold], &[6.0; 200]).0, truth);

@@ -36,7 +36,7 @@ pub struct SupplySag<S> {
     /// ... and in its last one.
     kept: S,
     /// What the first and the last current have in the last sag, where the current changes evenly.
-    renewed: [S; 2],
+    added: [S; 2],
 }
 
 impl<S: Scalar> SupplySag<S> {
@@ -49,7 +49,7 @@ impl<S: Scalar> SupplySag<S> {
             per_supply: setting.per_supply,
             first,
             kept,
-            renewed: [first - kept, S::one() - first],
+            added: [first - kept, S::one() - first],
         }
     }
 }
@@ -64,7 +64,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
     }
     #[inline(always)]
     fn settle(&self, now: &Now<S>, after: &State<S>, memory: &mut Memory<S>) {
-        let drawn = self.renewed[0].mul_add(now.state.current, self.renewed[1] * after.current);
+        let drawn = self.added[0].mul_add(now.state.current, self.added[1] * after.current);
         let sag = self.resistance * now.command * self.per_supply * drawn;
         memory.store = self.kept.mul_add(memory.store, sag);
     }

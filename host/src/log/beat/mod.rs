@@ -7,15 +7,15 @@
 
 mod moves;
 mod numbers;
-mod renewals;
 mod spectrum;
+mod updates;
 
 use super::hold::Hold;
 use super::timing::mean_interval;
 use moves::{AROUND, EVEN, Move, excess, moves, span, thinned};
 pub use numbers::{Numbers, hold_of};
-use renewals::{Renewals, beat_of, likely_age, settle};
 use spectrum::{Beat, beats, sharpen};
+use updates::{Updates, beat_of, likely_age, settle};
 
 /// Shortest and longest hold, sampling intervals.
 const SHORTEST: f64 = 0.18;
@@ -72,7 +72,7 @@ pub fn beat(time_s: &[f64], values: &[f64], count: f64, known: Option<f64>) -> S
     let found = match known {
         Some(hold_s) => {
             let age = age(time_s, values, count, hold_s);
-            Some(settle(&moves, Renewals { rate: 1.0 / hold_s, age }, interval))
+            Some(settle(&moves, Updates { rate: 1.0 / hold_s, age }, interval))
         }
         None if still > STILL * moves.len() as f64 => None,
         None => lock(&moves, &moves, [1.0 / LONGEST, 1.0 / SHORTEST].map(|x| x / interval), interval)
@@ -84,9 +84,9 @@ pub fn beat(time_s: &[f64], values: &[f64], count: f64, known: Option<f64>) -> S
     let explained = |left: f64| left - counting < LEFT * (before - counting);
     match found.filter(|(_, left)| explained(*left)) {
         None => Shown::Otherwise,
-        Some((renewals, _)) => {
-            let time_s = 1.0 / renewals.rate;
-            Shown::Held(Hold { time_s, age_s: renewals.age.rem_euclid(time_s), changes: moves.len() })
+        Some((updates, _)) => {
+            let time_s = 1.0 / updates.rate;
+            Shown::Held(Hold { time_s, age_s: updates.age.rem_euclid(time_s), changes: moves.len() })
         }
     }
 }
@@ -125,7 +125,7 @@ fn skips(moves: &[Move], interval: f64) -> Option<(Vec<Move>, [f64; 2])> {
 }
 
 /// The updates at rates within `band` that leave least of `moves`, told by the beat of `telling`; and what they leave.
-fn lock(telling: &[Move], moves: &[Move], band: [f64; 2], interval: f64) -> Option<(Renewals, f64)> {
+fn lock(telling: &[Move], moves: &[Move], band: [f64; 2], interval: f64) -> Option<(Updates, f64)> {
     let width = FIRST.min(telling.len());
     let spans = |first: &usize| span(&telling[*first..*first + width]);
     let first = (0..=telling.len() - width).min_by(|a, b| spans(a).total_cmp(&spans(b)))?;
@@ -139,8 +139,8 @@ fn lock(telling: &[Move], moves: &[Move], band: [f64; 2], interval: f64) -> Opti
         rate = sharpen(&thinned(&telling[from..to]), rate, 0.3 / known, 0.1 / whole).rate;
         known = whole;
     }
-    let renewals = sharpen(&thinned(telling), rate, 0.2 / known, 0.05 / known);
-    Some(settle(moves, renewals, interval))
+    let updates = sharpen(&thinned(telling), rate, 0.2 / known, 0.05 / known);
+    Some(settle(moves, updates, interval))
 }
 
 /// The rate within `band` that explains the few moves of `window` best.
@@ -152,7 +152,7 @@ fn first_rate(window: &[Move], moves: &[Move], band: [f64; 2], interval: f64) ->
     let mut found = beats(window, band[0], spacing, ((band[1] - band[0]) / spacing) as usize + 1);
     // Less than half a beat is no beat.
     let slow = 0.5 * interval / span(window);
-    found.iter_mut().filter(|b| beat_of(b.renewals.rate * interval) < slow).for_each(|b| b.power = 0.0);
+    found.iter_mut().filter(|b| beat_of(b.updates.rate * interval) < slow).for_each(|b| b.power = 0.0);
     let tallest = found.iter().map(|b| b.power).fold(0.0, f64::max);
     if 2.0 * tallest < FIRST_HARMONIC * excess(window) {
         return None;
@@ -162,8 +162,8 @@ fn first_rate(window: &[Move], moves: &[Move], band: [f64; 2], interval: f64) ->
     let mut peaks: Vec<&Beat> = found.windows(3).filter(peak).map(|b| &b[1]).collect();
     peaks.sort_unstable_by(|a, b| b.power.total_cmp(&a.power));
     let near = |b: &Beat| {
-        let renewals = sharpen(window, b.renewals.rate, spacing, 0.1 * spacing);
-        settle(judges, renewals, interval)
+        let updates = sharpen(window, b.updates.rate, spacing, 0.1 * spacing);
+        settle(judges, updates, interval)
     };
     let best = peaks.into_iter().take(PEAKS).map(near).min_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 < LEFT_AT_FIRST * excess(judges)).then_some(best.0.rate)

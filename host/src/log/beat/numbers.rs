@@ -5,7 +5,7 @@
 
 use super::FAST;
 use super::moves::{Move, moves};
-use super::renewals::Renewals;
+use super::updates::Updates;
 use crate::log::hold::top;
 use crate::log::timing::mean_interval;
 
@@ -34,7 +34,7 @@ impl Numbers {
     /// known.
     pub fn new(time_s: &[f64], values: &[f64], count: f64, hold_s: f64, age_s: f64) -> Self {
         let moves = moves(time_s, values, count, FAST.max(APART * mean_interval(time_s) / hold_s), EVEN);
-        let guess = Renewals { rate: 1.0 / hold_s, age: age_s };
+        let guess = Updates { rate: 1.0 / hold_s, age: age_s };
         let shown = |pair: &[Move]| -> Option<[f64; 2]> {
             let (t, by) = (pair[0].to, more(&pair[0], guess)?);
             // A sample of one update more makes the move before it longer and the one behind it shorter.
@@ -46,7 +46,7 @@ impl Numbers {
         Self { shown: moves.windows(2).filter_map(shown).collect() }
     }
 
-    /// The numbers beside every change of a reading, where these are renewed less often than samples come: `around` are the
+    /// The numbers beside every change of a reading, where these are updated less often than samples come: `around` are the
     /// last time before each change and the first behind it, s after the first sample.
     pub fn of_changes(around: &[[f64; 2]], hold_s: f64, age_s: f64) -> Self {
         let shown = |[before, after]: &[f64; 2]| {
@@ -95,7 +95,7 @@ pub fn hold_of(records: &[Numbers], about: f64) -> f64 {
 }
 
 /// How many updates more than `guess` has a move shows; none where it does not show a whole number.
-fn more(m: &Move, guess: Renewals) -> Option<f64> {
+fn more(m: &Move, guess: Updates) -> Option<f64> {
     let around = guess.between(m.around[0], m.around[1]).max(1.0);
     let more = m.by * around / m.around_by - guess.between(m.from, m.to);
     ((more - more.round()).abs() < CLEAR).then_some(more.round())

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::moves::Move;
-use super::renewals::Renewals;
+use super::updates::Updates;
 
 /// How strongly moves beat with updates of some rate.
 pub(super) struct Beat {
     pub(super) power: f64,
-    pub(super) renewals: Renewals,
+    pub(super) updates: Updates,
 }
 
 /// The beats of `moves` with updates at `lowest`, and at `spacing` more so many times.
@@ -39,17 +39,17 @@ pub(super) fn beats(moves: &[Move], lowest: f64, spacing: f64, count: usize) -> 
     let beat = |(k, [y, x, norm]): (usize, &[f64; 3])| {
         let rate = lowest + k as f64 * spacing;
         let age = (x.atan2(*y) / TAU).rem_euclid(1.0) / rate;
-        Beat { power: (x * x + y * y) / (norm + least), renewals: Renewals { rate, age } }
+        Beat { power: (x * x + y * y) / (norm + least), updates: Updates { rate, age } }
     };
     sums.iter().enumerate().map(beat).collect()
 }
 
 /// The strongest beat within `reach` of `rate`, to within `finest`.
-pub(super) fn sharpen(moves: &[Move], rate: f64, reach: f64, finest: f64) -> Renewals {
+pub(super) fn sharpen(moves: &[Move], rate: f64, reach: f64, finest: f64) -> Updates {
     let spacing = (0.2 * reach).max(finest);
     let steps = (reach / spacing).ceil();
     let found = beats(moves, rate - steps * spacing, spacing, 2 * steps as usize + 1);
     let best = found.iter().max_by(|a, b| a.power.total_cmp(&b.power));
-    let best = best.map_or(Renewals { rate, age: 0.0 }, |b| b.renewals);
+    let best = best.map_or(Updates { rate, age: 0.0 }, |b| b.updates);
     if spacing > finest { sharpen(moves, best.rate, spacing, finest) } else { best }
 }

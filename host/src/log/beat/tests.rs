@@ -20,7 +20,7 @@ fn angle(t: f64, interval: f64, counts: f64) -> f64 {
     full * (0.6 * (1.3 * t).sin() / 1.3 + 0.4 * (2.9 * t + 1.0).sin() / 2.9)
 }
 
-/// The same, renewed every `hold` seconds, first `age` seconds before the first sample.
+/// The same, updated every `hold` seconds, first `age` seconds before the first sample.
 fn held(time_s: &[f64], interval: f64, counts: f64, hold: f64, age: f64) -> Vec<f64> {
     let read = |t: &f64| ((t - time_s[0] + age) / hold + 1e-9).floor() * hold - age + time_s[0];
     counted(time_s.iter().map(|t| angle(read(t), interval, counts)))
@@ -62,7 +62,7 @@ fn hold_and_age_are_found_around_and_below_the_sampling_interval() {
 }
 
 #[test]
-fn numbers_of_renewals_sharpen_hold_and_ages_of_several_records() {
+fn numbers_of_updates_sharpen_hold_and_ages_of_several_records() {
     for (interval, ratio, jitter) in [(1e-2, 1.098_3, 0.0), (5e-3, 0.542_27, 0.0), (2e-3, 0.655_9, 0.3)] {
         let (hold, time_s) = (ratio * interval, stamps(interval, 8.0, jitter));
         let ages = [0.11, 0.52, 0.93].map(|share| share * hold);

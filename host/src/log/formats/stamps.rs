@@ -7,7 +7,7 @@ use super::events::Series;
 use crate::log::robot_loop::{held_at, turn_of};
 use crate::log::timing::median_interval;
 
-/// Stamps of one clock are this share of an interval or less off its beat, of at least this share of the stamps.
+/// Stamps of one clock are this share of an interval or less off an even spacing, of at least this share of the stamps.
 const OFF_BEAT: f64 = 0.25;
 const ON_BEAT: f64 = 0.9;
 /// Of a longer pause nothing is known of the interval.

@@ -101,7 +101,7 @@ fn record<'a>(bytes: &mut Bytes<'a>) -> Result<(u32, f64, &'a [u8]), Fault> {
     Ok((entry, time_us as f64 * 1e-6, bytes.take(size)?))
 }
 
-/// Starts or finishes an entry, or renews its metadata.
+/// Starts or finishes an entry, or updates its metadata.
 fn control(
     payload: &[u8],
     at: usize,

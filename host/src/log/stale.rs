@@ -7,7 +7,7 @@ use super::suspicion::Odd;
 use super::timing::median_interval;
 use super::weak::Weak;
 
-/// A voltage is renewed regularly where this share of its changes come one interval apart, of at least so many samples.
+/// A voltage is updated regularly where this share of its changes come one interval apart, of at least so many samples.
 const REGULAR: f64 = 0.8;
 const FEWEST_ROWS: usize = 3;
 const FEWEST_CHANGES: usize = 25;
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::log::motion::speed;
 
-    /// A motor with friction and an encoder of 1320 counts under sines, and the voltage as it was logged: renewed every `hold` samples
+    /// A motor with friction and an encoder of 1320 counts under sines, and the voltage as it was logged: updated every `hold` samples
     /// of 5 ms; the drive follows it where `steps`, `late` samples later.
     fn logged(sines: &[(f64, f64)], hold: usize, steps: bool, late: usize) -> Record {
         slowly(sines, hold, steps, late, 0.06, 3000)
