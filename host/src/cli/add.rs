@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::discover::unit;
 use super::input::LogArgs;
-use super::{Console, next, prose};
+use super::{Console, next, prose, wrap};
 use crate::atomic_file;
 use crate::error::Result;
 use crate::estimate::{Addition, add, effect_by_name};
@@ -95,7 +95,7 @@ fn story(done: &Addition, unit: &str) -> String {
         }
     }
     text += &format!("\n{}\n\n", done.why);
-    text += &moved(&done.moved, prose::width());
+    text += &moved(&done.moved, wrap::width());
     let new = &done.parameters[done.moved.len()..];
     text + &prose::parameters(new)
 }

@@ -8,7 +8,7 @@ use std::io::{IsTerminal, Write};
 
 use serde::Serialize;
 
-use super::{next, prose};
+use super::{next, wrap};
 use crate::error::Error;
 
 /// The two streams, and who listens.
@@ -40,7 +40,7 @@ impl Console {
         if !self.quiet {
             let text = text.as_ref().trim_end_matches('\n');
             let text =
-                prose::known_width().map_or_else(|| text.to_owned(), |width| prose::wrapped(text, width));
+                wrap::known_width().map_or_else(|| text.to_owned(), |width| wrap::wrapped(text, width));
             let _ = writeln!(std::io::stderr(), "{text}");
         }
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::{Kind, Port};
 use serde::Serialize;
 
-use super::{Console, prose};
+use super::{Console, wrap};
 use crate::atomic_file;
 use crate::book;
 use crate::error::{Error, Result};
@@ -92,7 +92,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     console.list(&registry, || {
         let text =
             if args.names.is_empty() { base() + &table(&registry.effects) } else { pages(&registry.effects) };
-        prose::listed(&text)
+        wrap::listed(&text)
     });
     Ok(())
 }

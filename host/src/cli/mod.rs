@@ -38,6 +38,7 @@ mod simulate;
 mod strip;
 mod tune;
 mod watch;
+mod wrap;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Console, prose};
+use super::{Console, prose, wrap};
 use crate::diagnose::discover::Progress;
 use crate::diagnose::ladder::Rung;
 
@@ -13,7 +13,7 @@ pub fn bar(console: &Console, length: u64, unit: &str) -> ProgressBar {
     if !console.shows_progress() {
         return ProgressBar::hidden();
     }
-    let bar = bar_within(prose::width());
+    let bar = bar_within(wrap::width());
     let template = format!("{{bar:{bar}}} {{pos}}/{{len}} {unit} {{elapsed}} {{wide_msg}}");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(length).with_style(style);
@@ -76,7 +76,7 @@ pub fn errors(name: &str, rung: &Rung, unit: &str) -> String {
         .validation
         .map_or(String::new(), |v| format!("   validation {:>9} {unit}", prose::figure(v.rmse)));
     // The numbers stay on one line; many effects get one of their own before it.
-    let wide = prose::width().saturating_sub(47);
+    let wide = wrap::width().saturating_sub(47);
     let name = if name.len() > wide { format!("{name}\n{:wide$}", "") } else { format!("{name:<wide$}") };
     format!("{name} rmse {:>9} {unit}{validation}", prose::figure(rung.train.rmse))
 }

@@ -2,6 +2,8 @@
 
 mod experiment;
 mod mend;
+mod named;
+mod next_step;
 mod standing;
 mod supposed;
 mod verdict;
@@ -28,7 +30,9 @@ use crate::select::adequacy::Adequacy;
 
 pub use experiment::{Experiment, NextExperiment};
 pub use mend::Mend;
-pub use standing::{Action, Doubted, Facts, NextStep, Standing, named};
+pub use named::named;
+pub use next_step::{Action, NextStep};
+pub use standing::{Doubted, Facts, Standing};
 pub use supposed::supposes;
 pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;

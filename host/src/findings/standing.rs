@@ -6,11 +6,11 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::mend::Mend;
-use super::verdict::{Errors, Verdict, spoken};
+use super::named::not_shown;
+use super::next_step::{Action, NextStep};
+use super::verdict::{Errors, Verdict};
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
-use crate::fit::uncertainty::Estimate;
-use crate::report::figure::in_words;
 use crate::select::adequacy::Adequacy;
 
 /// Where the work stands.
@@ -139,129 +139,6 @@ impl Standing {
     }
 }
 
-/// What can be done next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Action {
-    /// Try every effect on the model.
-    Diagnose,
-    /// Add the effect.
-    Add,
-    /// Remove the effect.
-    Remove,
-    /// Run the experiment that tells indistinguishable models apart.
-    Experiment,
-    /// Correct the data and read them again.
-    Data,
-    /// Look at where the error is made.
-    Look,
-    /// Use the model.
-    Export,
-}
-
-/// The one thing to do next.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct NextStep {
-    /// What.
-    pub action: Action,
-    /// With which effect.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub effect: Option<Kind>,
-    /// As a button says it.
-    pub label: String,
-    /// As the terminal does it; MODEL and LOG... stand for the files.
-    pub command: String,
-    /// What mends the data, where that comes first.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mend: Option<Mend>,
-    /// Where the data problem is.
-    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
-    pub place: Option<String>,
-}
-
-impl NextStep {
-    /// `action`, with `effect` where it needs one.
-    pub fn new(action: Action, effect: Option<Kind>) -> Self {
-        let name = effect.map_or("the effect", Kind::name);
-        let (label, command) = match action {
-            Action::Diagnose => ("Find what is missing".into(), "motorlens diagnose MODEL LOG...".into()),
-            Action::Add => {
-                (format!("Add {name}"), format!("motorlens add MODEL {name} LOG... --out with-{name}.json"))
-            }
-            Action::Remove => (format!("Remove {name}"), "motorlens discover LOG... --out model.json".into()),
-            Action::Experiment => {
-                ("Run the next experiment".into(), "motorlens plan LOG... --out programme.json".into())
-            }
-            Action::Data => ("See the data problems".into(), "motorlens serve LOG...".into()),
-            Action::Look => ("See where it fails".into(), "motorlens compare MODEL LOG...".into()),
-            Action::Export => {
-                ("Use the model".into(), "motorlens export MODEL --format c --out motor.c".into())
-            }
-        };
-        Self { action, effect, label, command, mend: None, place: None }
-    }
-
-    /// To mend the data problem at `place`.
-    fn mending(mend: Mend, place: &str) -> Self {
-        let place = Some(place.to_owned());
-        Self { label: mend.label().into(), mend: Some(mend), place, ..Self::new(Action::Data, None) }
-    }
-
-    fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
-        let action = match verdict {
-            _ if facts.doubted.is_some() => {
-                return Self::new(Action::Remove, facts.doubted.map(|d| d.effect));
-            }
-            _ if facts.suggested.is_some() => return Self::new(Action::Add, facts.suggested),
-            None => Action::Diagnose,
-            Some(Verdict::BadData) => Action::Data,
-            Some(Verdict::Explained) if !facts.experiment => Action::Export,
-            Some(Verdict::Unexplained | Verdict::PartlyExplained) if facts.data_problems => Action::Data,
-            Some(_) if facts.experiment => Action::Experiment,
-            Some(_) => Action::Look,
-        };
-        Self::new(action, None)
-    }
-}
-
-/// What the records cannot show, said beside what they do.
-fn not_shown(hidden: &[Kind]) -> String {
-    match hidden {
-        [] => String::new(),
-        [one] => format!("; they cannot confirm {}", spoken(*one)),
-        [first, second] => format!("; they cannot confirm {} or {}", spoken(*first), spoken(*second)),
-        [first, second, rest @ ..] => {
-            format!("; they cannot confirm {}, {} and {} more", spoken(*first), spoken(*second), rest.len())
-        }
-    }
-}
-
-/// The effects as a sentence names them: each with its size, where it has one with a unit.
-pub fn named(effects: &[Kind], parameters: &[Estimate]) -> Vec<String> {
-    let size = |kind: &Kind| {
-        let of = |name: &str| {
-            let whole = format!("{}.{name}", kind.name());
-            parameters.iter().find(|e| e.name == whole)
-        };
-        let strength = kind.spec().parameters.iter().find(|p| p.strength && p.unit != "1")?;
-        let first = of(strength.name)?;
-        // A ripple or an unbalance is the length of its two components, and of its larger harmonic.
-        let wave = |names: [&str; 2]| Some(of(names[0])?.value.hypot(of(names[1])?.value));
-        let length = [["sine", "cosine"], ["sine2", "cosine2"]].into_iter().filter_map(wave).reduce(f64::max);
-        let length = length.unwrap_or(first.value.abs());
-        if length > 0.0 {
-            return Some(in_words(length, &first.unit));
-        }
-        // Without its size an effect would be read as one that is there.
-        (!first.identifiable).then(|| "size not determined".to_owned())
-    };
-    effects
-        .iter()
-        .map(|kind| (spoken(*kind), size(kind)))
-        .map(|(name, size)| size.map_or_else(|| name.clone(), |size| format!("{name} ({size})")))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -385,32 +262,5 @@ mod tests {
         assert_eq!(Standing::of(&facts(&effects, 40.0)).next.action, Action::Look);
         let open = Facts { experiment: true, ..facts(&effects, 40.0) };
         assert_eq!(Standing::of(&open).next.action, Action::Experiment);
-    }
-
-    #[test]
-    fn effects_are_named_with_their_sizes() {
-        let of = |name: &str, value: f64, unit: &str| Estimate {
-            name: name.into(),
-            value,
-            unit: unit.into(),
-            low: 0.0,
-            high: 1.0,
-            identifiable: true,
-        };
-        let all =
-            [of("coulomb.level", 0.4, "V"), of("gravity.sine", 0.3, "V"), of("gravity.cosine", -0.4, "V")];
-        let told = named(&[Kind::Coulomb, Kind::Gravity, Kind::Delay], &all);
-        assert_eq!(told, ["coulomb (0.4 V)", "gravity (0.5 V)", "delay"]);
-        let open = Estimate { identifiable: false, ..of("dead_zone.width", 0.0, "V") };
-        assert_eq!(named(&[Kind::DeadZone], &[open]), ["dead zone (size not determined)"]);
-        assert_eq!(named(&[Kind::DeadZone], &[of("dead_zone.width", 0.0, "V")]), ["dead zone"]);
-        let names = ["cogging.sine", "cogging.cosine", "cogging.sine2", "cogging.cosine2"];
-        let teeth: Vec<Estimate> =
-            names.into_iter().zip([0.3, 0.0, 0.0, -1.2]).map(|(name, value)| of(name, value, "V")).collect();
-        assert_eq!(
-            named(&[Kind::Cogging], &teeth),
-            ["cogging (1.2 V)"],
-            "the second harmonic is the larger one"
-        );
     }
 }

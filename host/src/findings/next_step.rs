@@ -1,0 +1,94 @@
+//! The one thing to do next, as a button and as a command.
+
+use motorlens_shared::effects::Kind;
+use serde::Serialize;
+
+use super::mend::Mend;
+use super::standing::Facts;
+use super::verdict::Verdict;
+
+/// What can be done next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Try every effect on the model.
+    Diagnose,
+    /// Add the effect.
+    Add,
+    /// Remove the effect.
+    Remove,
+    /// Run the experiment that tells indistinguishable models apart.
+    Experiment,
+    /// Correct the data and read them again.
+    Data,
+    /// Look at where the error is made.
+    Look,
+    /// Use the model.
+    Export,
+}
+
+/// The one thing to do next.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NextStep {
+    /// What.
+    pub action: Action,
+    /// With which effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effect: Option<Kind>,
+    /// As a button says it.
+    pub label: String,
+    /// As the terminal does it; MODEL and LOG... stand for the files.
+    pub command: String,
+    /// What mends the data, where that comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mend: Option<Mend>,
+    /// Where the data problem is.
+    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+}
+
+impl NextStep {
+    /// `action`, with `effect` where it needs one.
+    pub fn new(action: Action, effect: Option<Kind>) -> Self {
+        let name = effect.map_or("the effect", Kind::name);
+        let (label, command) = match action {
+            Action::Diagnose => ("Find what is missing".into(), "motorlens diagnose MODEL LOG...".into()),
+            Action::Add => {
+                (format!("Add {name}"), format!("motorlens add MODEL {name} LOG... --out with-{name}.json"))
+            }
+            Action::Remove => (format!("Remove {name}"), "motorlens discover LOG... --out model.json".into()),
+            Action::Experiment => {
+                ("Run the next experiment".into(), "motorlens plan LOG... --out programme.json".into())
+            }
+            Action::Data => ("See the data problems".into(), "motorlens serve LOG...".into()),
+            Action::Look => ("See where it fails".into(), "motorlens compare MODEL LOG...".into()),
+            Action::Export => {
+                ("Use the model".into(), "motorlens export MODEL --format c --out motor.c".into())
+            }
+        };
+        Self { action, effect, label, command, mend: None, place: None }
+    }
+
+    /// To mend the data problem at `place`.
+    pub(super) fn mending(mend: Mend, place: &str) -> Self {
+        let place = Some(place.to_owned());
+        Self { label: mend.label().into(), mend: Some(mend), place, ..Self::new(Action::Data, None) }
+    }
+
+    /// What follows `facts` that amount to `verdict`.
+    pub(super) fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
+        let action = match verdict {
+            _ if facts.doubted.is_some() => {
+                return Self::new(Action::Remove, facts.doubted.map(|d| d.effect));
+            }
+            _ if facts.suggested.is_some() => return Self::new(Action::Add, facts.suggested),
+            None => Action::Diagnose,
+            Some(Verdict::BadData) => Action::Data,
+            Some(Verdict::Explained) if !facts.experiment => Action::Export,
+            Some(Verdict::Unexplained | Verdict::PartlyExplained) if facts.data_problems => Action::Data,
+            Some(_) if facts.experiment => Action::Experiment,
+            Some(_) => Action::Look,
+        };
+        Self::new(action, None)
+    }
+}
