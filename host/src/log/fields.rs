@@ -9,8 +9,8 @@ use std::ops::Range;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::clock;
-use super::guess::unit_names;
-use super::numbers::number;
+use super::hexadecimal::is_hex;
+use super::pairs::pairs;
 use super::stamped::stamped;
 
 /// What separates the fields of a row.
@@ -213,43 +213,6 @@ fn with_reader<T>(delimiter: u8, act: impl FnOnce(&mut Reader) -> T) -> T {
     })
 }
 
-/// Whether a text may be a hexadecimal number without a mark, of at most 32 bits.
-pub fn is_hex(text: &str) -> bool {
-    (1..=8).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_hexdigit())
-}
-
-/// What tells the columns of hexadecimal numbers without a mark.
-#[derive(Debug, Default)]
-pub struct Hexadecimal {
-    /// Of each column the fields, those that may be such numbers, those that are no others, and those with a decimal digit.
-    seen: Vec<[usize; 4]>,
-}
-
-impl Hexadecimal {
-    /// Looks at the row that was split last.
-    pub fn see(&mut self, row: &Splitter) {
-        self.seen.resize(self.seen.len().max(row.len()), [0; 4]);
-        for (text, seen) in row.iter().zip(&mut self.seen).filter(|(text, _)| !text.is_empty()) {
-            let hex = is_hex(text);
-            let letters =
-                hex && text.bytes().any(|b| b.is_ascii_alphabetic() && !b.eq_ignore_ascii_case(&b'e'));
-            let digits = text.bytes().any(|b| b.is_ascii_digit());
-            let more = [true, hex, letters, digits].map(usize::from);
-            *seen = std::array::from_fn(|k| seen[k] + more[k]);
-        }
-    }
-
-    /// The columns where nothing else stands, and not few of whose numbers have letters among their digits (more than the `e` of an
-    /// exponent).
-    pub fn columns(&self) -> Vec<usize> {
-        // Half a line may end within one. Letters alone are a word: F is forwards.
-        let is = |[all, hex, letters, digits]: &[usize; 4]| {
-            50 * (all - hex) <= *all && 5 * letters >= *all && *letters > 1 && *digits > 0
-        };
-        self.seen.iter().enumerate().filter(|(_, seen)| is(seen)).map(|(column, _)| column).collect()
-    }
-}
-
 /// A line without its end and the blanks around it; a tab before it ends a field that is blank. A semicolon ends it too where there is no
 /// other, as a row of a matrix or a message.
 pub fn trimmed(line: &str) -> &str {
@@ -272,7 +235,7 @@ fn unwrapped(line: &str) -> &str {
 }
 
 /// Words between blanks; a word in quotes may hold some, and a date and the time behind it are one.
-fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
+pub(super) fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
     let mut rest = 0;
     while let Some(begin) = line[rest..].find(|c: char| !c.is_whitespace()).map(|at| rest + at) {
         let quoted = line[begin..].starts_with('"');
@@ -287,107 +250,6 @@ fn split_blanks(line: &str, fields: &mut Vec<Range<usize>>) {
             _ => fields.push(first..end),
         }
     }
-}
-
-/// Names and values of a line such as `t:12 pwm:80`, `t: 12, pwm = 80`, `t 12 pwm 80`; empty where it is no such line. What stands in brackets before
-/// them, and a name whose value would be another name, as in `[7] motor: t:12 pwm:80`, is none of them.
-pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
-    if !line.contains([':', '=']) {
-        return words_and_numbers(line);
-    }
-    const BETWEEN: [char; 5] = [',', ';', '|', '\t', ' '];
-    let mut pairs = Vec::new();
-    let mut rest = 0;
-    while let Some(colon) = line[rest..].find([':', '=']).map(|at| rest + at) {
-        // What was behind the value before, as its unit, ends at the last hard separator.
-        let hard = line[rest..colon].rfind([',', ';', '|', '\t']).map_or(rest, |at| rest + at + 1);
-        let mut name = line[hard..colon].trim_matches(BETWEEN);
-        while let Some((_, behind)) =
-            name.strip_prefix('[').filter(|_| pairs.is_empty()).and_then(|name| name.split_once(']'))
-        {
-            name = behind.trim_matches(BETWEEN);
-        }
-        if pairs.is_empty() && is_name_first(&line[colon + 1..]) && (name.is_empty() || is_word(name)) {
-            rest = colon + 1;
-            continue;
-        }
-        // A remark behind the values, as where a program said it: `(motor src/main.rs:42)`.
-        if name.starts_with('(') && !pairs.is_empty() {
-            break;
-        }
-        if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
-            return Vec::new();
-        }
-        let name_at = hard + line[hard..colon].find(name).unwrap_or(0);
-        let value = colon + 1 + value_behind(&line[colon + 1..]);
-        let end = line[value..].find(BETWEEN).map_or(line.len(), |at| value + at);
-        let end = end_of_unit(line, end)
-            .filter(|_| line[..end].ends_with(|c: char| c.is_ascii_digit()))
-            .unwrap_or(end);
-        pairs.push((name_at..name_at + name.len(), value..end));
-        rest = end;
-    }
-    pairs
-}
-
-/// Where the value begins behind a name's colon: in `Time:,12` behind the comma too.
-fn value_behind(text: &str) -> usize {
-    let begin = text.find(|c| c != ' ').unwrap_or(0);
-    let behind = text[begin..].strip_prefix([',', ';', '\t']).unwrap_or_default();
-    let word = behind.trim_start_matches(' ').split([',', ';', '\t', ' ']).next().unwrap_or_default();
-    if number(word).is_some() { text.len() - behind.trim_start_matches(' ').len() } else { begin }
-}
-
-/// Names and values of a line in which words and numbers take turns, between blanks or all between the same separator.
-fn words_and_numbers(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
-    let mut fields = Vec::new();
-    split_blanks(line, &mut fields);
-    let pairs = in_turns(line, &fields);
-    if !pairs.is_empty() {
-        return pairs;
-    }
-    let by = |separator: char| {
-        let field = |(at, text): (usize, &str)| {
-            let at = at + text.len() - text.trim_start().len();
-            at..at + text.trim().len()
-        };
-        let starts = line.match_indices(separator).map(|(at, _)| at + 1);
-        let fields: Vec<_> = std::iter::once(0).chain(starts).zip(line.split(separator)).map(field).collect();
-        // A word and its number are a remark.
-        (fields.len() >= 4).then(|| in_turns(line, &fields)).filter(|pairs| !pairs.is_empty())
-    };
-    [';', '\t', ','].into_iter().find_map(by).unwrap_or_default()
-}
-
-/// The fields in pairs, where every first is a name and every second a number.
-fn in_turns(line: &str, fields: &[Range<usize>]) -> Vec<(Range<usize>, Range<usize>)> {
-    let value = |field: &Range<usize>| {
-        field.start..field.start + line[field.clone()].trim_end_matches([',', ';']).len()
-    };
-    let pair = |pair: &[Range<usize>]| {
-        let (name, value) = (pair.first()?.clone(), value(pair.get(1)?));
-        (is_word(&line[name.clone()]) && number(&line[value.clone()]).is_some()).then_some((name, value))
-    };
-    fields.chunks(2).map(pair).collect::<Option<Vec<_>>>().unwrap_or_default()
-}
-
-/// Whether a text begins with a name and the sign between it and its value.
-pub(super) fn is_name_first(text: &str) -> bool {
-    text.trim_start().find([':', '=']).is_some_and(|at| is_word(&text.trim_start()[..at]))
-}
-
-pub(super) fn is_word(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
-        && text.chars().all(|c| c.is_alphanumeric() || ['_', '.', '/', '-'].contains(&c))
-}
-
-/// Where the unit ends that stands a blank behind the number at `end` of `line`, as in `Speed: 15.2 RPM`; none where there is none, or
-/// where it is the name of the next value.
-fn end_of_unit(line: &str, end: usize) -> Option<usize> {
-    let word = line[end..].strip_prefix(' ')?.split([',', ';', '|', '\t', ' ']).next()?;
-    let end = end + 1 + word.len();
-    let is_name = line[end..].trim_start().starts_with([':', '=']);
-    (unit_names::unit_named(word).is_some() && !is_name).then_some(end)
 }
 
 #[cfg(test)]
@@ -450,21 +312,6 @@ mod tests {
         assert_eq!(split("pwm,80,t,12", names()), ["12", "80"]);
         assert_eq!(split("t; 12; pwm; -80", names()), ["12", "-80"]);
         assert_eq!(split("note,80", names()), [""]);
-    }
-
-    #[test]
-    fn hexadecimal_columns_are_told_by_their_letters_and_marked() {
-        let rows = ["1,00FF,1E5,on,F", "2,0A10,2E5,ff,F", "3,FFD2,3E5,x,B"];
-        let mut splitter = Splitter::of(Separator::Byte(b','), false);
-        let mut hexadecimal = Hexadecimal::default();
-        for row in rows {
-            splitter.split(row);
-            hexadecimal.see(&splitter);
-        }
-        assert_eq!(hexadecimal.columns(), [1]);
-        let mut splitter = splitter.with_hex(vec![1]);
-        splitter.split(rows[2]);
-        assert_eq!(splitter.iter().collect::<Vec<_>>(), ["3", "0xFFD2", "3E5", "x", "B"]);
     }
 
     #[test]

@@ -3,10 +3,12 @@
 
 use super::beside;
 use super::clock;
-use super::fields::{Separator, Splitter, pairs};
-use super::guess::unit_names;
+use super::fields::{Separator, Splitter};
+use super::header::{names_of, units_of};
+use super::headless::plain;
 use super::heads::{scope, tag_of};
 use super::numbers::number;
+use super::pairs::pairs;
 use super::stamped::stamped;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
@@ -177,7 +179,7 @@ fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
 }
 
 /// Number of fields of a row: a line at least half of which are numbers or times.
-fn row(line: &str, separator: &Separator) -> Option<usize> {
+pub(super) fn row(line: &str, separator: &Separator) -> Option<usize> {
     let values = fields(line, separator);
     let numbers = values.iter().filter(|value| is_number(value)).count();
     let decimal = |value: &String| {
@@ -192,168 +194,6 @@ fn row(line: &str, separator: &Separator) -> Option<usize> {
     (numbers > 0 && 2 * numbers >= values.len() && !is_remark).then_some(values.len())
 }
 
-/// The `width` names in a header, which may separate them otherwise than the rows do.
-fn names_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
-    let fit = |mut names: Vec<String>| {
-        // A column for remarks that nobody wrote, a separator at the end of the header only.
-        let last_is_empty = |name: &String| name.is_empty() || name.eq_ignore_ascii_case("comment");
-        if names.len() == width + 1 && names.last().is_some_and(last_is_empty) {
-            names.pop();
-        }
-        (names.len() == width && !names.iter().any(|name| is_bare_number(name))).then_some(names)
-    };
-    let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
-    let between = if let Separator::Byte(byte) = separator { char::from(*byte) } else { ',' };
-    let own = || fit(fields(line, &own)).or_else(|| fit(within_brackets(fields(line, &own), between)));
-    own().or_else(|| match separator {
-        Separator::Blanks => {
-            let others = [Separator::Byte(b','), Separator::Byte(b';')];
-            let by_others = others.iter().find_map(|other| fit(fields(line, other)));
-            let words = || with_units(fields(line, separator));
-            by_others.or_else(|| fit(far_apart(line))).or_else(|| fit(words()))
-        }
-        // What separates the rows is no part of a name.
-        _ => fit(fields(line, &Separator::Blanks)).filter(|names| !names.iter().any(|n| n.contains(between))),
-    })
-}
-
-/// Names that hold the separator within brackets, `time (s, from the start)`, are one.
-fn within_brackets(names: Vec<String>, separator: char) -> Vec<String> {
-    let is_open = |name: &String| name.matches(['(', '[']).count() > name.matches([')', ']']).count();
-    let mut joined: Vec<String> = Vec::new();
-    for name in names {
-        match joined.last_mut() {
-            Some(last) if is_open(last) => *last = format!("{last}{separator} {name}"),
-            _ => joined.push(name),
-        }
-    }
-    joined
-}
-
-/// Names between which there are two blanks or more.
-fn far_apart(line: &str) -> Vec<String> {
-    line.split("  ").map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect()
-}
-
-/// A date and the time behind it are one field, and so are their names.
-fn is_date_and_time(name: &str, word: &str) -> bool {
-    let is_one_of = |text: &str, words: [&str; 3]| words.contains(&text.to_lowercase().as_str());
-    is_one_of(name, ["date", "datum", "day"]) && is_one_of(word, ["time", "zeit", "uhrzeit"])
-}
-
-/// Words, with a unit in brackets joined to the word before it.
-fn with_units(words: Vec<String>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for word in words {
-        match names.last_mut() {
-            Some(name) if word.starts_with(['(', '[']) || is_date_and_time(name, &word) => {
-                *name = format!("{name} {word}");
-            }
-            _ => names.push(word),
-        }
-    }
-    names
-}
-
-/// The units of a row of nothing else, without their brackets.
-fn units_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
-    let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
-    let units: Vec<String> = fields(line, &own)
-        .iter()
-        .map(|unit| unit.trim_matches(['[', ']', '(', ')']).trim().to_owned())
-        .collect();
-    let short = units.iter().all(|unit| unit.chars().count() <= 12 && !is_number(unit));
-    let known = units.iter().filter(|unit| unit_names::is_unit(unit)).count();
-    (units.len() == width
-        && short
-        && known > 0
-        && 2 * known >= units.iter().filter(|unit| !unit.is_empty()).count())
-    .then_some(units)
-}
-
-/// Numbers without a header, or a header below which nothing was recognised.
-fn plain(lines: &[&str]) -> Layout {
-    let first = lines.first().copied().unwrap_or_default();
-    let all = |separator: &Separator| {
-        let of = |line: &str| {
-            let values = ending_in_one(fields(line, separator));
-            (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
-        };
-        let width = of(first);
-        width.is_some() && lines.iter().skip(1).take(2).all(|line| of(line) == width)
-    };
-    let separators =
-        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks];
-    if let Some(separator) = separators.into_iter().find(all) {
-        return new(separator);
-    }
-    if let Some((separator, rows)) = numbers_below(lines) {
-        return Layout { rows, ..new(separator) };
-    }
-    let separator = Separator::Byte(delimiter_of(first));
-    let names = fields(first, &separator);
-    // A word that stands before the numbers of every row is no name; channels may be called by numbers.
-    let stays = |second: &&str| {
-        let second = fields(second, &separator);
-        second.len() == names.len()
-            && names.iter().zip(&second).all(|(a, b)| is_number(a) && is_number(b) || a == b)
-    };
-    let is_row = row(first, &separator).is_some() && lines.get(1).is_some_and(stays);
-    // Cells that are blank name nothing.
-    let mut filled = names.iter().filter(|name| !name.is_empty()).peekable();
-    if filled.peek().is_some() && filled.all(|name| is_number(name)) || is_row {
-        return new(separator);
-    }
-    let mut names = ending_in_one(names);
-    names.extend(behind_the_last_name(lines.get(1..).unwrap_or_default(), &separator, names.len()));
-    Layout { header: Some(0), names, rows: 1, ..new(separator) }
-}
-
-/// The names of the columns that `rows` have behind the `named` ones: their places. Simulink names a signal of several numbers once.
-fn behind_the_last_name(rows: &[&str], separator: &Separator, named: usize) -> Vec<String> {
-    let first = &rows[..rows.len().min(3)];
-    // Without a point in them they may be the two halves of numbers with decimal commas.
-    let halves = *separator == Separator::Byte(b',') && !first.iter().all(|line| line.contains('.'));
-    let widths: Vec<Option<usize>> = first.iter().map(|line| row(line, separator)).collect();
-    match widths[..] {
-        [Some(width), ref rest @ ..] if named >= 2 && !halves && rest.iter().all(|w| *w == Some(width)) => {
-            (named..width).map(|place| place.to_string()).collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-/// Numbers without a header below what a board says as it starts: from the line at which three rows of nothing else begin.
-fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
-    let width = |line: &str, separator: &Separator| {
-        let values = ending_in_one(fields(line, separator));
-        (values.len() >= 2 && values.iter().all(|value| is_number(value))).then_some(values.len())
-    };
-    let last = lines.len().saturating_sub(2).min(MOST_CHATTER);
-    (1..last).find_map(|k| {
-        [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks]
-            .into_iter()
-            .find(|separator| {
-                let first = width(lines[k], separator);
-                first.is_some() && (1..3).all(|more| width(lines[k + more], separator) == first)
-            })
-            // What may be names, as many as the numbers or not, is a header, good or bad.
-            .filter(|separator| {
-                let before = fields(lines[k - 1], separator).len();
-                before < 2 || *separator == Separator::Blanks && Some(before) != width(lines[k], separator)
-            })
-            .map(|separator| (separator, k))
-    })
-}
-
-/// Fields without the blank one behind a separator at the end of the line.
-fn ending_in_one(mut fields: Vec<String>) -> Vec<String> {
-    if fields.last().is_some_and(String::is_empty) {
-        fields.pop();
-    }
-    fields
-}
-
 pub(super) fn fields(line: &str, separator: &Separator) -> Vec<String> {
     let mut splitter = Splitter::of(separator.clone(), false);
     splitter.split(line);
@@ -365,20 +205,8 @@ pub(super) fn is_number(text: &str) -> bool {
     is_bare_number(text) || beside::unit(text).is_some()
 }
 
-fn is_bare_number(text: &str) -> bool {
+pub(super) fn is_bare_number(text: &str) -> bool {
     number(text).is_some() || clock::moment(text).is_some()
-}
-
-/// The separator of a line: a semicolon or tab wins over commas, which may then be decimal.
-fn delimiter_of(line: &str) -> u8 {
-    let has = |wanted: char| {
-        let mut quoted = false;
-        line.chars().any(|c| {
-            quoted ^= c == '"';
-            !quoted && c == wanted
-        })
-    };
-    [';', '\t'].into_iter().find(|&candidate| has(candidate)).map_or(b',', |candidate| candidate as u8)
 }
 
 #[cfg(test)]

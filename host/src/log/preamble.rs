@@ -3,7 +3,8 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::fields::{Hexadecimal, Separator, Splitter, trimmed};
+use super::fields::{Separator, Splitter, trimmed};
+use super::hexadecimal::Hexadecimal;
 use super::layout::Layout;
 use super::text::cannot_read;
 use super::{Metadata, beside, rates, sample};

@@ -1,7 +1,7 @@
 //! What stands before a line: when a serial monitor received it, or a board or a program said it, and with which level.
 
 use super::clock;
-use super::fields::{is_name_first, is_word};
+use super::pairs::{is_name_first, is_word};
 
 /// Levels of loggers, in small letters.
 const LEVELS: [&str; 14] = [
