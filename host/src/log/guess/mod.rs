@@ -21,6 +21,7 @@ mod questions;
 mod ranges;
 mod registers;
 mod sides;
+mod spelling;
 mod symbols;
 mod turns;
 pub mod unit_names;
