@@ -115,6 +115,13 @@ mod tests {
     }
 
     #[test]
+    fn a_column_is_copied_only_where_a_part_of_it_is_kept() {
+        let column = [3.0, 1.0, 2.0];
+        assert!(matches!(picked(&column, &[0, 1, 2]), Cow::Borrowed(_)));
+        assert_eq!(*picked(&column, &[0, 2]), [3.0, 2.0]);
+    }
+
+    #[test]
     fn the_ends_of_a_motion_are_no_numbers_for_nothing() {
         let angle = moving(swing).angle_rad.unwrap();
         assert!(at_the_ends(&angle, 0.0).is_empty());
