@@ -10,7 +10,6 @@ use std::path::PathBuf;
 
 use motorlens::Kind;
 use motorlens::estimate::{self, Method};
-use motorlens::formula::Library;
 use motorlens::simulate::SimulateArgs;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -118,10 +117,11 @@ fn plan(
     motor_text: Option<&str>,
     volts: Option<f64>,
     seconds: f64,
+    own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Option<String>> {
     let most = motorlens::Options::default().most;
-    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, most, &Library::default())?;
+    let asked = asked(given, Vec::new(), motor(motor_path, motor_text)?, most, &library(&own)?)?;
     let next = watched(py, progress, move |observer| {
         motorlens::plan(&asked.records, &asked.options, volts, seconds, observer)
     })?;
@@ -129,7 +129,7 @@ fn plan(
 }
 
 #[pyfunction]
-fn effects() -> PyResult<String> {
+fn effects(own: Vec<PathBuf>) -> PyResult<String> {
     let row = |kind: &Kind| {
         let spec = kind.spec();
         let parameters: Vec<Value> = spec
@@ -142,7 +142,7 @@ fn effects() -> PyResult<String> {
             "source": spec.source, "signature": spec.signature, "parameters": parameters,
         })
     };
-    text(&Kind::ALL.iter().map(row).collect::<Vec<_>>())
+    text(&library(&own)?.kinds().iter().map(row).collect::<Vec<_>>())
 }
 
 /// The options of `motorlens simulate`, as it reads them.
@@ -154,10 +154,11 @@ struct Simulation {
 
 /// Writes logs of the virtual motor, as `motorlens simulate` does with these options.
 #[pyfunction]
-fn simulate(py: Python, options: Vec<String>) -> PyResult<String> {
+fn simulate(py: Python, options: Vec<String>, own: Vec<PathBuf>) -> PyResult<String> {
     let words = std::iter::once("simulate".to_owned()).chain(options);
     let read = <Simulation as clap::Parser>::try_parse_from(words).map_err(|e| misread(&e))?;
-    let done = py.detach(|| motorlens::simulate::run(&read.options)).map_err(|e| failed(&e))?;
+    let options = SimulateArgs { library: library(&own)?, ..read.options };
+    let done = py.detach(|| motorlens::simulate::run(&options)).map_err(|e| failed(&e))?;
     text(&done)
 }
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use motorlens::compare::free_run::{FreeRun, free_runs, pooled};
 use motorlens::compare::problem_of;
-use motorlens::formula::Library;
 use motorlens::{Error, Options};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,7 +11,7 @@ use serde_json::json;
 
 use crate::fault::failed;
 use crate::model::NativeModel;
-use crate::records::{Given, bytes, kinds, motor, records};
+use crate::records::{Given, bytes, kinds, library, motor, records};
 use crate::text;
 use crate::watch::watched;
 
@@ -73,12 +72,13 @@ pub(crate) fn same(
     effects: Option<Vec<String>>,
     motor_path: Option<PathBuf>,
     motor_text: Option<&str>,
+    own: Vec<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let motor = motor(motor_path, motor_text)?;
+    let (motor, library) = (motor(motor_path, motor_text)?, library(&own)?);
     let (first, second) = (records(first, Vec::new(), &motor)?.0, records(second, Vec::new(), &motor)?.0);
-    let kinds = effects.map(|names| kinds(&names, &Library::default())).transpose()?;
-    let options = Options { motor, ..Options::default() };
+    let kinds = effects.map(|names| kinds(&names, &library)).transpose()?;
+    let options = Options { motor, library: library.kinds().to_vec(), ..Options::default() };
     let done = watched(py, progress, move |observer| {
         motorlens::same(&first, &second, &options, kinds.as_deref(), observer)
     })?;

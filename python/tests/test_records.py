@@ -80,6 +80,31 @@ def test_an_effect_of_ones_own_and_a_value_that_is_known_are_taken(logs, tmp_pat
     assert fit.parameters.set_index("name").loc["coulomb.level", "value"] == 0.25
 
 
+def test_calls_that_simulate_compare_motors_and_list_effects_take_ones_own_too(tmp_path):
+    own = tmp_path / "fan.toml"
+    lines = ["[[parameter]]", "name = 'drag'", "unit = 'V s/rad'", "low = 0", "typical = 0.1", "high = 1"]
+    own.write_text("\n".join(["name = 'fan'", "port = 'torque'", "formula = '-drag * speed'", *lines]))
+    names = list(motorlens.effects(effect_files=[own])["name"])
+    assert names[-1] == "fan" and names[:-1] == list(motorlens.effects()["name"])
+    fan = motorlens.simulate(tmp_path / "fan", effects=["fan=0.3"], effect_files=[own], seconds=4)
+    bare = motorlens.simulate(tmp_path / "bare", seconds=4)
+    turned = [np.abs(np.diff(columns(made["training"][0])["angle_rad"])).sum() for made in (fan, bare)]
+    assert turned[0] < 0.95 * turned[1], "a fan holds the shaft back"
+    alike = motorlens.same(
+        fan["training"][:1], fan["training"][1:2], fan["motor"], effects=["fan"], effect_files=[own]
+    )
+    assert alike.effects == ["fan"] and alike.verdict != "different", alike.why
+
+
+def test_a_plan_weighs_effects_of_ones_own_too(logs, tmp_path):
+    own = tmp_path / "lobe.toml"
+    lines = ["[[parameter]]", "name = 'size'", "unit = 'V'", "low = -6", "typical = 0.3", "high = 6"]
+    own.write_text("\n".join(["name = 'lobe_of_a_plan'", "port = 'torque'", "formula = '-size * sin(3 * angle)'", *lines]))
+    events = []
+    motorlens.plan(logs["training"][:1], motor=logs["motor"], seconds=4, effect_files=[own], progress=events.append)
+    assert "lobe_of_a_plan" in {event.get("trying") for event in events}
+
+
 def test_effects_that_one_call_is_given_are_unknown_to_the_next(logs, tmp_path):
     own = tmp_path / "lobe.toml"
     lines = ["[[parameter]]", "name = 'size'", "unit = 'V'", "low = -6", "typical = 0.3", "high = 6"]

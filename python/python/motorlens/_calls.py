@@ -115,16 +115,17 @@ def plan(
     motor: KnownMotor = None,
     volts: Optional[float] = None,
     seconds: float = 8.0,
+    effect_files: EffectFiles = (),
     progress: Progress = None,
 ) -> Optional[dict[str, Any]]:
     """The experiment that would tell apart what ``records`` leave open; None where nothing is open.
 
     A dict with ``why``, a sentence, and ``programme``, which ``motorlens capture --programme`` runs, within ``volts`` (V; what the
-    records reached, if not given) and ``seconds``.
+    records reached, if not given) and ``seconds``. The rest is as in :func:`discover`.
     """
     path, text = as_motor(motor)
     with watching(progress) as told:
-        answer = _native.plan(as_records(records), path, text, volts, float(seconds), told)
+        answer = _native.plan(as_records(records), path, text, volts, float(seconds), list(effect_files), told)
     return None if answer is None else json.loads(answer)
 
 
@@ -133,18 +134,19 @@ def same(
     second: Iterable[Record],
     motor: KnownMotor = None,
     effects: Union[str, Iterable[str], None] = None,
+    effect_files: EffectFiles = (),
     progress: Progress = None,
 ) -> Same:
     """Whether two sets of records come from one motor, and which parameters differ beyond their intervals.
 
     ``effects`` are those of the models that are fitted to either set and to both; if not given, what :func:`discover` finds on the
-    first set. Records and ``motor`` as in :func:`discover`.
+    first set. The rest is as in :func:`discover`.
     """
     path, text = as_motor(motor)
     names = None if effects is None else as_names(effects)
     with watching(progress) as told:
         given = as_records(first, "record"), as_records(second, "second record")
-        found = json.loads(_native.same(*given, names, path, text, told))
+        found = json.loads(_native.same(*given, names, path, text, list(effect_files), told))
     return Same(
         verdict=found["verdict"],
         why=found["why"],
@@ -155,20 +157,25 @@ def same(
     )
 
 
-def effects() -> Any:
-    """The effects: name, port, title, equation, source, signature and parameters, as a DataFrame."""
-    return as_frame(json.loads(_native.effects()))
+def effects(effect_files: EffectFiles = ()) -> Any:
+    """The effects: name, port, title, equation, source, signature and parameters, as a DataFrame.
+
+    Those of your own that ``effect_files`` describe stand last.
+    """
+    return as_frame(json.loads(_native.effects(list(effect_files))))
 
 
 def simulate(
     out: Union[str, "os.PathLike[str]"],
     effects: Union[str, Iterable[str]] = (),
     hidden: Optional[int] = None,
+    effect_files: EffectFiles = (),
     **options: Any,
 ) -> dict[str, Any]:
     """Writes logs of the virtual motor into the directory ``out``.
 
     ``effects`` are names, with or without a size (``"coulomb=0.3"``); ``hidden`` is a seed that picks effects and does not tell.
+    ``effect_files`` are paths of descriptions of effects of your own, which ``effects`` may name.
     ``options`` are those of ``motorlens simulate``: ``seed=2``, ``seconds=8``, ``rate=500``, ``excitation="steps"``. Returns a
     dict with the paths: ``motor``, ``training``, ``repeats``, ``held_out``.
     """
@@ -179,5 +186,5 @@ def simulate(
         words += ["--hidden", str(hidden)]
     for name, value in options.items():
         words += [f"--{name.replace('_', '-')}", str(value)]
-    written: dict[str, Any] = json.loads(_native.simulate(words))
+    written: dict[str, Any] = json.loads(_native.simulate(words, list(effect_files)))
     return written

@@ -21,7 +21,7 @@ class _Bar:
 
     def __init__(self, generations: int) -> None:
         self.generations = generations
-        self.library = len(json.loads(_native.effects()))
+        self.library = len(json.loads(_native.effects([])))
         self.depth = self.tried = self.shown = 0
 
     def __call__(self, event: dict[str, Any]) -> None:
