@@ -1,4 +1,4 @@
-//! The library's examples, run: each answers rightly on a small input.
+//! The examples of the library and of its virtual motor, run: each answers rightly on a small input.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,10 @@ use crate::report::Count;
 /// What an example is given on its command line, and what looks at its output.
 type Example = (&'static str, fn() -> Vec<PathBuf>, fn(&str, &Path) -> Result<()>);
 
-const EXAMPLES: [Example; 4] = [
+/// Where they stand.
+const DIRECTORIES: [&str; 2] = ["host/examples", "host/virtual-motor/examples"];
+
+const EXAMPLES: [Example; 5] = [
     ("arrays", Vec::new, |said, _| {
         near(said, "gain = ", 0.9, 0.02)?;
         near(said, "dead_zone.width = ", 1.0, 0.05)
@@ -46,13 +49,28 @@ const EXAMPLES: [Example; 4] = [
             Ok(())
         },
     ),
+    // How fast they run is up to the machine; that each effect runs for its 10 s is not.
+    ("speed", Vec::new, |said, _| {
+        for line in said.lines() {
+            ensure!(line.ends_with(" x real time, 10000 rows"), "a line of another kind: {line}");
+        }
+        for name in ["none", "coulomb", "backlash"] {
+            let told = said.lines().any(|line| line.split_whitespace().next() == Some(name));
+            ensure!(told, "no line for {name}: {said}");
+        }
+        Ok(())
+    }),
 ];
 
 /// Builds all, with what `cargo test --workspace` built used again, and runs each in a directory of its own.
 pub fn tests() -> Result<Count> {
     process::run(process::cargo().args(["build", "--workspace", "--locked", "--examples"]))?;
-    let there = std::fs::read_dir(process::root().join("host/examples"))?;
-    let files = there.map(|entry| Ok(entry?.path())).collect::<Result<Vec<PathBuf>>>()?;
+    let mut files = Vec::new();
+    for directory in DIRECTORIES {
+        for entry in std::fs::read_dir(process::root().join(directory))? {
+            files.push(entry?.path());
+        }
+    }
     for file in files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "rs")) {
         let known = EXAMPLES.iter().any(|(name, ..)| file.file_stem().is_some_and(|stem| stem == *name));
         ensure!(known, "{} is run by nobody: say in xtask/src/examples.rs what it answers", file.display());
