@@ -1,27 +1,11 @@
-//! From a model to where it is used, through the built program: export, tune, same, completions, manual pages.
+//! From a model to where it is used, through the built program: export, same, completions, manual pages.
 
 mod program;
 
 use std::io::Write;
-use std::path::Path;
 use std::process::Command;
 
-use program::{files, run};
-
-/// A model file with these effects, each with named parameters.
-fn model(directory: &Path, name: &str, gain: f64, effects: &str) {
-    let text = format!(
-        r#"{{"schema":1,"rig":{{"gear_ratio":30.0,"encoder_on_motor":true,"nominal_v":12.0,"supply_v":12.0,
-        "reference_speed_rad_s":11.0,"count_rad":0.001}},"prior":{{"tau_e":[5e-4,0.4],"viscous_share":[0.08,0.05]}},
-        "base":{{"gain":{gain},"tau_m":0.05,"tau_e":6e-4,"viscous_share":0.1}},"effects":[{effects}],
-        "origin":{{"motorlens":"","records":[],"method":""}}}}"#
-    );
-    std::fs::write(directory.join(name), text).unwrap();
-}
-
-const DRY: &str = r#"{"effect":"coulomb","parameters":[{"name":"level","value":0.4,"unit":"V"}]}"#;
-const DEAD: &str = r#"{"effect":"dead_zone","parameters":[{"name":"width","value":0.5,"unit":"V"},
-    {"name":"offset","value":0.0,"unit":"V"}]}"#;
+use program::{DEAD, DRY, files, model, run};
 
 #[test]
 fn an_export_that_would_lose_an_effect_is_refused_with_its_cost_and_allowed_on_request() {
@@ -193,103 +177,6 @@ fn mujocos_second_file_stands_beside_the_first() {
     assert_eq!(written["beside"], "motor.py");
     let [xml, program] = ["motor.xml", "motor.py"].map(|f| std::fs::read_to_string(here.join(f)).unwrap());
     assert!(xml.contains("<dcmotor") && program.contains("dead_zone"), "{xml}{program}");
-}
-
-#[test]
-fn tune_says_what_the_effects_cost_and_that_their_compensation_pays() {
-    let directory = tempfile::tempdir().unwrap();
-    let here = directory.path();
-    model(here, "m.json", 0.9, &format!("{DRY},{DEAD}"));
-    let tuned = run(here, "tune m.json --plot t.svg --json").ends(0).json();
-    let trials = tuned["trials"].as_array().unwrap();
-    assert_eq!(trials.len(), 5);
-    let rms: Vec<f64> = trials.iter().map(|t| t["position"]["rms"].as_f64().unwrap()).collect();
-    // Friction and dead zone cost; kS and the inverse win most of it back.
-    assert!(rms[1] > rms[0], "{rms:?}");
-    assert!(rms[2] < rms[1] && rms[3] < 0.7 * rms[2], "{rms:?}");
-    for name in ["velocity", "position"] {
-        let margins = &tuned[name]["margins"];
-        assert!(
-            margins["phase_deg"].as_f64().unwrap() > 59.0 && margins["gain"].as_f64().unwrap() > 1.5,
-            "{margins}"
-        );
-    }
-    // The velocity's PI cancels the pole: the base model settles on the step, and dry friction is what its integral has to find.
-    let steps = tuned["steps"].as_array().unwrap();
-    let of = |of: &str, place: usize| steps.iter().filter(|step| step["of"] == of).nth(place).unwrap();
-    let number = |step: &serde_json::Value, name: &str| step[name].as_f64().unwrap();
-    for name in ["velocity", "position"] {
-        let ideal = of(name, 0);
-        assert!(number(ideal, "left").abs() < 0.02 * number(ideal, "height"), "{ideal}");
-        assert!(number(ideal, "rise_s") > 0.0 && number(ideal, "overshoot") < 0.3, "{ideal}");
-        assert!(number(ideal, "settling_s") >= number(ideal, "rise_s"), "{ideal}");
-    }
-    // PD feedback alone stops where friction and dead zone hold it.
-    let [ideal, real, helped] = [0, 1, 2].map(|place| number(of("position", place), "left").abs());
-    assert!(real > 5.0 * ideal && helped < 0.7 * real, "{ideal} {real} {helped}");
-    let drawn = std::fs::read_to_string(here.join("t.svg")).unwrap();
-    assert!(drawn.contains("<svg") && drawn.contains("step of the velocity"));
-    let said = run(here, "tune m.json").ends(0).err;
-    assert!(said.contains("a step of the position by") && said.contains("rise / s"), "{said}");
-    assert!(
-        said.contains("phase margin 60") && said.contains("kS: ") && said.contains("which pays"),
-        "{said}"
-    );
-    run(here, "tune m.json --period 2").ends(2);
-}
-
-/// A weight, a spring and cogging torque: the table has the torque looked up at both angles, and says that it pays.
-#[test]
-fn tune_compensates_torques_that_depend_on_the_angle_by_the_effects_own_law() {
-    let directory = tempfile::tempdir().unwrap();
-    let here = directory.path();
-    let effect = |name: &str, parameters: &[(&str, f64, &str)]| {
-        let parameters: Vec<_> = parameters
-            .iter()
-            .map(|(name, value, unit)| serde_json::json!({"name": name, "value": value, "unit": unit}))
-            .collect();
-        serde_json::json!({"effect": name, "parameters": parameters}).to_string()
-    };
-    let loads = [
-        ("gravity", effect("gravity", &[("sine", 1.5, "V"), ("cosine", -0.5, "V")])),
-        ("spring", effect("spring", &[("stiffness", 0.8, "V/rad"), ("preload", 0.2, "V")])),
-        (
-            "cogging",
-            effect(
-                "cogging",
-                &[
-                    ("sine", 0.6, "V"),
-                    ("cosine", 0.2, "V"),
-                    ("sine2", 0.1, "V"),
-                    ("cosine2", 0.0, "V"),
-                    ("order", 3.0, "1"),
-                ],
-            ),
-        ),
-    ];
-    for (name, load) in &loads {
-        model(here, "m.json", 0.9, &format!("{DRY},{load}"));
-        let tuned = run(here, "tune m.json --json").ends(0).json();
-        assert_eq!(tuned["loads"][0]["effect"], *name, "{tuned}");
-        let rms = |what: &str| {
-            let trials = tuned["trials"].as_array().unwrap();
-            let found = trials.iter().find(|t| t["compensation"].as_str().unwrap().contains(what));
-            found.unwrap_or_else(|| panic!("{name}: no {what}"))["position"]["rms"].as_f64().unwrap()
-        };
-        let (before, wanted, measured) = (rms("kS"), rms("wanted angle"), rms("measured angle"));
-        assert!(wanted.min(measured) < 0.75 * before, "{name}: {before} {wanted} {measured}");
-        let said = run(here, "tune m.json").ends(0).err;
-        assert!(said.contains(&format!("{name}: command -f, f = -")), "{said}");
-        assert!(said.contains("Loads at the wanted angle: ") && !said.contains("angle: 0"), "{said}");
-    }
-    // A load that is the same everywhere is kG's.
-    model(here, "m.json", 0.9, &effect("constant_load", &[("load", 0.4, "V")]));
-    let tuned = run(here, "tune m.json --json").ends(0).json();
-    assert!(
-        tuned["loads"].as_array().unwrap().is_empty() && tuned["trials"].as_array().unwrap().len() == 3,
-        "{tuned}"
-    );
-    assert_eq!(tuned["feedforward"]["kg_v"], 0.4);
 }
 
 #[test]

@@ -142,6 +142,7 @@ def test_gains_follow_from_a_model_and_friction_compensation_pays(found):
     tuned = found.model.tune(period_s=0.01)
     assert tuned.position["kp"] > 0 and tuned.velocity["ki"] > 0
     assert set(tuned.steps["of"]) == {"position", "velocity"} and (tuned.steps["height"] > 0).all()
+    assert tuned.steps["limit_cycle_amplitude_rad"].isna().all(), "friction holds the shaft where it stops"
     assert tuned.feedforward["ks_v"] == pytest.approx(0.3, abs=0.02)
     errors = tuned.trials.set_index("compensation")["position_rms"]
     assert len(tuned.courses) == len(errors) and errors.iloc[1] > 2 * errors.iloc[-1], errors

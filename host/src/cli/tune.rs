@@ -108,8 +108,12 @@ fn text(tuned: &Tuned, period: f64) -> String {
         text += &format!("\n{head:<44} {:>8} {:>8} {:>8} {:>8}\n", "rise / s", "beyond", "settled", "left");
         let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
         for step in steps {
+            let moves = step.limit_cycle.map_or_else(String::new, |cycle| {
+                let [amplitude, frequency] = [cycle.amplitude_rad, cycle.frequency_hz].map(prose::figure);
+                format!("  keeps moving by \u{b1}{amplitude} rad at {frequency} Hz")
+            });
             text += &format!(
-                "{:<44} {:>8} {:>7.0}% {:>8} {:>8}\n",
+                "{:<44} {:>8} {:>7.0}% {:>8} {:>8}{moves}\n",
                 step.compensation,
                 time(step.rise_s),
                 100.0 * step.overshoot,

@@ -113,7 +113,7 @@ impl Plant {
             }
             (true, true) => {
                 "The margins are those of gears that touch: within the gap the encoder on the load sees nothing of the rotor, and the \
-                 loop may go to and fro in it, which the steps with all effects show."
+                 loop may keep moving in it, which the steps with all effects tell."
             }
         })
     }

@@ -1,10 +1,12 @@
 //! Gains for a motor's velocity and position loops, from its model, and what its effects cost in tracking.
 //!
-//! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's
-//! lag of the effects; with compliance or backlash on its two masses. Then the whole model, effects and encoder included, follows a profile under those gains, with one
-//! compensation after the other added, and answers steps. A torque that depends on the angle is compensated by the effect's own equation, at the angle that is
-//! wanted and at the one that is measured: whichever tracks better stays for what is added next.
+//! The loops are designed on the base model with all that delays them: half a period of the controller, the delay and the sensor's lag of
+//! the effects; with compliance or backlash on its two masses. Then the whole model, effects and encoder included, follows a profile under
+//! those gains, with one compensation after the other added, and answers steps, after which it may not come to rest. A torque that depends
+//! on the angle is compensated by the effect's own equation, at the angle that is wanted and at the one that is measured: whichever tracks
+//! better stays for what is added next.
 
+mod limit_cycle;
 mod load;
 mod loops;
 mod plot;
@@ -15,6 +17,7 @@ mod trial;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
+pub use limit_cycle::LimitCycle;
 pub use load::Load;
 pub use loops::{Loop, Margins};
 pub use plot::plot;
@@ -120,6 +123,7 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     let loads = load::Loads::of(model);
     let (trials, steps) = trial::all(model, options, &[velocity, position], &feedforward, &loads);
     let mut advice = trial::advice(&trials);
+    advice.extend(limit_cycle::advice(&steps));
     advice.extend(plant.told().map(str::to_owned));
     let count_v = position.kp * model.rig.count_rad + position.kd * model.rig.count_rad / options.period_s;
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);

@@ -13,6 +13,8 @@ const LONG: f64 = 12.0;
 const SHORTEST_S: f64 = 0.05;
 /// A step of the place is this part of a move.
 const PLACE: f64 = 0.1;
+/// So many times as long it is held to see whether what swings dies away.
+const HELD: f64 = 10.0;
 
 /// A course of set points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,15 +28,17 @@ pub(super) enum Profile {
 }
 
 impl Profile {
-    /// A move, and steps of the place and of the speed, for a motor with a controller of at most `limit_v`.
-    pub fn of(base: &BaseValues, limit_v: f64) -> [Self; 3] {
+    /// A move, a step of the place, the same held for longer, and a step of the speed, for a motor with a controller of at most `limit_v`.
+    pub fn of(base: &BaseValues, limit_v: f64) -> [Self; 4] {
         let length_s = LONG * base.tau_m.max(SHORTEST_S);
         let fastest = FASTEST * base.gain * limit_v;
         // A minimum-jerk move of D in T is fastest at 15/8 D/T.
         let way_rad = fastest * length_s * 8.0 / 15.0;
+        let height_rad = PLACE * way_rad;
         [
             Self::Move { way_rad, length_s },
-            Self::Place { height_rad: PLACE * way_rad, length_s },
+            Self::Place { height_rad, length_s },
+            Self::Place { height_rad, length_s: HELD * length_s },
             Self::Speed { height_rad_s: fastest, length_s },
         ]
     }

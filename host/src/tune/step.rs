@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::limit_cycle::LimitCycle;
 use super::trial::{Course, Run};
 
 /// Between these shares of a step it rises.
@@ -33,14 +34,22 @@ pub struct Step {
     pub settling_s: Option<f64>,
     /// What is left at the end: wanted less reached.
     pub left: f64,
+    /// How the position keeps moving where the step is held for longer; none of one that comes to rest, and of the velocity.
+    pub limit_cycle: Option<LimitCycle>,
     /// For a plot; of the velocity's loop in rad/s.
     #[serde(skip)]
     pub course: Course,
 }
 
 impl Step {
-    /// The answer of a `run` whose profile is a step.
-    pub(super) fn of(run: &Run, of: &'static str, compensation: &'static str, without_effects: bool) -> Self {
+    /// The answer of a `run` whose profile is a step, and of one in which the same step is `held` for longer.
+    pub(super) fn of(
+        run: &Run,
+        held: Option<&Run>,
+        of: &'static str,
+        compensation: &'static str,
+        without_effects: bool,
+    ) -> Self {
         let (_, course) = run.follow();
         let height = course.wanted.last().copied().unwrap_or_default();
         let share: Vec<f64> = course.reached.iter().map(|reached| reached / height).collect();
@@ -57,6 +66,7 @@ impl Step {
             rise_s: low.zip(high).map(|(low, high)| high - low),
             overshoot: share.iter().fold(0.0, |most: f64, x| most.max(x - 1.0)),
             settling_s: settled.map(|k| course.time_s[k]),
+            limit_cycle: held.and_then(|held| LimitCycle::of(&held.follow().1, held.count_rad())),
             left: height * (1.0 - last.iter().sum::<f64>() / last.len() as f64),
             course,
         }

@@ -78,7 +78,7 @@ pub(super) fn all(
     let plain = Model { effects: Vec::new(), ..model.clone() };
     let none = Compensation::default();
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
-    let [profile, place, speed] = Profile::of(&model.base, limit_v);
+    let [profile, place, held, speed] = Profile::of(&model.base, limit_v);
     let [velocity, position] = gains;
     let run_of = |without_effects: bool, with, profile, gains, is_velocity| Run {
         model: if without_effects { &plain } else { model },
@@ -129,14 +129,17 @@ pub(super) fn all(
         trials.push(run("with the dead zone's inverse too", false, best, Some(last)));
     }
     let mut steps = Vec::new();
-    for (of, profile, gains) in [("position", place, position), ("velocity", speed, velocity)] {
+    for (of, profile, held, gains) in
+        [("position", place, Some(held), position), ("velocity", speed, None, velocity)]
+    {
         for (compensation, without_effects, with) in [
             (trials[0].compensation, true, none),
             (trials[1].compensation, false, none),
             ("with all compensations", false, best),
         ] {
-            let run = run_of(without_effects, with, profile, gains, of == "velocity");
-            steps.push(Step::of(&run, of, compensation, without_effects));
+            let run = |profile| run_of(without_effects, with, profile, gains, of == "velocity");
+            let held = held.map(run);
+            steps.push(Step::of(&run(profile), held.as_ref(), of, compensation, without_effects));
         }
     }
     (trials, steps)
@@ -157,6 +160,11 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// A count of the encoder, rad.
+    pub(super) fn count_rad(&self) -> f64 {
+        self.model.rig.count_rad
+    }
+
     /// Feedback by what the encoder shows, updated once a period, and the profile's own command.
     pub(super) fn follow(&self) -> (Tracking, Course) {
         let (gains, velocity) = (self.gains, self.is_velocity);

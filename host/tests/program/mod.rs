@@ -59,3 +59,22 @@ pub fn files(directory: &Path) -> Vec<PathBuf> {
     list.sort();
     list
 }
+
+/// A model file with these effects, each with named parameters, of a motor whose encoder sits on the rotor.
+#[allow(dead_code)]
+pub fn model(directory: &Path, name: &str, gain: f64, effects: &str) {
+    let text = format!(
+        r#"{{"schema":1,"rig":{{"gear_ratio":30.0,"encoder_on_motor":true,"nominal_v":12.0,"supply_v":12.0,
+        "reference_speed_rad_s":11.0,"count_rad":0.001}},"prior":{{"tau_e":[5e-4,0.4],"viscous_share":[0.08,0.05]}},
+        "base":{{"gain":{gain},"tau_m":0.05,"tau_e":6e-4,"viscous_share":0.1}},"effects":[{effects}],
+        "origin":{{"motorlens":"","records":[],"method":""}}}}"#
+    );
+    std::fs::write(directory.join(name), text).expect("a file can be written");
+}
+
+/// 0.4 V of dry friction, and a driver that swallows half a volt, as a model file has them.
+#[allow(dead_code)]
+pub const DRY: &str = r#"{"effect":"coulomb","parameters":[{"name":"level","value":0.4,"unit":"V"}]}"#;
+#[allow(dead_code)]
+pub const DEAD: &str = r#"{"effect":"dead_zone","parameters":[{"name":"width","value":0.5,"unit":"V"},
+    {"name":"offset","value":0.0,"unit":"V"}]}"#;

@@ -38,7 +38,8 @@ class Tuned:
     loads: list[dict[str, Any]]
     #: Tracking errors, one compensation after the other: a DataFrame.
     trials: Any
-    #: Steps of the position (rad) and of the velocity (rad/s): rise and settling time, overshoot, what is left: a DataFrame.
+    #: Steps of the position (rad) and of the velocity (rad/s): rise and settling time, overshoot, what is left, and where the position
+    #: does not come to rest the limit cycle's amplitude (rad) and frequency (Hz): a DataFrame.
     steps: Any
     #: Which compensation pays, a sentence each.
     advice: list[str]
@@ -67,6 +68,13 @@ class Tuned:
         axes.set(xlabel="time / s", ylabel="tracking error / rad")
         axes.legend()
         return axes
+
+
+def _step(step: dict[str, Any]) -> dict[str, Any]:
+    """A step as a row: the limit cycle in columns of its own."""
+    cycle = step["limit_cycle"] or {"amplitude_rad": None, "frequency_hz": None}
+    plain = {name: value for name, value in step.items() if name != "limit_cycle"}
+    return {**plain, **{f"limit_cycle_{name}": value for name, value in cycle.items()}}
 
 
 def tune(
@@ -99,7 +107,7 @@ def tune(
         found["feedforward"],
         found["loads"],
         as_frame(rows),
-        as_frame(found["steps"]),
+        as_frame([_step(step) for step in found["steps"]]),
         found["advice"],
         runs,
         found,
