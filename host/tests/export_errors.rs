@@ -19,7 +19,7 @@ use motorlens::log::{self, ReadOptions, Record};
 use motorlens::model_file::Model;
 use motorlens::motor_file::{self, MotorFile};
 use motorlens_shared::effects::Kind;
-use tools::{Begin, HELD_MODELICA, TARGETS, Target, python, run, volts};
+use tools::{Begin, HELD_MODELICA, MUJOCO, TARGETS, Target, python, run, volts};
 
 /// Effects with their parameters.
 type Effects = &'static [(Kind, &'static [f64])];
@@ -88,7 +88,8 @@ fn targets_that_take(
         let step_s = if *format == Format::Mujoco { None } else { OPTIONS.step_s };
         let options = Options { step_s, torque_per_volt: Some(0.1), ..OPTIONS };
         let exported = export(model, *format, &options).unwrap();
-        let price = cost(model, &exported, std::slice::from_ref(&measured.record), &measured.motor).unwrap();
+        let records = std::slice::from_ref(&measured.record);
+        let price = cost(model, &exported, records, &measured.motor, None).unwrap();
         if !exported.lost.is_empty() || price.is_too_high() {
             println!("{name:<10} {format:?}: refused");
             continue;
@@ -158,6 +159,45 @@ fn every_target_has_the_models_own_error_on_a_record_or_is_refused() {
     let times = |format: Format| taken.iter().filter(|other| **other == format).count();
     assert!(TARGETS[..5].iter().all(|(format, ..)| times(*format) == cases.len()), "{taken:?}");
     assert!(TARGETS.iter().all(|(format, ..)| times(*format) > 0), "{taken:?}");
+}
+
+/// What `export` says of a target that is MuJoCo's is what MuJoCo makes of it, and with steps that are too long it is refused.
+#[test]
+fn an_export_to_mujoco_is_judged_by_mujocos_own_run() {
+    let Some(python) = python() else { return };
+    let cases: [Effects; 2] =
+        [&[(Kind::Coulomb, &[0.2])], &[(Kind::Delay, &[0.0061]), (Kind::DeadZone, &[0.4, 0.0])]];
+    for effects in cases {
+        let mut fitted = model(effects);
+        let volts = volts();
+        let angles: Vec<f64> = truth(&fitted, &volts).iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+        fitted.base.gain *= 1.005;
+        let time: Vec<f64> = (0..=volts.len()).map(|k| k as f64 * 1e-3).collect();
+        let (logged, held) = ([&[0.0], angles.as_slice()].concat(), [volts.as_slice(), &[0.0]].concat());
+        let record = motorlens::record("record", &time, &held, motorlens::Measured::Angle(&logged)).unwrap();
+        let measured = Measured::new(&fitted, &record, &MotorFile::default());
+        let price = |step_s| {
+            let exported = export(&fitted, Format::Mujoco, &Options { step_s, ..OPTIONS }).unwrap();
+            let records = std::slice::from_ref(&record);
+            let price = cost(&fitted, &exported, records, &measured.motor, Some(Path::new(&python))).unwrap();
+            assert_eq!((price.tool, price.not_run.as_deref()), (Some("MuJoCo"), None));
+            (exported, price)
+        };
+        let (exported, usual) = price(None);
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("motor.xml");
+        std::fs::write(&file, &exported.content).unwrap();
+        if let Some((ending, text)) = &exported.beside {
+            std::fs::write(file.with_extension(ending), text).unwrap();
+        }
+        let there = measured.error(&run(&python, MUJOCO, &file, &measured.volts, measured.begin));
+        let [own, told] = usual.errors.unwrap();
+        assert!((own / measured.own - 1.0).abs() < 1e-9, "{own} {}", measured.own);
+        assert!((told / there - 1.0).abs() < 1e-3, "{told} {there}");
+        assert!(!usual.is_too_high(), "{usual:?}");
+        let (_, long) = price(Some(1e-3));
+        assert!(long.is_too_high() && long.better_step_s().is_none(), "{long:?}");
+    }
 }
 
 /// The same where the record begins in motion: friction, a late voltage and a filtered reading have a past there.

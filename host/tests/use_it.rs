@@ -5,7 +5,7 @@ mod program;
 use std::io::Write;
 use std::process::Command;
 
-use program::{DEAD, DRY, files, model, run};
+use program::{DEAD, DRY, command, files, model, ran, run};
 
 #[test]
 fn an_export_that_would_lose_an_effect_is_refused_with_its_cost_and_allowed_on_request() {
@@ -111,16 +111,20 @@ fn the_cost_on_a_record_holds_the_errors_against_the_measurement_with_and_withou
     // All effects are there, but steps that are too long lose something.
     for (format, long) in [("c", "0.01"), ("mujoco", "0.001")] {
         let words = format!("export m.json -f {format} -o out.{format} --on s/prbs.csv --motor s/motor.toml");
-        let usual = run(here, &words).ends(0).err;
+        let run = |words: &str| ran(command(here, words).env("PYTHON", "no-such-python"));
+        let usual = run(&words).ends(0).err;
         assert!(usual.contains("Nothing is lost: "), "{usual}");
+        let told =
+            usual.contains("MuJoCo did not run it on prbs: there is no Python \"no-such-python\" here");
+        assert_eq!(told, format == "mujoco", "{usual}");
         // A program is run in its own steps, and refused where it errs; what MuJoCo makes of its steps only MuJoCo can tell.
         let long = format!("{words} --step {long}");
-        let refused = run(here, &long);
+        let refused = run(&long);
         let slow = if format == "c" {
             let said = refused.ends(2).err;
             let why = "more than a hundredth above it (give a step of 0.001 s";
             assert!(said.contains(why) && said.contains("or --step 0.001"), "{said}");
-            run(here, &format!("{long} --allow-missing")).ends(0).err
+            run(&format!("{long} --allow-missing")).ends(0).err
         } else {
             let said = refused.ends(0).err;
             assert!(said.contains("In its usual steps nothing would be lost: "), "{said}");

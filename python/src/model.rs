@@ -98,11 +98,13 @@ impl NativeModel {
         }
         let motor = motor(motor_path, motor_text)?;
         let (on, _) = records(on, Vec::new(), &motor)?;
+        // The Python that asks is the one whose MuJoCo the file is for.
+        let python: Option<PathBuf> = py.import("sys")?.getattr("executable")?.extract()?;
         let options = export::Options { step_s, torque_per_volt, name, bam_model };
         let (done, told, cost) = py
             .detach(|| {
                 let done = export::export(&self.0, format, &options)?;
-                let cost = export::cost::cost(&self.0, &done, &on, &motor)?;
+                let cost = export::cost::cost(&self.0, &done, &on, &motor, python.as_deref())?;
                 let told = export::told::told(&done, &self.0, format, &options, Some(&cost));
                 Ok((done, told, cost))
             })

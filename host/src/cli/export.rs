@@ -9,7 +9,7 @@ use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
 use crate::export::told::{Told, is_simplified, longer_step_s, told};
-use crate::export::{Format, Lost, Options, export};
+use crate::export::{Format, Lost, Options, Stepper, export};
 use crate::log::mapping::Mapping;
 use crate::log::roles::Range;
 use crate::log::{self, Hold, ReadArgs};
@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long)]
     allow_missing: bool,
     /// A record on which to run the export and to tell what it lacks, refused where it errs by more than 1 % above the model; repeatable
-    /// [default: a standard programme]
+    /// [default: a standard programme]; MuJoCo is run by the Python that the variable PYTHON names, else by python3
     #[arg(long, value_name = "LOG")]
     on: Vec<PathBuf>,
     #[command(flatten)]
@@ -132,7 +132,10 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     } else {
         let reading = args.reading.arguments();
         let records = log::load(&args.on, &reading)?.records;
-        Some(cost(&model, &exported, &records, &reading.motor_file()?)?)
+        if !records.is_empty() && matches!(exported.stepper, Stepper::Mujoco(_)) {
+            console.say("Running MuJoCo on the records ...");
+        }
+        Some(cost(&model, &exported, &records, &reading.motor_file()?, Some(&python()))?)
     };
     let Told { lacking, mut to_know } = told(&exported, &model, format, &options, price.as_ref());
     if price.is_some() && args.on.is_empty() {
@@ -174,12 +177,14 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
             Some(price)
                 if !args.on.is_empty() && exported.carried == model.values() && !price.is_too_high() =>
             {
-                // A program was run in its steps; elsewhere the price is that of the effects, and longer steps have their own.
+                // What was run was so in its steps; elsewhere the price is that of the effects, and longer steps have their own.
                 let is_slower = longer_step_s(&model, format, &options).is_some();
-                let kept = if is_slower && price.step_s.is_none() {
-                    "In its usual steps nothing would be lost"
-                } else {
-                    "Nothing is lost"
+                let kept = match price.tool {
+                    Some(tool) => format!("Nothing is lost in {tool}"),
+                    None if is_slower && price.step_s.is_none() => {
+                        "In its usual steps nothing would be lost".into()
+                    }
+                    None => "Nothing is lost".into(),
                 };
                 format!("  {kept}: {}.\n", price.clause())
             }
@@ -189,6 +194,11 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     });
     console.next("get gains for a controller", &format!("motorlens tune {}", next::shell(&args.model)));
     Ok(())
+}
+
+/// The Python that is asked for MuJoCo, as CC names the compiler of an FMU.
+fn python() -> PathBuf {
+    std::env::var_os("PYTHON").map_or_else(|| "python3".into(), PathBuf::from)
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -4,11 +4,13 @@
 //! encoder count and is placed within that count, and the first speed where the record begins in motion. From there
 //! on the run is never tied to the measurement again.
 
+use motorlens_kernel::Reading;
+
 use super::measures::{Measures, Sums};
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::{Layout, Values};
 use crate::fit::search::Problem;
-use crate::fit::simulate::predict_one;
+use crate::fit::simulate::{predict_one, samples};
 use crate::log::Record;
 
 /// A measured record and the run beside it.
@@ -92,6 +94,23 @@ pub(crate) fn runs_in_steps(
         free_run(&grid, simulated)
     };
     begun.iter().zip(records).map(run).collect()
+}
+
+/// What another simulator, `run`, makes of each of `records`, begun as they are `begun`: under a voltage, V, for each of its steps of `step_s`, s,
+/// from an angle, rad, and a speed, rad/s, on, it shows something at the start and after each.
+pub(crate) fn runs_elsewhere<E>(
+    begun: &[Grid],
+    records: &[Record],
+    step_s: f64,
+    run: impl Fn(&[f64], [f64; 2]) -> Result<Vec<Reading<f64>>, E>,
+) -> Result<Vec<FreeRun>, E> {
+    let one = |(grid, record): (&Grid, &Record)| {
+        let grid = grid.in_steps_of(record, step_s);
+        let steps = grid.places.last().map_or(0, |place| place.cell + 1).min(grid.cells().len());
+        let shown = run(&grid.cells()[..steps], [grid.start_angle, grid.first_speed_rad_s()])?;
+        Ok(free_run(&grid, samples(&grid, &shown)))
+    };
+    begun.iter().zip(records).map(one).collect()
 }
 
 /// What `simulated` is beside the record of `grid`, an angle moved within a count.

@@ -1,14 +1,16 @@
 //! What a target's lack costs: the model is simulated with and without, on records where there are any.
 //!
 //! A program of the model's own step (C, Python, Modelica, FMU) is simulated there as it runs: in its own steps, each under the mean of the
-//! record's voltage, begun at the first angle and first speed of the model's own run. What another tool's integrator makes of the numbers that
-//! it gets (MuJoCo, the simulators of robots) is not simulated here: the tests run those tools.
+//! record's voltage, begun at the first angle and first speed of the model's own run. MuJoCo runs its MJCF there itself, where a Python has it.
+//! What the simulators of robots make of the numbers that they get is not simulated here: the tests run those tools.
+
+use std::path::Path;
 
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::Exported;
-use crate::compare::free_run::{FreeRun, begun_runs, free_runs, pooled, runs_in_steps};
+use super::{Exported, Stepper, in_mujoco};
+use crate::compare::free_run::{FreeRun, begun_runs, free_runs, pooled, runs_elsewhere, runs_in_steps};
 use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::grid::Grid;
@@ -49,10 +51,14 @@ pub struct Cost {
     pub each: Vec<Of>,
     /// rms errors against the measurement: of the model, and of what the target has; none without records.
     pub errors: Option<[f64; 2]>,
-    /// Step in which the exported program was run on the records, s; none where the target's simulator has its own.
+    /// Step in which the target was run on the records, s; none where it was not, and stands as what it has of the model.
     pub step_s: Option<f64>,
-    /// Shortest step in which the model itself runs through the records, s; none without records.
+    /// Shortest step in which the model itself runs through the records, s; none without records, and of a target whose steps are others.
     pub own_step_s: Option<f64>,
+    /// The tool that ran the target; none where it is a program of the model's own step.
+    pub tool: Option<&'static str>,
+    /// Why its tool did not run it, a clause.
+    pub not_run: Option<String>,
 }
 
 /// Share of the model's own error by which a target may be worse.
@@ -81,11 +87,18 @@ impl Cost {
     }
 }
 
-/// What `exported` costs beside `model` on `records`, or on a standard programme where there are none.
+/// What `exported` costs beside `model` on `records`, or on a standard programme where there are none. A target that is MuJoCo's is run there by
+/// `python`, if one is given that has MuJoCo, else simulated as what it has of the model.
 ///
 /// # Errors
 /// Records that cannot be simulated.
-pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &MotorFile) -> Result<Cost> {
+pub fn cost(
+    model: &Model,
+    exported: &Exported,
+    records: &[Record],
+    motor: &MotorFile,
+    python: Option<&Path>,
+) -> Result<Cost> {
     if records.is_empty() {
         let (time, volts) = standard(model.rig.nominal_v);
         let run = |values: &Values| -> Result<Vec<f64>> {
@@ -101,14 +114,33 @@ pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &Moto
             errors: None,
             step_s: None,
             own_step_s: None,
+            tool: None,
+            not_run: None,
         });
     }
     let mut problem = problem_of(model, records, motor)?;
     problem.fixed.clear();
     let (whole, begun): (Vec<FreeRun>, Vec<Grid>) = begun_runs(&problem, &model.values()).into_iter().unzip();
-    let there = match exported.step_s {
-        Some(step_s) => runs_in_steps(&problem, &exported.carried, &begun, records, step_s),
-        None => free_runs(&problem, &exported.carried),
+    let (mut tool, mut step_s, mut not_run) = (None, None, None);
+    let there = match (exported.stepper, python) {
+        (Stepper::Program(own_s), _) => {
+            step_s = Some(own_s);
+            runs_in_steps(&problem, &exported.carried, &begun, records, own_s)
+        }
+        (Stepper::Mujoco(own_s), Some(python)) => {
+            let run = |volts: &[f64], begin| in_mujoco::run(model, exported, python, volts, begin);
+            match runs_elsewhere(&begun, records, own_s, run) {
+                Ok(runs) => {
+                    (tool, step_s) = (Some("MuJoCo"), Some(own_s));
+                    runs
+                }
+                Err(why) => {
+                    not_run = Some(why);
+                    free_runs(&problem, &exported.carried)
+                }
+            }
+        }
+        _ => free_runs(&problem, &exported.carried),
     };
     let parted = |other: &[FreeRun]| -> Apart {
         apart(whole.iter().zip(other).flat_map(|(a, b)| a.simulated.iter().zip(&b.simulated)))
@@ -122,8 +154,10 @@ pub fn cost(model: &Model, exported: &Exported, records: &[Record], motor: &Moto
         all: parted(&there),
         each: each(model, exported, &against)?,
         errors: Some([rmse(&whole), rmse(&there)]),
-        step_s: exported.step_s,
-        own_step_s: begun.iter().map(|grid| grid.step_s).reduce(f64::min),
+        step_s,
+        own_step_s: begun.iter().map(|grid| grid.step_s).reduce(f64::min).filter(|_| tool.is_none()),
+        tool,
+        not_run,
     })
 }
 

@@ -11,6 +11,7 @@ pub mod cost;
 mod expression;
 mod fmu;
 mod hook;
+mod in_mujoco;
 mod isaac;
 mod mjcf_parts;
 mod modelica;
@@ -144,6 +145,17 @@ impl Lost {
     }
 }
 
+/// What steps an exported model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stepper {
+    /// The program that it is, in steps of so many s.
+    Program(f64),
+    /// MuJoCo, in steps of so many s.
+    Mujoco(f64),
+    /// Another simulator, as its user sets it up.
+    Other,
+}
+
 /// A model for another tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
@@ -159,8 +171,8 @@ pub struct Exported {
     pub left: Vec<Lost>,
     /// The model that it does have.
     pub carried: Values,
-    /// Step of the program that it is, s; none of a target whose own simulator steps.
-    pub step_s: Option<f64>,
+    /// What steps it.
+    pub stepper: Stepper,
 }
 
 impl Exported {
@@ -174,7 +186,7 @@ impl Exported {
             lost: Vec::new(),
             left: Vec::new(),
             carried,
-            step_s: Some(step_s),
+            stepper: Stepper::Program(step_s),
         }
     }
 

@@ -13,7 +13,7 @@ use super::hook::{Beside, contact_grid, program};
 use super::mjcf_parts::{Parts, Setting, add, bob, native};
 use super::step::holding;
 use super::two_bodies::{Between, OUTPUT, ROTOR};
-use super::{Exported, Lost, Options, effects, level, xml};
+use super::{Exported, Lost, Options, Stepper, effects, level, xml};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 use crate::sentence::capital;
@@ -110,7 +110,7 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         lost: Vec::new(),
         left,
         carried: model.values(),
-        step_s: None,
+        stepper: Stepper::Mujoco(step_s),
     })
 }
 

@@ -49,7 +49,10 @@ pub fn told(
     let whole = exported.carried == model.values();
     let all = price.filter(|price| !whole || price.is_too_high()).map(|price| {
         let what = match price.step_s.filter(|_| whole) {
-            Some(step_s) => format!("Run in its steps of {step_s} s, it parts from the model by"),
+            Some(step_s) => {
+                let by = price.tool.map_or(String::new(), |tool| format!(" by {tool}"));
+                format!("Run{by} in its steps of {step_s} s, it parts from the model by")
+            }
             None if exported.lost.is_empty() => "What it simplifies costs".into(),
             None => "Together:".into(),
         };
@@ -68,9 +71,17 @@ pub fn told(
         let cost = much(of_steps(model, step_s), "rad");
         format!("Steps of {step_s} s instead of 0.001 s cost {cost} on a standard programme of 8 s.")
     });
+    let not_run = price.and_then(|price| {
+        let why = price.not_run.as_ref()?;
+        let target = capital(format.title());
+        Some(format!(
+            "{target} did not run it on {}: {why}. Its figures are those of the model in motorlens.",
+            price.on
+        ))
+    });
     Told {
         lacking: lost.chain(all).collect(),
-        to_know: left.chain(steps).chain(exported.notes.iter().cloned()).collect(),
+        to_know: left.chain(not_run).chain(steps).chain(exported.notes.iter().cloned()).collect(),
     }
 }
 

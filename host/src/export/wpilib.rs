@@ -8,7 +8,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::actuator::{leave, one_level, take};
-use super::{Exported, Lost};
+use super::{Exported, Lost, Stepper};
 use crate::model_file::Model;
 use crate::sentence::capital;
 
@@ -66,7 +66,7 @@ pub(super) fn export(model: &Model) -> Exported {
         lost,
         left,
         carried,
-        step_s: None,
+        stepper: Stepper::Other,
     }
 }
 

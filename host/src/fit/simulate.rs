@@ -155,6 +155,19 @@ pub fn predict_one(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: &Grid) -
     out
 }
 
+/// The samples of `grid`, of what another simulator shows at the start and at the end of every cell.
+pub(crate) fn samples(grid: &Grid, shown: &[Reading<f64>]) -> Vec<f64> {
+    let mut out = Vec::new();
+    if let [first, later @ ..] = shown
+        && !later.is_empty()
+    {
+        let mut sampler = Sampler::new(grid, &mut out);
+        sampler.begin(*first);
+        sampler.take(0, later);
+    }
+    out
+}
+
 /// Up to eight search vectors; missing lanes repeat the first.
 pub fn predict_block(layout: &Layout, xs: &[Vec<f64>], rig: &Rig, grid: &Grid, out: &mut Vec<Block>) {
     predict_from(layout, xs, &[grid.start_speed; LANES], rig, grid, out);

@@ -28,7 +28,12 @@ impl Ran {
 
 /// Runs the program in `directory` with `words`, separated by blanks.
 pub fn run(directory: &Path, words: &str) -> Ran {
-    let output: Output = command(directory, words).output().expect("the program starts");
+    ran(&mut command(directory, words))
+}
+
+/// What a run of `command` left.
+pub fn ran(command: &mut Command) -> Ran {
+    let output: Output = command.output().expect("the program starts");
     Ran {
         status: output.status.code().expect("the program ends by itself"),
         out: String::from_utf8(output.stdout).expect("UTF-8"),
