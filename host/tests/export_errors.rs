@@ -195,7 +195,7 @@ fn an_export_to_mujoco_is_judged_by_mujocos_own_run() {
         assert!((own / measured.own - 1.0).abs() < 1e-9, "{own} {}", measured.own);
         assert!((told / there - 1.0).abs() < 1e-3, "{told} {there}");
         assert!(!usual.is_too_high(), "{usual:?}");
-        let (_, long) = price(Some(1e-3));
+        let (_, long) = price(Some(2e-3));
         assert!(long.is_too_high() && long.better_step_s().is_none(), "{long:?}");
     }
 }
