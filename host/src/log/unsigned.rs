@@ -1,12 +1,14 @@
 //! Negative numbers that were printed as those of a type without a sign: -1 of 16 bits is 65535.
 //!
 //! They show as values near zero and near the width of the type with nothing between, and with their signs the course is much smoother.
+//! Those of a byte may reach further from zero, where the motion tells them.
 
 use super::Record;
 use super::motion::{correlation, ends, speed};
 use super::remap::remapped;
 use super::suspicion::Odd;
 use super::units::{INT8, Quantity};
+use super::voltages::goes_both_ways;
 
 /// The widths of such types, and one of which nothing is sure: a duty that is off or full is written so.
 const WIDTHS: [f64; 2] = [65_536.0, 4_294_967_296.0];
@@ -17,6 +19,8 @@ const NEAR: f64 = 0.25;
 const FEWEST: usize = 4;
 /// What is left of the changes from row to row with the signs.
 const SMOOTHER: f64 = 0.5;
+/// ... and where they reach so far from zero that they pass through all numbers of a byte.
+const SMOOTHER_OF_FAR: f64 = 0.75;
 
 /// The width of the type that took the signs of `values` away, if one did.
 pub(super) fn width_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
@@ -41,6 +45,24 @@ fn among(widths: &[f64], values: impl Iterator<Item = f64> + Clone) -> Option<f6
     if !values.clone().all(is_near) {
         return None;
     }
+    is_smoother_with_sign(values, width, SMOOTHER).then_some(width)
+}
+
+/// Whether a duty that reaches further from zero than [`may_be_bytes`] allows runs much smoother as a byte with a sign.
+pub(super) fn may_be_far_bytes(values: impl Iterator<Item = f64> + Clone) -> bool {
+    are_bytes(values.clone()) && is_smoother_with_sign(values, BYTE, SMOOTHER_OF_FAR)
+}
+
+/// Whether values are whole numbers of a byte, on both sides of its half.
+fn are_bytes(mut values: impl Iterator<Item = f64> + Clone) -> bool {
+    let is_byte = |value: f64| (0.0..BYTE).contains(&value) && value.fract() == 0.0;
+    let (mut below, mut above) = (values.clone(), values.clone());
+    values.all(is_byte) && below.any(|value| value < 0.5 * BYTE) && above.any(|value| value >= 0.5 * BYTE)
+}
+
+/// Whether several values at either end of a type of this width make a course as numbers with a sign that has no more than
+/// this share of the changes.
+fn is_smoother_with_sign(values: impl Iterator<Item = f64> + Clone, width: f64, share: f64) -> bool {
     let different = |is_high: bool| {
         let mut found: Vec<f64> = Vec::new();
         for value in values.clone().filter(|value| (*value > 0.5 * width) == is_high) {
@@ -57,8 +79,8 @@ fn among(widths: &[f64], values: impl Iterator<Item = f64> + Clone) -> Option<f6
         let after = values.clone().skip(1);
         values.clone().zip(after).map(|(a, b)| (value(b) - value(a)).abs()).sum::<f64>()
     };
-    let is_smoother = changes(&|value| signed(value, width)) < SMOOTHER * changes(&|value| value);
-    (different(false) && different(true) && is_smoother).then_some(width)
+    let is_smoother = changes(&|value| signed(value, width)) < share * changes(&|value| value);
+    different(false) && different(true) && is_smoother
 }
 
 /// The number of a type with a sign that has the bits of `value`.
@@ -70,15 +92,34 @@ pub(super) fn signed(value: f64, width: f64) -> f64 {
 const GOES_WITH: f64 = 0.5;
 const MORE: f64 = 0.3;
 
+/// ... or, of a drive that reaches far from zero, so much more than with one as it is written, whatever the sign of the encoder.
+const MORE_OF_FAR: f64 = 0.15;
+
 /// Whether a `drive` of 8 bits lost its sign, as a `speed` tells that goes with it where it has one and not as it is written. Where the
 /// encoder is turned round it is the other way about, which is a fault of its own.
 pub(super) fn is_byte_without_sign(drive: &[f64], speed: &[f64]) -> bool {
-    let with_sign = || drive.iter().map(|value| signed(*value, BYTE)).collect::<Vec<f64>>();
-    let goes = |drive: &[f64]| correlation(drive, speed);
-    may_be_bytes(drive.iter().copied()) && {
-        let with_sign = goes(&with_sign());
-        with_sign > GOES_WITH && with_sign > goes(drive) + MORE
+    let values = drive.iter().copied();
+    are_bytes(values.clone()) && {
+        let (with_sign, as_written) = (with_byte_sign(drive, speed), correlation(drive, speed));
+        let far = || with_sign > as_written.abs() + MORE_OF_FAR;
+        with_sign > GOES_WITH && if may_be_bytes(values) { with_sign > as_written + MORE } else { far() }
     }
+}
+
+/// Whether a motor turns both ways by a `drive` of 8 bits without a sign, and goes with it neither as it is written nor as a byte that lost
+/// its sign.
+pub(super) fn leaves_direction_open(drive: &[f64], speed: &[f64]) -> bool {
+    let goes = |correlation: f64| correlation.abs() > GOES_WITH;
+    are_bytes(drive.iter().copied())
+        && goes_both_ways(speed)
+        && !goes(correlation(drive, speed))
+        && !goes(with_byte_sign(drive, speed))
+}
+
+/// The correlation of a `speed` with a `drive` whose bytes have a sign.
+fn with_byte_sign(drive: &[f64], speed: &[f64]) -> f64 {
+    let signed: Vec<f64> = drive.iter().map(|value| signed(*value, BYTE)).collect();
+    correlation(&signed, speed)
 }
 
 /// What is said of a duty in a record that was printed as a byte without its sign: the motor turns back at its largest numbers.
@@ -136,6 +177,24 @@ mod tests {
         assert_eq!(byte_duty(&record), None);
         record.voltage_v = (0..600).map(|k| course(k) / 255.0 * 12.0).collect();
         assert_eq!(byte_duty(&record), None);
+    }
+
+    #[test]
+    fn a_duty_of_eight_bits_that_the_motion_goes_with_as_it_is_written_lost_no_sign() {
+        let levels = [60.0, -40.0, 90.0, 0.0, -80.0, 30.0, 120.0, -120.0];
+        let course = |k: usize| levels[k / 50 % 8];
+        let speed: Vec<f64> = (0..800_usize).map(|k| 3.0 * course(k.saturating_sub(4))).collect();
+        let drive = |of: &dyn Fn(f64) -> f64| (0..800).map(|k| of(course(k))).collect::<Vec<f64>>();
+        assert!(is_byte_without_sign(&drive(&|x| x.rem_euclid(BYTE)), &speed));
+        // Locked antiphase, and a drive one way; either with the encoder turned round.
+        let back: Vec<f64> = speed.iter().map(|w| -w).collect();
+        let one_way: Vec<f64> = speed.iter().map(|w| -w.max(0.0)).collect();
+        for extreme in [false, true] {
+            let half = drive(&|x| if extreme { 127.5 + 127.5 * x.signum() } else { 128.0 + x });
+            assert!(!is_byte_without_sign(&half, &speed) && !is_byte_without_sign(&half, &back));
+            let forth = drive(&|x| if extreme && x > 0.0 { 200.0 } else { 2.0 * x.max(0.0) });
+            assert!(!is_byte_without_sign(&forth, &one_way));
+        }
     }
 
     #[test]

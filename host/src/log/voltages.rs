@@ -4,6 +4,7 @@ use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;
 use super::suspicion::{Odd, Seen, place_of};
 use super::units::Quantity;
+use super::unsigned::byte_duty;
 use super::{Record, Warning};
 
 /// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
@@ -87,7 +88,7 @@ const FOLLOWS: f64 = 0.5;
 const MORE: f64 = 0.3;
 
 /// Whether `values` are of either sign for more than a small share of all they sum up to.
-fn goes_both_ways(values: &[f64]) -> bool {
+pub(super) fn goes_both_ways(values: &[f64]) -> bool {
     let (forth, back) =
         values.iter().fold((0.0, 0.0), |(forth, back), x| (forth + x.max(0.0), back - x.min(0.0)));
     forth.min(back) > BOTH_WAYS * (forth + back)
@@ -126,7 +127,8 @@ pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
     let full = mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(100.0))?;
     let supply_v = record.supply_v.as_ref().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
     let supply_v = supply_v.or(record.meta.supply_behind_duty())?;
-    if record.voltage_v.iter().any(|v| *v < 0.0) {
+    // A byte that lost its sign is never negative either.
+    if record.voltage_v.iter().any(|v| *v < 0.0) || byte_duty(record).is_some() {
         return None;
     }
     let motion = speed(record);

@@ -5,12 +5,11 @@ use super::column_units::{unit_of, unit_of_wrap};
 use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
 use super::ranges::Range;
 use super::turns::Turn;
-use super::{bridge, companions, drive, duty_range, leads, registers, sides, words};
+use super::{bridge, bytes, companions, drive, duty_range, leads, registers, sides, words};
 use crate::log::direction;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::numbers;
-use crate::log::units::{INT8, Quantity};
-use crate::log::unsigned;
+use crate::log::units::Quantity;
 
 /// What most gyroscopes read at most, 2000 deg/s, in rad/s: larger numbers are degrees.
 const FASTEST_GYROSCOPE: f64 = 35.0;
@@ -243,7 +242,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     if let (Some(duty), true) = (duty, parts.iter().any(|part| part.quantity == Quantity::Voltage)) {
         parts.remove(duty);
     }
-    give_byte_its_sign(&mut parts, rows);
+    bytes::give_sign(&mut parts, rows);
     // A current that never flows was not measured.
     parts.retain(|part| {
         part.quantity != Quantity::Current || rows.is_empty() || values(part.index).any(|value| value != 0.0)
@@ -265,28 +264,6 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
     }
     parts
-}
-
-/// A duty in numbers near 0 and near 255 is a byte that lost its sign where the motor turns back at the large ones.
-fn give_byte_its_sign(parts: &mut [Part], rows: &[Vec<f64>]) {
-    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
-    let (Some(duty), Some(motion)) =
-        (place(Quantity::Duty), place(Quantity::Speed).or_else(|| place(Quantity::Angle)))
-    else {
-        return;
-    };
-    let both = |row: &Vec<f64>| Some((*row.get(parts[duty].index)?, *row.get(parts[motion].index)?));
-    let whole = rows.iter().filter_map(both).filter(|(a, b)| a.is_finite() && b.is_finite());
-    let (mut drive, mut motion_of): (Vec<f64>, Vec<f64>) = whole.unzip();
-    if parts[motion].quantity == Quantity::Angle {
-        motion_of = motion_of.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        drive.truncate(motion_of.len());
-    }
-    let duty = &mut parts[duty];
-    let is_number = duty.rest.is_none() && duty.unit.parse::<u32>().is_ok();
-    if is_number && unsigned::is_byte_without_sign(&drive, &motion_of) {
-        duty.unit = format!("{INT8}/{}", duty.unit);
-    }
 }
 
 /// Whether values go down on their way.

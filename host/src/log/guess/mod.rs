@@ -5,6 +5,7 @@
 
 mod bridge;
 pub(super) mod by_numbers;
+mod bytes;
 mod channels;
 mod clocks;
 mod column_units;
@@ -40,7 +41,7 @@ pub(super) use questions::{
     error_question, levels_question, loop_question, numbers_question, sampled_question,
 };
 use questions::{
-    given_sign, guessed_unit, lost_sign, other_clock, other_rate, size_of_an_error, steady_states, taken_for,
+    given_sign, guessed_unit, other_clock, other_rate, size_of_an_error, steady_states, taken_for,
     unknown_unit,
 };
 
@@ -192,7 +193,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
     proposal.unknown_units.extend(other_clock(sample, &parts));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| other_rate(sample, part)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| given_sign(sample, part)));
-    proposal.unknown_units.extend(parts.iter().filter_map(|part| lost_sign(sample, part)));
+    proposal.unknown_units.extend(parts.iter().filter_map(|part| bytes::lost_sign(sample, part, &parts)));
     proposal.unknown_units.extend(parts.iter().filter_map(|part| size_of_an_error(sample, part)));
     Some(proposal)
 }

@@ -10,8 +10,7 @@ use super::{
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
 use crate::log::timing;
-use crate::log::units::{INT8, Quantity};
-use crate::log::unsigned;
+use crate::log::units::Quantity;
 
 /// What is said of a duty, a voltage or a motion whose numbers got the signs that their type took away.
 pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
@@ -26,30 +25,6 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
         _ => String::new(),
     };
     Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
-}
-
-/// What is asked of a duty, a voltage or a speed that may be one of 8 bits without its sign.
-pub(super) fn lost_sign(sample: &Sample, part: &Part) -> Option<String> {
-    let has_sign = [Quantity::Duty, Quantity::Voltage, Quantity::Speed].contains(&part.quantity);
-    let values = numbers(&sample.rows, part.index);
-    let name = sample.names.get(part.index)?;
-    (has_sign && unsigned::may_be_bytes(values)).then(|| {
-        let own = column(&sample.names, part.index);
-        if let Some((_, full)) = part.unit.split_once('/').filter(|(unit, _)| *unit == INT8) {
-            return format!(
-                "\"{name}\" stays near 0 and near 255, and the motor turns back where it is near 255: its negative numbers were printed as an \
-                 unsigned byte, so 255 is read as -1; if it is not, write duty={own}:{full}"
-            );
-        }
-        let otherwise = match part.quantity {
-            Quantity::Duty => format!(": then write duty={own}:{INT8}/{}", part.unit),
-            _ => String::new(),
-        };
-        format!(
-            "\"{name}\" stays near 0 and near 255, as negative numbers of 8 bits do without their sign: print it with its sign (int8_t) if \
-             255 is -1{otherwise}"
-        )
-    })
 }
 
 /// A table of steady states has so many rows at most; a log that begins so has more.
