@@ -17,6 +17,8 @@ use crate::log::units::Quantity;
 
 /// Columns that a mapping is guessed from where no group of them makes sense.
 const GUESSED_FROM: usize = 60;
+/// Parts of a stamp that are told.
+const STAMP_PARTS: f64 = 1e6;
 
 /// What was logged under one name.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -55,6 +57,8 @@ pub struct Events {
     series: BTreeMap<String, Series>,
     /// Entries of other types, for messages.
     left_out: Vec<String>,
+    /// Of stamps whose unit nothing tells, so many were taken for a second.
+    stamps_per_s: Option<f64>,
 }
 
 impl Events {
@@ -69,6 +73,24 @@ impl Events {
         }
         events.left_out = left_out.into_iter().collect();
         events
+    }
+
+    /// The same with stamps of which `per_s` were taken for a second, though nothing tells their unit: they are shown as they stand in the file, for
+    /// a mapping to say it.
+    #[must_use]
+    pub fn with_stamps(mut self, per_s: f64) -> Events {
+        self.stamps_per_s = Some(per_s);
+        self
+    }
+
+    /// The column of the clock.
+    fn clock(&self, times: &[f64]) -> Column {
+        let Some(per_s) = self.stamps_per_s else {
+            return Column { name: "time_s".into(), values: Values::Numbers(times.to_vec()) };
+        };
+        // Whole stamps are whole again.
+        let written = |time_s: &f64| (time_s * per_s * STAMP_PARTS).round() / STAMP_PARTS;
+        Column { name: "stamp".into(), values: Values::Numbers(times.iter().map(written).collect()) }
     }
 
     /// Whether `map` names entries of this file, or numbers of its columns: the way round SysId's own names.
@@ -201,7 +223,7 @@ impl Events {
         let mut rows = stamps::joined(beat, drives.map(|(_, (_, series))| series.times.as_slice()));
         rows.retain(|(time, _)| time + turn_s >= begin);
         let times: Vec<f64> = rows.iter().map(|(time, _)| *time).collect();
-        let mut columns = vec![Column { name: "time_s".into(), values: Values::Numbers(times.clone()) }];
+        let mut columns = vec![self.clock(&times)];
         for (name, series) in numbers().chain(states) {
             // Of the turn that a reading is of, what was logged behind it too; between them, what was logged so far.
             let last = |(time, is_read): &(f64, bool)| {

@@ -1,9 +1,13 @@
-//! Lines of several kinds, each with a word before it that tells which, and a stamp behind that: `PWM,1000,120` and `ENC,1003,55`, as boards
-//! print what they command and what they measure, each at its own time. Every kind is a table of its own; each value holds until the next.
+//! Lines of several kinds, each with a word before it that tells which: `PWM,1000,120` and `ENC,1003,55`, as boards print what they
+//! command and what they measure.
+//!
+//! With a stamp behind the word every kind is a table of its own, each value of which holds until the next. Without stamps the kinds take
+//! turns, `PWM,120` and `ENC,55`: a turn of them is a row, whose time a rate has to tell.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::events::{Events, Series};
+use super::table::{Column, Table, Values};
 use super::{Content, Fault};
 use crate::log::direction;
 use crate::log::numbers::number;
@@ -26,8 +30,12 @@ const LONGEST_STEP_MS: f64 = 500.0;
 /// What single letters stand for where both are there; `P` beside others is a position, or a controller's.
 const LETTERS: [(&str, &str); 2] = [("P", "pwm"), ("E", "enc")];
 
-/// The word before a line, its stamp, and the values behind that.
-fn row(line: &str) -> Option<(&str, f64, Vec<f64>)> {
+/// A line: the word before it, and the numbers behind that.
+type Row<'a> = (&'a str, Vec<f64>);
+/// The lines of each kind.
+type Kinds<'a> = BTreeMap<&'a str, Vec<&'a [f64]>>;
+
+fn row(line: &str) -> Option<Row<'_>> {
     let line = line.trim();
     let (tag, rest) = line.split_at(line.find([',', ';', '\t', ':'])?);
     let tag = tag.trim();
@@ -39,12 +47,37 @@ fn row(line: &str) -> Option<(&str, f64, Vec<f64>)> {
         return None;
     }
     let fields = rest[1..].split([',', ';', '\t']).map(|text| number(text.trim()));
-    let mut fields = fields.collect::<Option<Vec<f64>>>()?;
-    if fields.len() < 2 || fields.iter().any(|value| !value.is_finite()) {
-        return None;
+    let fields = fields.collect::<Option<Vec<f64>>>()?;
+    fields.iter().all(|value| value.is_finite()).then_some((tag, fields))
+}
+
+fn kinds<'a>(rows: &'a [Row<'a>]) -> Kinds<'a> {
+    let mut kinds = Kinds::new();
+    for (tag, values) in rows {
+        kinds.entry(*tag).or_default().push(values.as_slice());
     }
-    let stamp = fields.remove(0);
-    Some((tag, stamp, fields))
+    kinds
+}
+
+/// Whether the first number of every line is a stamp.
+fn are_stamped(kinds: &Kinds<'_>) -> bool {
+    kinds.values().all(|lines| {
+        let rises = lines.windows(2).filter(|pair| pair[1][0] > pair[0][0]).count();
+        lines.iter().all(|line| line.len() > 1) && rises as f64 >= RISE * (lines.len() - 1) as f64
+    })
+}
+
+/// Whether the lines come in one order again and again.
+fn are_in_turn(rows: &[Row<'_>], kinds: &Kinds<'_>) -> bool {
+    let mut next: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for pair in rows.windows(2) {
+        *next.entry((pair[0].0, pair[1].0)).or_default() += 1;
+    }
+    let follows = |tag: &str| next.iter().filter(|(pair, _)| pair.0 == tag).map(|(_, count)| *count).max();
+    let in_order: usize = kinds.keys().copied().filter_map(follows).sum();
+    let counts = || kinds.values().map(Vec::len);
+    let (rarest, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+    in_order as f64 >= MOST * rows.len().saturating_sub(1) as f64 && rarest as f64 >= MOST * most as f64
 }
 
 /// Whether a file that begins so has lines of several kinds.
@@ -54,31 +87,31 @@ pub fn is(start: &[u8]) -> bool {
     let Some((whole, _)) = text.rsplit_once('\n') else { return false };
     let lines: Vec<&str> =
         whole.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).collect();
-    let rows: Vec<(&str, f64, Vec<f64>)> = lines.iter().filter_map(|line| row(line)).collect();
-    let mut kinds: BTreeMap<&str, Vec<(f64, usize)>> = BTreeMap::new();
-    for (tag, stamp, values) in &rows {
-        kinds.entry(*tag).or_default().push((*stamp, values.len()));
-    }
+    let rows: Vec<Row> = lines.iter().filter_map(|line| row(line)).collect();
+    let kinds = kinds(&rows);
     let rarest = kinds.values().map(Vec::len).min().unwrap_or(0);
     let turns = rows.windows(2).filter(|pair| pair[0].0 != pair[1].0).count();
-    let is_one = |lines: &Vec<(f64, usize)>| {
-        let rises = lines.windows(2).filter(|pair| pair[1].0 > pair[0].0).count();
-        let alike = lines.iter().filter(|line| line.1 == lines[0].1).count();
-        rises as f64 >= RISE * (lines.len() - 1) as f64 && alike as f64 >= MOST * lines.len() as f64
+    let is_one = |lines: &Vec<&[f64]>| {
+        let alike = lines.iter().filter(|line| line.len() == lines[0].len()).count();
+        alike as f64 >= MOST * lines.len() as f64
     };
     // Below a header that names every field it is a table, and the word one of its columns.
     let width = |line: &str| line.split([',', ';', '\t']).count();
     let is_headed = lines.first().is_some_and(|head| {
         row(head).is_none()
             && head.chars().any(char::is_alphabetic)
-            && rows.iter().all(|(_, _, values)| values.len() + 2 == width(head))
+            && rows.iter().all(|(_, values)| values.len() + 1 == width(head))
     });
+    // `name: value` is a list of values.
+    let are_values =
+        || lines.iter().all(|line| line.contains(':')) && rows.iter().all(|(_, values)| values.len() == 1);
     !is_headed
         && (2..=MOST_KINDS).contains(&kinds.len())
         && rarest >= FEWEST
         && rows.len() as f64 >= MOST * lines.len() as f64
         && turns as f64 >= TURNS * rarest as f64
         && kinds.values().all(is_one)
+        && (are_stamped(&kinds) || are_in_turn(&rows, &kinds) && !are_values())
 }
 
 /// Reads such a file.
@@ -90,32 +123,71 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let lines =
         TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
     lines.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
-    let rows: Vec<(&str, f64, Vec<f64>)> = text.lines().filter_map(row).collect();
-    let mut kinds: BTreeMap<&str, Vec<(f64, &[f64])>> = BTreeMap::new();
-    for (tag, stamp, values) in &rows {
-        kinds.entry(*tag).or_default().push((*stamp, values.as_slice()));
+    let mut rows: Vec<Row> = text.lines().filter_map(row).collect();
+    let has_stamps = {
+        let kinds = kinds(&rows);
+        are_stamped(&kinds) || !are_in_turn(&rows, &kinds)
+    };
+    if !has_stamps {
+        return Ok(Content::Table(turns(&rows)?));
     }
-    let stamps = |lines: &Vec<(f64, &[f64])>| lines.iter().map(|line| line.0).collect::<Vec<f64>>();
+    rows.retain(|(_, values)| values.len() > 1);
+    Ok(Content::Events(events(&kinds(&rows))))
+}
+
+/// The columns of the kinds: the kind, the place of a number among those behind its word, and the name.
+fn columns<'a>(kinds: &Kinds<'a>, first: usize) -> Vec<(&'a str, usize, String)> {
+    let is_pair = LETTERS.iter().all(|(letter, _)| kinds.contains_key(letter));
+    let mut columns = Vec::new();
+    for (tag, lines) in kinds {
+        let width = lines.iter().map(|line| line.len()).max().unwrap_or(0);
+        let letter = LETTERS.iter().find(|(letter, _)| is_pair && letter == tag).map(|(_, word)| *word);
+        let name = letter.filter(|word| !kinds.contains_key(word)).unwrap_or(*tag);
+        columns.extend((first..width).map(|place| {
+            let is_only = width == first + 1;
+            let title = if is_only { name.to_owned() } else { format!("{name}_{}", place - first) };
+            (*tag, place, title)
+        }));
+    }
+    columns
+}
+
+/// The values with their stamps, whose unit nothing tells.
+fn events(kinds: &Kinds<'_>) -> Events {
+    let stamps = |lines: &Vec<&[f64]>| lines.iter().map(|line| line[0]).collect::<Vec<f64>>();
     let longest = kinds.values().max_by_key(|lines| lines.len()).map(stamps).unwrap_or_default();
     let second = second(&longest);
     let mut all: BTreeMap<String, Series> = BTreeMap::new();
-    let is_pair = LETTERS.iter().all(|(letter, _)| kinds.contains_key(letter));
-    for (tag, lines) in &kinds {
-        let width = lines.iter().map(|line| line.1.len()).max().unwrap_or(0);
-        let letter = LETTERS.iter().find(|(letter, _)| is_pair && letter == tag).map(|(_, word)| *word);
-        let name = letter.filter(|word| !kinds.contains_key(word)).unwrap_or(*tag);
-        for place in 0..width {
-            let title = if width == 1 { name.to_owned() } else { format!("{name}_{place}") };
-            let series = all.entry(title).or_default();
-            for (stamp, values) in lines {
-                if let Some(value) = values.get(place) {
-                    series.times.push(stamp / second);
-                    series.numbers.push(*value);
-                }
+    for (tag, place, title) in columns(kinds, 1) {
+        let series = all.entry(title).or_default();
+        for line in &kinds[tag] {
+            if let Some(value) = line.get(place) {
+                series.times.push(line[0] / second);
+                series.numbers.push(*value);
             }
         }
     }
-    Ok(Content::Events(Events::new(all, BTreeSet::new())))
+    Events::new(all, BTreeSet::new()).with_stamps(second)
+}
+
+/// A row for every turn of the kinds, which ends where one of them comes again.
+fn turns(rows: &[Row<'_>]) -> Result<Table, Fault> {
+    let mut turns: Vec<BTreeMap<&str, &[f64]>> = Vec::new();
+    for (tag, values) in rows {
+        if turns.last().is_none_or(|turn| turn.contains_key(tag)) {
+            turns.push(BTreeMap::new());
+        }
+        if let Some(turn) = turns.last_mut() {
+            turn.insert(*tag, values.as_slice());
+        }
+    }
+    let column = |(tag, place, name): (&str, usize, String)| {
+        let number =
+            |turn: &BTreeMap<&str, &[f64]>| turn.get(tag).and_then(|values| values.get(place)).copied();
+        let numbers = turns.iter().map(|turn| number(turn).unwrap_or(f64::NAN)).collect();
+        Column { name, values: Values::Numbers(numbers) }
+    };
+    Table::of(columns(&kinds(rows), 0).into_iter().map(column).collect(), Vec::new())
 }
 
 /// What a second is in these stamps: seconds have fractions, and of whole numbers the large steps are microseconds.
@@ -132,7 +204,7 @@ fn second(stamps: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::super::read_tests::file;
-    use super::super::super::{ReadOptions, read};
+    use super::super::super::{ReadOptions, Record, read};
     use super::*;
 
     fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
@@ -168,7 +240,7 @@ mod tests {
         });
         let (_directory, path) = file(text.as_bytes());
         let options = ReadOptions {
-            map: Some("time=time_s:s,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
+            map: Some("time=stamp:ms,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
             supply_volts: Some(12.0),
             ..ReadOptions::default()
         };
@@ -176,7 +248,42 @@ mod tests {
         let all: usize = records.iter().map(|record| record.len()).sum();
         assert!(all > 390, "{all}");
         let asked = read(&path, &ReadOptions::default()).unwrap_err().to_string();
-        assert!(asked.contains("pwm") && asked.contains("enc"), "{asked}");
+        assert!(asked.contains("time=stamp:ms,duty=pwm:255,angle=enc:counts"), "{asked}");
+        assert!(asked.contains("nothing tells the unit of \"stamp\": ms is a guess"), "{asked}");
+        // The same stamps in another unit.
+        let options = ReadOptions {
+            map: Some("time=stamp:us,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
+            ..options
+        };
+        let faster = read(&path, &options).unwrap();
+        let length = |records: &[Record]| {
+            let times = |record: &Record| record.time_s[record.len() - 1] - record.time_s[0];
+            records.iter().map(times).sum::<f64>()
+        };
+        assert!((length(&records) / length(&faster) / 1e3 - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn lines_without_stamps_that_take_turns_are_rows_at_a_rate() {
+        let text = lines(400, |k| {
+            let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
+            format!("PWM,{duty}\nENC,{},{}\n", 7 * k, -7 * (k as i64))
+        });
+        assert!(is(text.as_bytes()));
+        let (_directory, path) = file(text.as_bytes());
+        let options = ReadOptions {
+            map: Some("duty=PWM:255,angle=ENC_0:rev/1000".parse().unwrap()),
+            supply_volts: Some(12.0),
+            rate_hz: Some(200.0),
+            ..ReadOptions::default()
+        };
+        let records = read(&path, &options).unwrap();
+        assert_eq!((records.len(), records[0].len()), (1, 400));
+        assert!((records[0].time_s[399] - 399.0 / 200.0).abs() < 1e-9);
+        // Words that are values of a row come in no order.
+        let states = ["idle", "ramp", "hold", "ramp", "idle", "hold", "idle"];
+        assert!(!is(lines(200, |k| format!("{},{k}\n", states[k * k % 7])).as_bytes()));
+        assert!(!is(lines(200, |k| format!("{},{k}\n", states[k / 40])).as_bytes()));
     }
 
     #[test]
