@@ -32,6 +32,26 @@ struct Found {
     left_out: Vec<String>,
     /// Objects of classes, which hold the data of a timetable.
     objects: Vec<String>,
+    /// Texts by their names.
+    texts: Vec<(String, String)>,
+}
+
+impl Found {
+    /// Calls the numbers of a signal as the text beside them does: Simulink's `signals(1).values` have a `label`, those of a timeseries' `Data`
+    /// a `Name`.
+    fn label(&mut self) {
+        const LABELS: [(&str, &str); 2] = [(".label", ".values"), (".Name", ".Data")];
+        for (name, text) in &self.texts {
+            let labelled = LABELS.iter().find_map(|(label, values)| {
+                let signal = name.strip_suffix(label)?;
+                self.columns.iter().position(|column| column.name == format!("{signal}{values}"))
+            });
+            let is_free = |text: &str| self.columns.iter().all(|column| column.name != text);
+            if let Some(place) = labelled.filter(|_| !text.is_empty() && is_free(text)) {
+                self.columns[place].name.clone_from(text);
+            }
+        }
+    }
 }
 
 /// Reads all numbers of a file.
@@ -73,6 +93,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     if found.columns.is_empty() && !found.objects.is_empty() {
         return Err(objects(&found.objects));
     }
+    found.label();
     found.left_out.extend(found.objects);
     Ok(Content::Table(Table::of(found.columns, found.left_out)?))
 }
@@ -88,7 +109,8 @@ pub fn objects(names: &[String]) -> Fault {
         format!("{what}: objects such as table, timetable or timeseries, which only MATLAB can read"),
         format!(
             "write it as CSV in MATLAB: writetable({name}, 'log.csv') for a table, writetimetable({name}, 'log.csv') for a timetable; \
-             of a timeseries: writematrix([{name}.Time {name}.Data], 'log.csv')"
+             of a timeseries: writematrix([{name}.Time {name}.Data], 'log.csv'); of an iddata: \
+             writematrix([{name}.SamplingInstants {name}.InputData {name}.OutputData], 'log.csv')"
         ),
     )
 }
@@ -158,7 +180,13 @@ fn variable(mut bytes: Bytes<'_>, within: &str, depth: usize, found: &mut Found)
             }
         }
         CELL => found.left_out.push(format!("{name} (a cell array)")),
-        CHARACTERS => found.left_out.push(format!("{name} (text)")),
+        CHARACTERS => {
+            let text = element(&mut bytes).ok().and_then(|(kind, data)| text(kind, data, big));
+            found.left_out.push(format!("{name} (text)"));
+            // A mapping cannot name these characters.
+            let text = text.unwrap_or_default().trim().replace([',', '"', '='], "_");
+            found.texts.push((name, text));
+        }
         // Numbers: classes 6 (double) to 15 (uint64).
         6..=15 => {
             let (kind, data) = element(&mut bytes)?;
@@ -177,6 +205,19 @@ fn variable(mut bytes: Bytes<'_>, within: &str, depth: usize, found: &mut Found)
         _ => found.left_out.push(format!("{name} (no numbers)")),
     }
     Ok(())
+}
+
+/// Characters, each of which is a number; bytes of UTF-8 are what they are.
+fn text(kind: u32, data: &[u8], big: bool) -> Option<String> {
+    const UTF8: u32 = 16;
+    const UTF16: u32 = 17;
+    match kind {
+        UTF8 => Some(String::from_utf8_lossy(data).into_owned()),
+        _ => {
+            let codes = numbers(if kind == UTF16 { 4 } else { kind }, data, big).ok()?;
+            Some(codes.iter().filter_map(|code| char::from_u32(*code as u32)).collect())
+        }
+    }
 }
 
 fn join(within: &str, name: &str) -> String {
@@ -205,4 +246,31 @@ fn numbers(kind: u32, data: &[u8], big: bool) -> Result<Vec<f64>, Fault> {
         });
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_beside_the_numbers_of_a_signal_is_their_name() {
+        let column = |name: &str| Column { name: name.into(), values: Values::Numbers(vec![0.0; 3]) };
+        let text = |name: &str, text: &str| (name.to_owned(), text.to_owned());
+        let mut found = Found {
+            columns: ["scope.time", "scope.signals(1).values", "scope.signals(2).values", "w.Data"]
+                .map(column)
+                .to_vec(),
+            texts: vec![
+                text("scope.signals(1).label", "voltage"),
+                text("scope.signals(2).label", ""),
+                text("w.Name", "speed [rpm]"),
+                text("title", "run 1"),
+            ],
+            ..Found::default()
+        };
+        found.label();
+        let names: Vec<&str> = found.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["scope.time", "voltage", "scope.signals(2).values", "speed [rpm]"]);
+        assert_eq!(super::text(4, &[118, 0, 176, 0], false), Some("v\u{b0}".into()));
+    }
 }

@@ -15,6 +15,7 @@ mod convert;
 mod events;
 #[cfg(feature = "log-mat")]
 mod hdf5;
+mod interval;
 mod list;
 #[cfg(feature = "log-mat")]
 mod mat;

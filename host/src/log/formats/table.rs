@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::Fault;
+use super::{Fault, interval};
 use crate::error::{Error, Result};
 use crate::log::table::Part;
 use crate::log::{ReadOptions, Record, Warning, table};
@@ -68,7 +68,7 @@ pub struct Table {
 
 impl Table {
     /// The columns of a file. Where they have different lengths, those of the length that most of them have are the log (of equals,
-    /// the longest) and the rest are parameters.
+    /// the longest) and the rest are parameters, one of which may tell the time of the rows.
     ///
     /// # Errors
     /// A fault where no column has two rows.
@@ -89,8 +89,10 @@ impl Table {
             ));
         };
         let (mut kept, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.values.len() == rows);
+        let clock = interval::clock(&kept, &others);
         left_out.extend(others.into_iter().map(|c| format!("{} ({} values)", c.name, c.values.len())));
         left_out.extend(kept.drain(kept.len().min(MOST_COLUMNS)..).map(|column| column.name));
+        kept.extend(clock);
         Ok(Table { columns: kept, left_out, ..Table::default() })
     }
 

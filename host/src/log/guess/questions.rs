@@ -107,10 +107,22 @@ pub(super) fn other_clock(sample: &Sample, parts: &[Part]) -> Option<String> {
     let times = |k: usize| sample.rows.iter().map(move |row| row.get(k).copied().unwrap_or(f64::NAN));
     let interval = timing::median_interval(&times(clock).collect::<Vec<_>>());
     let furthest = |k: &usize| times(clock).zip(times(*k)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let other = (0..sample.names.len())
-        .find(|k| *k != clock && sample.names[*k] == *name && furthest(k) > SAME_TIME * interval)?;
+    // `speed.Time` is the clock of one signal, and `volts.Time` that of another.
+    let field = |name: &str| name.rsplit('.').next().unwrap_or_default().to_lowercase();
+    let is_clock = |k: &usize| {
+        let of_another = field(&sample.names[*k]) == field(name)
+            && words::said(&sample.names[*k]).quantity.is_some_and(|(of, _)| of == Quantity::Time);
+        *k != clock && (sample.names[*k] == *name || of_another)
+    };
+    let other = (0..sample.names.len()).find(|k| is_clock(k) && furthest(k) > SAME_TIME * interval)?;
+    let called = &sample.names[other];
+    let is = if called == name {
+        format!("is called \"{name}\" too")
+    } else {
+        format!("is the clock \"{called}\" beside \"{name}\"")
+    };
     Some(format!(
-        "column {other} is called \"{name}\" too and tells other times, up to {:.0} % of an interval apart: where each signal has its own, \
+        "column {other} {is} and tells other times, up to {:.0} % of an interval apart: where each signal has its own, \
          export them with one column of times",
         100.0 * furthest(&other) / interval
     ))
@@ -129,8 +141,10 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     };
     // `PWM (0-255)` tells its full duty.
     let is_full = part.quantity == Quantity::Duty && duty_range::told(name).is_some();
+    // MATLAB's `ans(2)` and NumPy's `data[1]` are places.
+    let is_place = |unit: &str| part.quantity != Quantity::Duty && unit.bytes().all(|b| b.is_ascii_digit());
     let unknown =
-        |unit: &String| !is_full && !unit.is_empty() && (!unit_names::is_unit(unit) || of_another(unit));
+        |unit: &String| !is_full && !is_place(unit) && (!unit_names::is_unit(unit) || of_another(unit));
     let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"

@@ -283,3 +283,21 @@ fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
     assert!(proposal.map.starts_with("time=header.stamp.sec+header.stamp.nanosec:ns,"), "{}", proposal.map);
     assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
 }
+
+#[test]
+fn signals_with_clocks_of_their_own_are_no_motion_and_told_where_they_differ() {
+    let sample = |late: f64| Sample {
+        with_units: names("volt.Time;volt.Data;speed.Time;speed.Data;ans(5)"),
+        names: names("volt.Time;volt.Data;speed.Time;speed.Data;ans(5)"),
+        rows: rows(|k| vec![0.01 * k, (0.02 * k).sin(), 0.01 * k + late, 9.5 * (0.02 * k).cos(), k.cos()]),
+        texts: Vec::new(),
+        stamped: false,
+        signed: Vec::new(),
+        rate: None,
+    };
+    let proposal = propose_for(&sample(0.0)).unwrap();
+    assert_eq!(proposal.map, "time=volt.Time:s,voltage=volt.Data:V,speed=speed.Data:rad/s");
+    assert!(!proposal.assumptions().contains("other times"), "{}", proposal.assumptions());
+    let asked = propose_for(&sample(0.004)).unwrap().assumptions();
+    assert!(asked.contains("column 2 is the clock \"speed.Time\" beside \"volt.Time\""), "{asked}");
+}

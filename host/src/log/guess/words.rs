@@ -91,6 +91,10 @@ pub fn said(name: &str) -> Said {
             best = Some((quantity, plain, implied));
         }
     }
+    // The clock of one signal among several: `speed.Time`.
+    if lower.rsplit_once('.').is_some_and(|(_, field)| ["time", "timestamp"].contains(&field)) {
+        best = Some((Time, 3, None));
+    }
     // Neither the voltage nor the current along the q axis is a joint's position q.
     if let Some((Angle, ..)) = best
         && any_of(&["q"])
@@ -223,6 +227,8 @@ mod tests {
             ("millis", Time, Some("ms")),
             ("Time (s)", Time, Some("s")),
             ("Zeit [s]", Time, Some("s")),
+            ("speed.Time", Time, None),
+            ("speed.Data", Speed, None),
             ("pwm", Duty, None),
             ("duty", Duty, None),
             ("u", Voltage, None),
