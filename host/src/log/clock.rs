@@ -87,8 +87,33 @@ pub(super) fn moment(text: &str) -> Option<Moment> {
     Some(Moment { day, seconds: seconds.rem_euclid(DAY_S) })
 }
 
-/// Seconds of a difference of times as pandas writes it: `0 days 00:00:01.25`, `-1 days +23:59:59`.
+/// Seconds of a time literal of PLCs (IEC 61131-3): `T#1s20ms`, `TIME#2m3.5s`, `LTIME#1us500ns`.
+fn literal(text: &str) -> Option<f64> {
+    const UNITS: [(&str, f64); 7] =
+        [("d", DAY_S), ("h", 3600.0), ("m", 60.0), ("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    let (kind, rest) = text.trim().split_once('#')?;
+    let lower = rest.to_ascii_lowercase().replace('_', "");
+    let (sign, mut rest) = lower.strip_prefix('-').map_or((1.0, lower.as_str()), |size| (-1.0, size));
+    if !["t", "time", "lt", "ltime"].contains(&kind.to_ascii_lowercase().as_str()) || rest.is_empty() {
+        return None;
+    }
+    let mut seconds = 0.0;
+    while !rest.is_empty() {
+        let (count, behind) = rest.split_at(rest.find(|c: char| c.is_ascii_alphabetic())?);
+        let end = behind.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(behind.len());
+        let name = &behind[..end];
+        let (_, unit_s) = UNITS.iter().find(|(unit, _)| *unit == name)?;
+        seconds += count.parse::<f64>().ok().filter(|count| *count >= 0.0)? * unit_s;
+        rest = &behind[end..];
+    }
+    Some(sign * seconds)
+}
+
+/// Seconds of a difference of times as pandas writes it: `0 days 00:00:01.25`, `-1 days +23:59:59`; or of a time literal.
 fn time_delta(text: &str) -> Option<f64> {
+    if text.contains('#') {
+        return literal(text);
+    }
     let (days, time) = text.trim().split_once(" day")?;
     let days: f64 = days.trim().parse().ok()?;
     let (seconds, _) = time_of_day(time.trim_start_matches('s').trim().trim_start_matches('+'))?;
@@ -192,6 +217,26 @@ mod tests {
         assert_eq!(clock.read("1 days 00:01:00", 1.0, None), Some(86_460.0));
         assert_eq!(clock.read("-1 days +23:59:59.5", 1.0, None), Some(-0.5));
         assert_eq!(clock.read("one day", 1.0, None), None);
+    }
+
+    #[test]
+    fn a_time_literal_of_a_plc_is_seconds() {
+        for (text, seconds) in [
+            ("T#20ms", Some(0.02)),
+            ("t#1s20ms", Some(1.02)),
+            ("TIME#2m3.5s", Some(123.5)),
+            ("LTIME#1d_2h", Some(93_600.0)),
+            ("T#-5ms", Some(-0.005)),
+            ("T#", None),
+            ("T#5", None),
+            ("T#5x", None),
+            ("N#5ms", None),
+            ("#5ms", None),
+        ] {
+            let read = Clock::default().read(text, 1.0, None);
+            assert_eq!(read.is_some(), seconds.is_some(), "{text}");
+            assert!(read.is_none_or(|read| (read - seconds.unwrap()).abs() < 1e-12), "{text} {read:?}");
+        }
     }
 
     #[test]

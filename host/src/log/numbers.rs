@@ -5,16 +5,53 @@
 pub(super) struct OfFile {
     sign: DecimalSign,
     columns: Vec<Whole>,
+    /// What stands between thousands in all columns, where the first rows tell.
+    thousands: Option<char>,
 }
 
 impl OfFile {
+    /// Numbers whose thousands stand apart by this sign, where one is told.
+    pub fn with_thousands(thousands: Option<char>) -> Self {
+        Self { thousands, ..Self::default() }
+    }
+
     /// The number in a field of this column.
     pub fn read(&mut self, column: usize, text: &str) -> Option<f64> {
         if !self.sign.allows(text) {
             return None;
         }
+        if let Some(sign) = self.thousands.filter(|sign| text.contains(*sign) && is_grouped(text, &[*sign])) {
+            return text.replace(sign, "").parse().ok();
+        }
         self.columns.resize(self.columns.len().max(column + 1), Whole::default());
         self.columns[column].read(text)
+    }
+}
+
+/// What stands between the thousands of a file: told by a column whose whole numbers go on beyond 999, and by no field that has it elsewhere.
+#[derive(Debug, Default)]
+pub(super) struct Thousands {
+    written: OfFile,
+    decimal: Vec<char>,
+}
+
+impl Thousands {
+    /// Looks at the fields of a row.
+    pub fn see<'t>(&mut self, row: impl Iterator<Item = &'t str>) {
+        for (column, text) in row.enumerate() {
+            self.written.read(column, text);
+            let is_between = |sign: char| {
+                is_grouped(text, &[sign]) && !text.trim_start_matches(['-', '+']).starts_with('0')
+            };
+            self.decimal
+                .extend(['.', ','].iter().filter(|sign| text.contains(**sign) && !is_between(**sign)));
+        }
+    }
+
+    /// The sign, where the rows tell one.
+    pub fn sign(&self) -> Option<char> {
+        let told = self.written.columns.iter().find_map(|column| column.between);
+        told.filter(|sign| !self.decimal.contains(sign))
     }
 }
 
@@ -194,6 +231,26 @@ mod tests {
         // Nothing decides, or it is not against it.
         assert!(allows(&["999.990", "12"], "1.000.000") && allows(&["0.5"], "1,234.5"));
         assert!(allows(&["0,25"], "1.234.567") && allows(&["0.5"], "-3") && allows(&["0,5"], "1.234,5"));
+    }
+
+    #[test]
+    fn thousands_of_one_column_are_those_of_all() {
+        let told = |rows: &[[&'static str; 3]]| {
+            let mut thousands = Thousands::default();
+            rows.iter().for_each(|row| thousands.see(row.iter().copied()));
+            thousands.sign()
+        };
+        let rows =
+            [["980", "6.000", "-12"], ["990", "6.000", "5"], ["1.000", "-4.000", "8"], ["1.010", "0", "9"]];
+        let sign = told(&rows);
+        assert_eq!(sign, Some('.'));
+        assert_eq!(OfFile::with_thousands(sign).read(1, "-4.000"), Some(-4000.0));
+        assert_eq!(OfFile::with_thousands(sign).read(1, "1.234.567"), Some(1_234_567.0));
+        // A decimal sign anywhere, or nothing that goes on.
+        let decimals = [["980", "0.125", "1"], ["990", "6.25", "1"], ["1.000", "7", "2"]];
+        assert_eq!(told(&decimals), None);
+        assert_eq!(told(&[["0", "6.000", "1"], ["1", "6.125", "2"]]), None);
+        assert_eq!(OfFile::default().read(1, "-4.000"), Some(-4.0));
     }
 
     #[test]

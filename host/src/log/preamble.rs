@@ -6,6 +6,7 @@ use std::path::Path;
 use super::fields::{Separator, Splitter, trimmed};
 use super::hexadecimal::Hexadecimal;
 use super::layout::Layout;
+use super::numbers::Thousands;
 use super::text::cannot_read;
 use super::{Metadata, beside, rates, sample};
 use crate::error::{BadInput, Result};
@@ -45,6 +46,8 @@ pub struct Preamble {
     pub line: u64,
     /// Lines of text left out before the header.
     pub skipped: usize,
+    /// What stands between the thousands of all columns, where the first rows tell.
+    pub thousands: Option<char>,
     /// Rows per second, as they tell.
     pub rate: Option<f64>,
     /// The lines after the header that were read to tell the layout, with their numbers.
@@ -138,11 +141,12 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped).without_tag(layout.tag.clone());
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
-    let mut widest = 0;
+    let (mut widest, mut thousands) = (0, Thousands::default());
     for (_, row) in &rows {
         splitter.split(row);
         widest = widest.max(splitter.len());
         beside.see(&splitter);
+        thousands.see(splitter.iter());
         hex.see(&splitter);
     }
     let (beside, hex) = (beside.of_columns(), hex.columns());
@@ -170,6 +174,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         tag: layout.tag,
         line,
         skipped,
+        thousands: thousands.sign(),
         rate,
         rows,
         read: number,

@@ -104,7 +104,7 @@ impl<'a> Rows<'a> {
             several: Several::default(),
             last: vec![None; count],
             held: vec![Blanks::default(); count],
-            written: OfFile::default(),
+            written: OfFile::with_thousands(head.thousands),
             bracketed: Blanks::default(),
             ticks: match wanted.time {
                 TimeSource::Numbered(..) => Ticks::of_rows(),
@@ -141,7 +141,10 @@ impl<'a> Rows<'a> {
         }
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
         match self.numbers(number) {
-            Ok(()) if self.is_again(text) => self.twice.saw(number),
+            Ok(()) if self.is_again(text) => {
+                self.twice.saw(number);
+                self.samples.saw_again();
+            }
             Ok(()) => {
                 for (column, mean) in self.between.take(&self.numbers, true) {
                     self.samples.correct_last(column, mean);

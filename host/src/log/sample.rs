@@ -67,7 +67,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     };
     let mut clocks: Vec<Clock> = Vec::new();
     let mut clocked: Vec<bool> = Vec::new();
-    let mut written = OfFile::default();
+    let mut written = OfFile::with_thousands(head.thousands);
     let mut take = |line: &str, sample: &mut Sample| {
         let text = trimmed(line);
         if text.is_empty() || remark_in(text.trim_start()).is_some() || !splitter.split(text) {

@@ -70,10 +70,26 @@ pub(super) fn unit_of_wrap(values: &[f64]) -> Option<&'static str> {
     units.into_iter().find_map(|(is, unit)| is.then_some(unit))
 }
 
+/// What an analog output of Siemens' PLCs has at its full voltage.
+pub(super) const ANALOG_OUTPUT: f64 = 27_648.0;
+
 /// The number that is full duty of values that span `range`, where the name may say it.
 fn full_duty(range: &Range, said: Option<&'static str>) -> String {
     let peak = range.peak();
-    let full = [255.0, 400.0, 511.0, 512.0, 1000.0, 1023.0, 2047.0, 4095.0, 10_000.0, 32_767.0, 65_535.0];
+    const FULL: [f64; 12] = [
+        255.0,
+        400.0,
+        511.0,
+        512.0,
+        1000.0,
+        1023.0,
+        2047.0,
+        4095.0,
+        10_000.0,
+        ANALOG_OUTPUT,
+        32_767.0,
+        65_535.0,
+    ];
     if let Some(unit) = said.filter(|unit| *unit != "us") {
         unit.to_owned()
     } else if let Some(none) = range.pulse_of_no_duty() {
@@ -83,7 +99,7 @@ fn full_duty(range: &Range, said: Option<&'static str>) -> String {
     } else if peak <= 100.0 && (range.has_round_tens || !range.whole) {
         "100".into()
     } else {
-        full.into_iter().find(|full| peak <= *full).unwrap_or(peak).to_string()
+        FULL.into_iter().find(|full| peak <= *full).unwrap_or(peak).to_string()
     }
 }
 
@@ -100,6 +116,7 @@ mod tests {
             (60.0, 10.0, "100"),
             (180.0, 1.0, "255"),
             (900.0, 1.0, "1000"),
+            (27_648.0, 1.0, "27648"),
         ] {
             let range = Range::of((0..=100).map(|k| (f64::from(k) / 100.0 * peak / step).round() * step));
             assert_eq!(full_duty(&range, None), full, "{peak}");

@@ -1,5 +1,6 @@
 //! What a table leaves open about what drives the motor: it is absent, steady as a supply, or in another unit.
 
+use super::column_units::ANALOG_OUTPUT;
 use super::columns::{self, Part};
 use super::preview::short;
 use super::questions::guessed_unit;
@@ -16,8 +17,11 @@ const STEADY: f64 = 0.1;
 pub(super) const MOST_VOLTS: f64 = 1000.0;
 /// Whole numbers up to here are rather a duty's, those beyond millivolts, but for what registers are full at.
 const MOST_OF_A_DUTY: f64 = 4095.0;
-const REGISTERS: [f64; 3] = [10_000.0, 32_767.0, 65_535.0];
+const REGISTERS: [f64; 4] = [10_000.0, ANALOG_OUTPUT, 32_767.0, 65_535.0];
 const MOST_MILLIVOLTS: f64 = 60_000.0;
+
+/// Percent end here.
+const MOST_PERCENT: f64 = 100.0;
 
 /// Columns of one quantity in two units correlate by more than this.
 const SAME: f64 = 0.9999;
@@ -164,10 +168,16 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                 );
             }
             text += &not_driving(sample, &parts, motion);
-            if let Some((other, volts, duty)) = meant("voltage [V]", "duty [%]") {
-                text += &format!(
-                    "; if {other} is that, say {volts} where it is volts, {duty} where it is percent"
-                );
+            // Beyond 100 there are no percent.
+            let is_beyond = |k: &usize| Range::of(numbers(&sample.rows, *k)).peak() > MOST_PERCENT;
+            let (as_if, is) = if others.first().is_some_and(is_beyond) {
+                ("duty", "a duty with that number for full")
+            } else {
+                ("duty [%]", "percent")
+            };
+            if let Some((other, volts, duty)) = meant("voltage [V]", as_if) {
+                text +=
+                    &format!("; if {other} is that, say {volts} where it is volts, {duty} where it is {is}");
                 text += &of_the_clock();
             }
             Some(text)

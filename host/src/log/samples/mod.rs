@@ -69,6 +69,8 @@ pub struct Samples {
     columns: Vec<Vec<f64>>,
     places: Places,
     rows: usize,
+    /// Rows that were left out because they say again what the one before them says.
+    again: usize,
     bad: Vec<BadField>,
     bad_count: usize,
     /// The first of the lines since the last row that are no rows, and their number.
@@ -105,6 +107,7 @@ impl Samples {
             headers,
             places: Places::default(),
             rows: 0,
+            again: 0,
             bad: Vec::new(),
             bad_count: 0,
             strays: None,
@@ -226,11 +229,16 @@ impl Samples {
     /// Rows per second by the first and the last time, to three digits; none where too few times tell it.
     fn rate(&self) -> Option<f64> {
         let (first, last) = (self.columns[0].first()?, self.columns[0].last()?);
-        let rate = (self.rows - 1) as f64 / (last - first);
+        let rate = (self.rows + self.again - 1) as f64 / (last - first);
         let digits = 10_f64.powf(rate.log10().floor() - 2.0);
         let rounded = (rate / digits).round() * digits;
         (self.len() >= FEWEST_SAMPLES && rounded.is_finite() && rounded > 0.0)
             .then(|| if digits >= 1.0 { rounded } else { (rounded * 1e6).round() / 1e6 })
+    }
+
+    /// Counts a row that says again what the one before it says, which is no sample.
+    pub fn saw_again(&mut self) {
+        self.again += 1;
     }
 
     /// Number of samples taken.
