@@ -28,6 +28,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
             "angle_as_speed",
             "speed_as_angle",
             "locked_antiphase",
+            "inverted_duty",
             "wrong_counts_per_rev",
             "sign_flipped",
             "wrong_units",

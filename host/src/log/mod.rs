@@ -37,6 +37,7 @@ pub mod mapping;
 mod metadata;
 mod mistaken;
 pub(crate) mod motion;
+mod newest;
 mod numbered;
 mod numbers;
 mod pairs;

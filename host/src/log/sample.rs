@@ -7,6 +7,7 @@ use super::clock::Clock;
 use super::direction;
 use super::fields::trimmed;
 use super::guess::{self, by_numbers};
+use super::newest;
 use super::numbers::OfFile;
 use super::preamble::{NAMELESS, Preamble, remark_in};
 use super::text::cannot_read;
@@ -110,6 +111,11 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
             }
         }
         line.clear();
+    }
+    let is_dated = |k: usize| clocked.get(k) == Some(&true);
+    let falls = |k: usize| newest::falls(&numbers(&sample.rows, k).collect::<Vec<_>>());
+    if (0..clocked.len()).any(|k| is_dated(k) && falls(k)) {
+        sample.rows.reverse();
     }
     sample.signed = give_signs(&mut sample.rows);
     for (k, name) in sample.with_units.iter_mut().enumerate() {

@@ -16,7 +16,7 @@ use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::usable::faults_of;
-use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, inverted, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, together};
 
@@ -53,6 +53,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         speed_beside_angle,
         blind_near_zero,
         byte_duty,
+        inverted,
         unsigned,
         unsigned_motion,
         frozen,

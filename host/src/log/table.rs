@@ -8,6 +8,7 @@ use super::choice::{Choice, Columns, TimeSource};
 use super::clock::Clock;
 use super::mapping::Mapping;
 use super::metadata::BEHIND_DUTY;
+use super::newest;
 use super::numbered;
 use super::preamble::{self, Preamble};
 use super::sample::proposal;
@@ -114,17 +115,32 @@ fn by_clock_or_rate(
         fails && fail
     };
     let mut failed = false;
-    for (number, line) in std::mem::take(&mut head.rows) {
-        failed = failed || take(number, &line);
+    let is_turned = newest::is_first(&wanted.time, &head);
+    // The newest wait for the oldest.
+    let mut waiting = std::mem::take(&mut head.rows);
+    if !is_turned {
+        failed = waiting.drain(..).any(|(number, line)| take(number, &line));
     }
     let (mut number, mut line) = (head.read, String::new());
     while !failed && input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
         number += 1;
-        failed = take(number, &line);
-        line.clear();
+        if is_turned {
+            waiting.push((number, std::mem::take(&mut line)));
+        } else {
+            failed = take(number, &line);
+            line.clear();
+        }
     }
+    let _ = waiting.into_iter().rev().any(|(number, line)| take(number, &line));
     let about = About { path, head: &head, meta, map, part };
-    let read = taken.finish(&about, None);
+    let mut read = taken.finish(&about, None);
+    if let (true, Ok(read)) = (is_turned, &mut read) {
+        read.warnings.push(Warning {
+            place: path.display().to_string(),
+            what: "the rows stand from the newest to the oldest, and were turned round".into(),
+            fix: "nothing, if their times are right".into(),
+        });
+    }
     let header = wanted.time.header();
     // Asked only where a rate could take the place of the stamps: it takes a pass over all of them.
     if let Some(evenly) = evenly.take_if(|_| read.as_ref().is_ok_and(|read| bursts(&read.time_s).is_some())) {

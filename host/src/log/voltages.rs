@@ -147,6 +147,28 @@ pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
     })
 }
 
+/// The motor is the slower the larger a duty that is never negative, and goes one way: the drive is low-active, and full duty is none.
+pub(super) fn inverted(record: &Record) -> Option<Odd> {
+    let full: f64 = record.map.as_ref()?.source(Quantity::Duty)?.written.parse().ok()?;
+    let (volts, motion) = (&record.voltage_v, speed(record));
+    if volts.iter().any(|v| *v < 0.0) || goes_both_ways(&motion) {
+        return None;
+    }
+    let magnitude: Vec<f64> = motion.iter().map(|w| w.abs()).collect();
+    let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
+    (correlation(&smooth, &magnitude) < -FOLLOWS).then(|| {
+        (
+            "inverted_duty",
+            "voltage_v",
+            format!("the motor is the slower the larger its duty, and fastest where that is least: {full} is off and 0 is full duty, as of a low-active drive"),
+            format!(
+                "say what is no duty and what is full: {}",
+                remapped(record, &[(Quantity::Duty, Quantity::Duty, &format!("{full}..0"))])
+            ),
+        )
+    })
+}
+
 /// A speed below this share of the fastest is none, whatever its sign.
 const NO_SPEED: f64 = 0.02;
 
@@ -203,6 +225,23 @@ mod tests {
         // A load that a motor holds at a third of its supply is a load.
         record.voltage_v.iter_mut().for_each(|v| *v -= 3.0);
         assert_eq!(antiphase(&Seen::of(&record)), None);
+    }
+
+    #[test]
+    fn a_drive_that_is_off_at_the_full_number_is_told_with_how_to_say_so() {
+        let mut record = motor();
+        record.map = Some("time=t:s,duty=pwm:255,speed=w:rad/s".parse().unwrap());
+        record.voltage_v = (0..record.len()).map(|k| [4.0, 12.0, 0.0, 8.0][k / 60 % 4]).collect();
+        let follows: Vec<f64> = record.voltage_v.iter().map(|v| 2.0 * v).collect();
+        (record.angle_rad, record.speed_rad_s) = (None, Some(follows));
+        assert_eq!(inverted(&record), None);
+        record.voltage_v.iter_mut().for_each(|v| *v = 12.0 - *v);
+        let (name, _, _, fix) = inverted(&record).unwrap();
+        assert!(name == "inverted_duty" && fix.contains("duty=pwm:255..0"), "{fix}");
+        // An encoder that is turned round is another fault.
+        record.voltage_v.iter_mut().for_each(|v| *v = 12.0 - *v);
+        record.speed_rad_s.as_mut().unwrap().iter_mut().for_each(|w| *w = -*w);
+        assert_eq!(inverted(&record), None);
     }
 
     #[test]
