@@ -9,6 +9,7 @@ use super::headless::plain;
 use super::heads::{scope, tag_of};
 use super::numbers::number;
 use super::pairs::pairs;
+use super::properties;
 use super::stamped::stamped;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
@@ -43,6 +44,11 @@ pub(super) struct Layout {
 impl Layout {
     /// The layout of a table that begins with `lines`, none of which is blank or a remark.
     pub fn of(lines: &[&str]) -> Layout {
+        properties::below_names(lines, Layout::of_rows).unwrap_or_else(|| Layout::of_rows(lines))
+    }
+
+    /// The same where no line tells a property of its columns.
+    fn of_rows(lines: &[&str]) -> Layout {
         let share = |count: usize| count as f64 >= MOST * lines.len() as f64;
         let is_stamped = share(lines.iter().filter(|line| stamped(line).is_some()).count());
         let bare: Vec<&str> = lines

@@ -42,6 +42,7 @@ mod numbered;
 mod numbers;
 mod pairs;
 mod preamble;
+mod properties;
 pub mod quantum;
 mod rates;
 mod read;

@@ -8,7 +8,7 @@ use super::hexadecimal::Hexadecimal;
 use super::layout::Layout;
 use super::numbers::Thousands;
 use super::text::cannot_read;
-use super::{Metadata, beside, rates, sample};
+use super::{Metadata, beside, properties, rates, sample};
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
@@ -129,7 +129,11 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     check(path, &layout, &texts, line)?;
     let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
     let skipped = if line < lines[0].0 { 0 } else { skipped };
-    let rate = texts[..skipped.min(texts.len())].iter().find_map(|text| rates::before(text));
+    let before = &texts[..skipped.min(texts.len())];
+    let rate = before.iter().find_map(|text| rates::before(text));
+    if layout.units.is_empty() {
+        layout.units = properties::of_labview(before, &layout.names);
+    }
     let below = texts.get(layout.header.map_or(usize::MAX, |header| header + 1)).copied().unwrap_or_default();
     let rigol = rates::rigol(&layout.names, below);
     let rate = rate.or(rigol.map(|(rate, ..)| rate));
