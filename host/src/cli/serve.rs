@@ -35,13 +35,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         for warning in &loaded.warnings {
             console.say(super::prose::fault(warning));
         }
-        let options = args.reading.options()?;
-        // What is left of a record that was divided by its times is no whole file, to be read anew.
-        if args.reading.skip.is_empty() && args.reading.judge_by.is_empty() {
-            Session::of_files(loaded.records, loaded.validation, &options)?
-        } else {
-            Session::new(loaded.records, loaded.validation, options.motor)?
-        }
+        Session::of_files(loaded, &args.reading.options()?, &args.reading.division())?
     };
     serve::serve(session, library.clone(), args.port, |address| {
         let url = format!("http://{address}");

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::apart;
 use super::mapping::Mapping;
-use super::roles::{Range, divide};
+use super::roles::{Division, Range, divide};
 use super::{Format, Hold, ReadOptions, Record, Warning, read, servo, set_aside_still};
 use crate::error::Result;
 use crate::motor_file::{self, MotorFile};
@@ -93,6 +93,11 @@ impl ReadArgs {
             motor: self.motor_file()?,
         })
     }
+
+    /// What is left out of the records, and what of them judges.
+    pub fn division(&self) -> Division {
+        Division { skip: self.skip.clone(), judge_by: self.judge_by.clone() }
+    }
 }
 
 /// Records by what they are for.
@@ -120,8 +125,7 @@ pub fn load(paths: &[PathBuf], args: &ReadArgs) -> Result<Loaded> {
         }
         Ok(records)
     };
-    let (mut records, mut validation) =
-        divide(all(paths)?, all(&args.validate)?, &args.skip, &args.judge_by)?;
+    let (mut records, mut validation) = divide(all(paths)?, all(&args.validate)?, &args.division())?;
     // One controller for all.
     let fitted = records.len();
     records.append(&mut validation);

@@ -73,46 +73,42 @@ impl Range {
     }
 }
 
-/// Divides `records` into those to fit and those to judge by, without what `skip` names. What is left of a record before and after
-/// a range become records of their own: no voltage is held through what was left out.
-///
-/// # Errors
-/// Wrong usage where a range touches no record.
-pub fn divide(
-    fitted: Vec<Record>,
-    kept_out: Vec<Record>,
-    skip: &[Range],
-    judge: &[Range],
-) -> Result<(Vec<Record>, Vec<Record>)> {
-    if skip.is_empty() && judge.is_empty() {
-        return Ok((fitted, kept_out));
+/// What is left out of records, and what of them judges.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Division {
+    /// Left out.
+    pub skip: Vec<Range>,
+    /// Kept out of every fit, and judged by.
+    pub judge_by: Vec<Range>,
+}
+
+impl Division {
+    fn is_empty(&self) -> bool {
+        self.skip.is_empty() && self.judge_by.is_empty()
     }
-    let known = fitted.len();
-    let records: Vec<Record> = fitted.into_iter().chain(kept_out).collect();
-    for (option, ranges) in [("--skip", skip), ("--judge-by", judge)] {
-        if let Some(range) = ranges.iter().find(|range| !records.iter().any(|record| range.touches(record))) {
-            return Err(nothing_there(option, range, &records));
+
+    /// What is left of `record`, each part with whether it judges; all of a record that is `kept_out` does. What stands before and after a
+    /// range become records of their own: no voltage is held through what was left out.
+    pub fn parts(&self, record: Record, kept_out: bool) -> Vec<(Record, bool)> {
+        if self.is_empty() {
+            return vec![(record, kept_out)];
         }
-    }
-    let (mut fitted, mut judged) = (Vec::new(), Vec::new());
-    for (place, record) in records.into_iter().enumerate() {
-        let role = |t: f64| {
-            let within = |ranges: &[Range]| ranges.iter().any(|range| range.is_of(&record) && range.holds(t));
-            (!within(skip)).then(|| place >= known || within(judge))
-        };
+        let within = |ranges: &[Range], t: f64| ranges.iter().any(|r| r.is_of(&record) && r.holds(t));
+        let role = |t: f64| (!within(&self.skip, t)).then(|| kept_out || within(&self.judge_by, t));
         let roles: Vec<Option<bool>> = record.time_s.iter().map(|t| role(*t)).collect();
         let mut begin = 0;
-        let mut parts = Vec::new();
+        let mut ranges = Vec::new();
         for end in 1..=roles.len() {
             if end == roles.len() || roles[end] != roles[begin] {
-                if let Some(kept_out) = roles[begin].filter(|_| end - begin >= FEWEST_SAMPLES) {
-                    parts.push((begin..end, kept_out));
+                if let Some(judges) = roles[begin].filter(|_| end - begin >= FEWEST_SAMPLES) {
+                    ranges.push((begin..end, judges));
                 }
                 begin = end;
             }
         }
-        let whole = parts.len() == 1;
-        for (number, (range, kept_out)) in parts.into_iter().enumerate() {
+        let whole = ranges.len() == 1;
+        let mut parts = Vec::new();
+        for (number, (range, judges)) in ranges.into_iter().enumerate() {
             let mut part = if whole && range.len() == record.len() {
                 record.clone()
             } else {
@@ -121,7 +117,35 @@ pub fn divide(
             if number > 0 {
                 part.warnings.clear();
             }
-            if kept_out { &mut judged } else { &mut fitted }.push(part);
+            parts.push((part, judges));
+        }
+        parts
+    }
+}
+
+/// The records to fit and those to judge by, of `fitted` and `kept_out` ones divided by `division`.
+///
+/// # Errors
+/// Wrong usage where a range touches no record, or nothing is left to fit.
+pub fn divide(
+    fitted: Vec<Record>,
+    kept_out: Vec<Record>,
+    division: &Division,
+) -> Result<(Vec<Record>, Vec<Record>)> {
+    if division.is_empty() {
+        return Ok((fitted, kept_out));
+    }
+    let known = fitted.len();
+    let records: Vec<Record> = fitted.into_iter().chain(kept_out).collect();
+    for (option, ranges) in [("--skip", &division.skip), ("--judge-by", &division.judge_by)] {
+        if let Some(range) = ranges.iter().find(|range| !records.iter().any(|record| range.touches(record))) {
+            return Err(nothing_there(option, range, &records));
+        }
+    }
+    let (mut fitted, mut judged) = (Vec::new(), Vec::new());
+    for (place, record) in records.into_iter().enumerate() {
+        for (part, judges) in division.parts(record, place >= known) {
+            if judges { &mut judged } else { &mut fitted }.push(part);
         }
     }
     if fitted.is_empty() {
@@ -164,6 +188,10 @@ mod tests {
         }
     }
 
+    fn division(skip: &[&str], judge_by: &[&str]) -> Division {
+        Division { skip: ranges(skip), judge_by: ranges(judge_by) }
+    }
+
     fn ranges(texts: &[&str]) -> Vec<Range> {
         texts.iter().map(|text| text.parse().unwrap()).collect()
     }
@@ -173,8 +201,7 @@ mod tests {
         let (fitted, judged) = divide(
             vec![record("a"), record("b")],
             vec![],
-            &ranges(&["a:3.2..4.0"]),
-            &ranges(&["b:5..", "a:9..9.5"]),
+            &division(&["a:3.2..4.0"], &["b:5..", "a:9..9.5"]),
         )
         .unwrap();
         let of = |records: &[Record]| -> Vec<(String, f64, f64)> {
@@ -195,7 +222,7 @@ mod tests {
     #[test]
     fn a_record_by_its_name_is_all_of_it() {
         let (fitted, judged) =
-            divide(vec![record("a"), record("b")], vec![], &[], &ranges(&["b.csv"])).unwrap();
+            divide(vec![record("a"), record("b")], vec![], &division(&[], &["b.csv"])).unwrap();
         assert_eq!((fitted.len(), judged[0].len()), (1, 1000));
         assert_eq!(judged[0].name, "b");
     }
@@ -206,9 +233,9 @@ mod tests {
             assert!(text.parse::<Range>().is_err(), "{text}");
         }
         for text in ["c:3..4", "20..30", "3-4"] {
-            let error = divide(vec![record("a")], vec![], &ranges(&[text]), &[]).unwrap_err().to_string();
+            let error = divide(vec![record("a")], vec![], &division(&[text], &[])).unwrap_err().to_string();
             assert!(error.contains("touches no record") && error.contains("a 0.000..9.990"), "{error}");
         }
-        assert!(divide(vec![record("a")], vec![], &ranges(&["a"]), &[]).is_err());
+        assert!(divide(vec![record("a")], vec![], &division(&["a"], &[])).is_err());
     }
 }

@@ -14,6 +14,7 @@ mod guard;
 mod jobs;
 mod origin;
 mod puzzle;
+mod rig;
 mod runs;
 mod scene;
 mod session;

@@ -4,82 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use axum::body::Bytes;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::data::{Data, Entry, Role};
+use super::rig::Rig;
 use crate::error::{Error, Result};
 use crate::log::guess::{Look, look};
-use crate::log::{EncoderShaft, ReadOptions, Record, read};
+use crate::log::roles::Division;
+use crate::log::{ReadOptions, Record, read};
 use crate::motor_file::MotorFile;
-
-/// What the fields of the dialogue say of the rig; a query gives all of it as text.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Rig {
-    /// Supply of the driver, V, where the log has the duty only.
-    pub supply_v: Option<String>,
-    /// Counts per turn of the output shaft.
-    pub counts_per_rev: Option<String>,
-    /// Metres of a linear axis per turn of the output shaft.
-    pub metres_per_rev: Option<String>,
-    /// Rows per second, where no column tells the time.
-    pub rate_hz: Option<String>,
-    /// Turns of the motor per turn of the output shaft.
-    pub gear_ratio: Option<String>,
-    /// Where the encoder sits.
-    pub encoder_shaft: Option<EncoderShaft>,
-}
-
-impl Rig {
-    /// What `options` say, and where they say nothing of the motor what is known of it.
-    fn of(options: &ReadOptions, motor: &MotorFile) -> Self {
-        let text = |value: Option<f64>| value.map(|value| value.to_string());
-        let own = &options.motor;
-        Self {
-            supply_v: text(options.supply_volts),
-            counts_per_rev: text(own.counts_per_rev.or(motor.counts_per_rev)),
-            metres_per_rev: text(own.metres_per_rev.or(motor.metres_per_rev)),
-            rate_hz: text(options.rate_hz),
-            gear_ratio: text(own.gear_ratio.or(motor.gear_ratio)),
-            encoder_shaft: own.encoder_shaft.or(motor.encoder_shaft),
-        }
-    }
-
-    /// The number in a field, if there is one.
-    fn number(field: &Option<String>, name: &str) -> Result<Option<f64>> {
-        let Some(text) = field.as_deref().map(str::trim).filter(|text| !text.is_empty()) else {
-            return Ok(None);
-        };
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() && value > 0.0 => Ok(Some(value)),
-            _ => Err(Error::usage(
-                format!("{name} is \"{text}\""),
-                "give a positive number, or leave it empty",
-            )),
-        }
-    }
-
-    /// What is known of the motor: `before`, but for what the fields say.
-    pub fn motor(&self, before: MotorFile) -> Result<MotorFile> {
-        Ok(MotorFile {
-            counts_per_rev: Self::number(&self.counts_per_rev, "counts per turn")?,
-            metres_per_rev: Self::number(&self.metres_per_rev, "metres per turn")?,
-            gear_ratio: Self::number(&self.gear_ratio, "gear ratio")?,
-            encoder_shaft: self.encoder_shaft,
-            ..before
-        })
-    }
-
-    /// How a file is read with the columns of `map`, empty for canonical ones: `before`, but for what map and fields say.
-    pub fn options(&self, map: &str, before: ReadOptions) -> Result<ReadOptions> {
-        let map = if map.is_empty() { None } else { Some(map.parse()) };
-        let map = map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
-        let supply_volts = Self::number(&self.supply_v, "supply")?;
-        let rate_hz = Self::number(&self.rate_hz, "samples per second")?;
-        let motor = self.motor(before.motor)?;
-        Ok(ReadOptions { map, supply_volts, rate_hz, motor, ..before })
-    }
-}
 
 /// A file, and how it was read.
 #[derive(Debug)]
@@ -90,6 +23,8 @@ pub struct Origin {
     content: Option<Bytes>,
     /// How it was read.
     pub options: ReadOptions,
+    /// What was left out of its records, and what of them judges, when it was given.
+    division: Division,
     /// Whether its columns were looked at once more and said to be so.
     confirmed: bool,
     look: OnceLock<Look>,
@@ -100,18 +35,19 @@ impl Origin {
     pub fn dropped(name: &str, content: Bytes, options: ReadOptions) -> Self {
         // Only the last part of the name, so that it stays within the directory where it is kept.
         let name = Path::new(name).file_name().map_or_else(|| PathBuf::from("log.csv"), PathBuf::from);
-        Self { name, content: Some(content), options, confirmed: false, look: OnceLock::new() }
+        let (content, division) = (Some(content), Division::default());
+        Self { name, content, options, division, confirmed: false, look: OnceLock::new() }
     }
 
-    /// A file on this machine.
-    pub fn on_disk(name: PathBuf, options: ReadOptions) -> Self {
-        Self { name, content: None, options, confirmed: false, look: OnceLock::new() }
+    /// A file on this machine, whose records were divided by `division`.
+    fn on_disk(name: PathBuf, options: ReadOptions, division: Division) -> Self {
+        Self { name, content: None, options, division, confirmed: false, look: OnceLock::new() }
     }
 
     /// The same file, read once more.
     fn read_again(&self, options: ReadOptions) -> Self {
-        let (name, content) = (self.name.clone(), self.content.clone());
-        Self { name, content, options, confirmed: true, look: OnceLock::new() }
+        let (name, content, division) = (self.name.clone(), self.content.clone(), self.division.clone());
+        Self { name, content, options, division, confirmed: true, look: OnceLock::new() }
     }
 
     /// The name of the file without its place.
@@ -141,7 +77,9 @@ impl Origin {
         for record in &mut records {
             record.path.clone_from(&self.name);
         }
-        Ok(records)
+        // What judges keeps its role by its name.
+        let parts = records.into_iter().flat_map(|record| self.division.parts(record, false));
+        Ok(parts.map(|(part, _)| part).collect())
     }
 
     /// What its columns are, looked at once.
@@ -201,14 +139,15 @@ impl Data {
         all
     }
 
-    /// Gives every record that was read with `options` the file it came from.
-    pub fn came_from(&mut self, options: &ReadOptions) {
+    /// Gives every record the file that it came from: all were read with `options` and divided by `division`. A pipe, or two files that were read as
+    /// one record, cannot be read once more as one file.
+    pub fn came_from(&mut self, options: &ReadOptions, division: &Division) {
         let mut all: Vec<Arc<Origin>> = Vec::new();
-        for entry in &mut self.entries {
+        for entry in self.entries.iter_mut().filter(|entry| entry.record.path.is_file()) {
             let path = &entry.record.path;
             let known = all.iter().find(|origin| origin.name == *path).cloned();
             let origin = known.unwrap_or_else(|| {
-                all.push(Arc::new(Origin::on_disk(path.clone(), options.clone())));
+                all.push(Arc::new(Origin::on_disk(path.clone(), options.clone(), division.clone())));
                 Arc::clone(&all[all.len() - 1])
             });
             entry.origin = Some(origin);
@@ -366,17 +305,36 @@ mod tests {
     }
 
     #[test]
+    fn records_that_the_command_line_divided_are_divided_alike_when_their_file_is_read_anew() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        std::fs::write(&path, log()).unwrap();
+        let options =
+            Rig::default().options("time=0:ms,voltage=1:mV,speed=2", ReadOptions::default()).unwrap();
+        let ranges = |text: &str| vec![text.parse().unwrap()];
+        let division = Division { skip: ranges("2..3"), judge_by: ranges("run:4..") };
+        let parts = read(&path, &options).unwrap().into_iter().flat_map(|r| division.parts(r, false));
+        let (judged, fitted): (Vec<_>, Vec<_>) = parts.partition(|(_, judges)| *judges);
+        let records = |of: Vec<(Record, bool)>| of.into_iter().map(|(record, _)| record).collect();
+        let mut data = Data::new(records(fitted), records(judged), MotorFile::default());
+        data.came_from(&options, &division);
+        let new = data.mapped(2, false, "time=0:ms,voltage=1,speed=2", &Rig::default()).unwrap();
+        let of = |data: &Data| -> Vec<(String, Role, usize)> {
+            data.entries.iter().map(|e| (e.record.name.clone(), e.role, e.record.len())).collect()
+        };
+        assert_eq!(of(&new), of(&data));
+        assert_eq!((of(&new).len(), new.entries[2].role), (3, Role::Validation));
+        let [old, own] = [&data, &new].map(|data| data.entries[1].record.voltage_v[50]);
+        assert!((own / old - 1e3).abs() < 1e-6, "{old} {own}");
+        data.entries[0].origin = None;
+        assert!(data.mapping_of(0).unwrap_err().to_string().contains("open its log again"));
+    }
+
+    #[test]
     fn a_bad_log_gets_a_message_without_the_place_where_it_was_kept() {
         let text = "time_s,voltage_v,angle_rad\n0,1,2\n1,x,3\n";
         let origin = Origin::dropped("../../etc/log.csv", Bytes::from(text), ReadOptions::default());
         let error = origin.records().unwrap_err().to_string();
         assert!(error.starts_with("log.csv") && error.contains("line 3"), "{error}");
-    }
-
-    #[test]
-    fn a_field_that_is_no_positive_number_is_named() {
-        let rig = Rig { gear_ratio: Some("-3".into()), ..Rig::default() };
-        assert!(rig.motor(MotorFile::default()).unwrap_err().to_string().contains("gear ratio is \"-3\""));
-        assert_eq!(Rig::default().motor(MotorFile::default()).unwrap(), MotorFile::default());
     }
 }

@@ -15,7 +15,8 @@ use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::findings::{Yardstick, supposes};
 use crate::fit::layout::Values;
-use crate::log::{ReadOptions, Record, Warning, data_faults};
+use crate::log::roles::Division;
+use crate::log::{Loaded, ReadOptions, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::report::falls::judged;
@@ -96,13 +97,14 @@ impl Session {
         Self::of(Data::new(records, validation, motor))
     }
 
-    /// The same of records that were read with `options`: their columns can be mapped anew on the page.
+    /// The same of the records of files that were `loaded` with `options` and divided by `division`: their columns can be mapped anew on the
+    /// page.
     ///
     /// # Errors
     /// Records that no fit can use.
-    pub fn of_files(records: Vec<Record>, validation: Vec<Record>, options: &ReadOptions) -> Result<Self> {
-        let mut data = Data::new(records, validation, options.motor.clone());
-        data.came_from(options);
+    pub fn of_files(loaded: Loaded, options: &ReadOptions, division: &Division) -> Result<Self> {
+        let mut data = Data::new(loaded.records, loaded.validation, options.motor.clone());
+        data.came_from(options, division);
         Self::of(data)
     }
 

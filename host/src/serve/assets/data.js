@@ -19,10 +19,10 @@ async function changed(change) {
   try { await ask("/api/data", change); } catch (error) { showData(state.data); throw error; }
 }
 
-// The record that is shown is a piece of an entry: the entry of that name.
+// The record that is shown is an entry, or a piece of the one whose name it has before its part.
 function entryShown() {
-  const name = state.records[chosen()].name.replace(/ \(part \d+\)$/, "");
-  return state.data.entries.findIndex((e) => e.name === name);
+  const { name } = state.records[chosen()], whole = state.data.entries.findIndex((e) => e.name === name);
+  return whole >= 0 ? whole : state.data.entries.findIndex((e) => e.name === name.replace(/ \(part \d+\)$/, ""));
 }
 function offerCut() {
   $("cut-from").value = part ? part[0].toFixed(3) : "";
