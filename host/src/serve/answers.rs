@@ -128,9 +128,10 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
             }
             "missing" => {
                 let diagnosis = scene.diagnosis.as_deref().cloned().unwrap_or_default();
-                let setting = Setting { rivals: &diagnosis.rivals, in_model: scene.effects() };
+                let rivals = scene.rivals();
+                let setting = Setting { rivals: &rivals, in_model: scene.effects() };
                 let (cards, figures) = missing::cards(&scene.suspects(), &setting);
-                json!({ "figures": figures, "cards": cards, "rivals": diagnosis.rivals, "next": diagnosis.next,
+                json!({ "figures": figures, "cards": cards, "rivals": rivals, "next": diagnosis.next,
                         "worth": diagnosis.suggested.is_some(), "diagnosed": scene.diagnosis.is_some() })
             }
             "falls" => {

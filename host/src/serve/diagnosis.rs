@@ -1,18 +1,20 @@
 //! What is missing from the current model, and what to run next to be sure.
 
+use std::sync::Arc;
+
 use motorlens_shared::effects::Kind;
 
+use super::open::Open;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder;
 use crate::diagnose::plan::Limits;
 use crate::findings::{Experiment, NextExperiment};
-use crate::log::Warning;
-use crate::report::{DRAWN, Suspect, evidence, shown_by_fit};
+use crate::report::{DRAWN, Suspect, evidence};
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 use crate::select::fitted::Fitted;
 use crate::select::limits::detection_limits;
-use crate::select::run::{Rivals, alike, step_up};
+use crate::select::run::{alike, step_up};
 
 /// Effects that were tried on a model.
 #[derive(Debug, Clone, Default)]
@@ -21,10 +23,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Fitted>,
     /// The same as they are told; the first few with what shows them.
     pub suspects: Vec<Suspect>,
-    /// Sets that cannot be told apart.
-    pub rivals: Vec<Vec<Kind>>,
-    /// One of them that runs much nearer to the records of the fit than what is suggested.
-    pub nearer: Option<Warning>,
+    /// What the records cannot tell from the effect that is suggested.
+    pub open: Option<Arc<Open>>,
     /// The experiment that would tell them apart, where there are any.
     pub next: Option<NextExperiment>,
     /// What the records would have shown of every further effect.
@@ -37,7 +37,7 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// What `candidates`, tried on `model`, tell; `base` is the model without effects,
-    /// `floor` the noise of the readings, rms, `library` the effects that may be added.
+    /// `floor` the noise of the readings, rms, `library` the effects that may be added, `open` what the effects of `model` leave open.
     pub fn new(
         evidence: &Evidence,
         base: &Fitted,
@@ -45,6 +45,7 @@ impl Diagnosis {
         floor: f64,
         mut candidates: Vec<Fitted>,
         library: &[Kind],
+        open: &[Arc<Open>],
     ) -> Self {
         let best = step_up(evidence, base, model, &mut candidates);
         let suggested = best.as_ref().and_then(|best| best.kinds().last().copied());
@@ -61,13 +62,16 @@ impl Diagnosis {
         });
         let suspects = suspects.collect();
         let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
-        let among: Vec<&Fitted> = found.iter().flat_map(|set| &set.models).collect();
+        let found = found.map(|set| Arc::new(Open::new(set, evidence)));
+        // Where nothing is suggested, what the last effect left open is to be told apart; since an earlier one the model has changed.
+        let of_the_last =
+            |open: &&Arc<Open>| open.set.models.first().is_some_and(|m| m.kinds() == model.kinds());
+        let asked = found.as_ref().or_else(|| open.iter().find(of_the_last).filter(|_| suggested.is_none()));
+        let among: Vec<&Fitted> = asked.map_or_else(Vec::new, |open| open.set.models.iter().collect());
         let limits =
             if suggested.is_some() { Vec::new() } else { detection_limits(evidence, base, model, library) };
         let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
-        let nearer = shown_by_fit::nearer_rival(found.as_slice(), evidence);
-        let rivals = found.iter().map(Rivals::kinds).collect();
         let left = Adequacy::of(evidence, base, model, floor);
-        Self { suspects, rivals, nearer, next, limits, left, suggested, candidates }
+        Self { suspects, open: found, next, limits, left, suggested, candidates }
     }
 }

@@ -14,6 +14,7 @@ use serde_json::json;
 use super::App;
 use super::diagnosis::Diagnosis;
 use super::jobs::{self, Answer, End, Job, refused};
+use super::open::Open;
 use super::session::{Doubt, NextModel, Session, rung};
 use super::steps;
 use crate::compare::free_run::free_runs;
@@ -84,12 +85,15 @@ fn stopped() -> End {
 pub async fn diagnose(State(app): State<Arc<App>>) -> Answer {
     jobs::start(&app, "Looking for what is missing", |job| {
         let work = Work::of(&job.app.session());
-        let refused = job.app.session().refused.clone();
+        let (refused, open) = {
+            let session = job.app.session();
+            (session.refused.clone(), session.open.clone())
+        };
         let library = job.app.library().clone();
         let untried = library.kinds().iter().copied().filter(|kind| !refused.contains(kind));
         let Some(found) = tried(job, &work, &untried.collect::<Vec<_>>()) else { return stopped() };
         let Work { evidence, base, model, floor, .. } = &work;
-        let diagnosis = Diagnosis::new(evidence, base, model, *floor, found, library.kinds());
+        let diagnosis = Diagnosis::new(evidence, base, model, *floor, found, library.kinds(), &open);
         // The badge doubts the effect that came last and proposes to remove it: the status goes the same way.
         let doubt = job.app.session().doubt;
         let message = match (diagnosis.suggested, doubt) {
@@ -150,7 +154,8 @@ fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> 
         .filter(|_| rises || !chosen.beats(&work.model, &work.evidence, &work.base))
         .map(|effect| Doubt { effect, rises });
     let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
-    let next = NextModel { chosen, shown, rung: after, rise, doubt };
+    let open = still_open(&job.app.session(), added, chosen.kinds());
+    let next = NextModel { chosen, shown, rung: after, rise, doubt, open };
     End::Done(
         message,
         Box::new(move |session| {
@@ -161,6 +166,14 @@ fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> 
             session.step_to(next);
         }),
     )
+}
+
+/// What the effects of a model with `effects` leave open; the one `added` to the session's, as its diagnosis found it.
+fn still_open(session: &Session, added: Option<Kind>, effects: &[Kind]) -> Vec<Arc<Open>> {
+    let suggested = session.diagnosis.as_ref().and_then(|diagnosis| diagnosis.open.as_ref());
+    let new = added.zip(suggested).and_then(|(kind, open)| open.accepting(kind, &session.evidence));
+    let known = session.open.iter().cloned().chain(new.map(Arc::new));
+    known.filter(|open| open.is_of(effects)).collect()
 }
 
 /// Where the error rose, in words.
@@ -193,7 +206,7 @@ pub fn kept(job: &Job, mut session: Session, had: &Values) -> Option<Session> {
     let chosen = searched(job, &work, &begin)?;
     let shown = chosen.simulating(&work.evidence);
     let (after, rise) = (rung(&work.evidence, &shown), rise(&work.evidence, &work.shown, &shown));
-    session.step_to(NextModel { chosen, shown, rung: after, rise, doubt: None });
+    session.step_to(NextModel { chosen, shown, rung: after, rise, doubt: None, open: Vec::new() });
     Some(session)
 }
 

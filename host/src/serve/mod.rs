@@ -12,6 +12,7 @@ mod effect_file;
 mod fits;
 mod guard;
 mod jobs;
+mod open;
 mod origin;
 mod puzzle;
 mod rig;

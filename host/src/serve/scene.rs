@@ -5,6 +5,7 @@ use std::sync::Arc;
 use motorlens_shared::effects::Kind;
 
 use super::diagnosis::Diagnosis;
+use super::open::Open;
 use super::session::Doubt;
 use super::view::View;
 use crate::compare::rise::Rise;
@@ -39,6 +40,7 @@ pub struct Scene {
     pub model: Model,
     pub(super) chosen: Fitted,
     pub(super) doubt: Option<Doubt>,
+    pub(super) open: Vec<Arc<Open>>,
     pub(super) title: String,
     /// Whether a person looked once more at the columns of all files.
     pub(super) confirmed: bool,
@@ -75,8 +77,9 @@ impl Scene {
                 rises: d.rises,
                 most: self.rises.last().and_then(Option::as_ref),
             }),
-            experiment: diagnosis
-                .is_some_and(|d| d.next.is_some() && (self.effects().is_empty() || !d.rivals.is_empty())),
+            experiment: diagnosis.is_some_and(|d| {
+                d.next.is_some() && (self.effects().is_empty() || self.open().next().is_some())
+            }),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
             mend: Mend::first(&self.faults),
@@ -107,8 +110,18 @@ impl Scene {
 
     /// All that only the fit and the search show, as it is told.
     pub fn shown_by_the_fit(&self) -> Vec<Warning> {
-        let nearer = self.diagnosis.as_ref().and_then(|diagnosis| diagnosis.nearer.clone());
+        let nearer = self.open().find_map(|open| open.nearer.clone());
         self.later_faults().into_iter().chain(nearer).collect()
+    }
+
+    /// What the effects of the model leave open, and what is suggested.
+    fn open(&self) -> impl Iterator<Item = &Arc<Open>> {
+        self.open.iter().chain(self.diagnosis.as_deref().and_then(|diagnosis| diagnosis.open.as_ref()))
+    }
+
+    /// Sets of effects that the records cannot tell apart, the accepted or suggested one of each first.
+    pub fn rivals(&self) -> Vec<Vec<Kind>> {
+        self.open().map(|open| open.set.kinds()).collect()
     }
 
     /// What is suspected, and after it what is in the model already.
@@ -136,7 +149,7 @@ impl Scene {
             floor: self.floor,
             ladder: self.ladder.clone(),
             suspects: self.suspects(),
-            rivals: diagnosis.rivals,
+            rivals: self.rivals(),
             next: diagnosis.next.map(|next| next.why),
             standing: self.standing(),
             rises: self.rises.clone(),

@@ -6,6 +6,7 @@ use motorlens_shared::effects::Kind;
 
 use super::data::{Data, Role};
 use super::diagnosis::Diagnosis;
+use super::open::Open;
 use super::scene::Scene;
 use super::view::{Tracks, View};
 use crate::compare::rise::Rise;
@@ -76,6 +77,8 @@ pub struct Session {
     pub diagnosis: Option<Arc<Diagnosis>>,
     /// Whether the last step is believed.
     pub doubt: Option<Doubt>,
+    /// What the effects of the model leave open.
+    pub open: Vec<Arc<Open>>,
     /// Effects that were added to these records and removed again, as held-out data did not confirm them.
     pub refused: Vec<Kind>,
     /// What is hidden, where the records are a puzzle's.
@@ -134,6 +137,7 @@ impl Session {
             passed,
             diagnosis: None,
             doubt: None,
+            open: Vec::new(),
             refused: Vec::new(),
             puzzle: None,
             data,
@@ -157,7 +161,7 @@ impl Session {
 
     /// Takes the model of `step` as the current one.
     pub fn step_to(&mut self, step: NextModel) {
-        let NextModel { chosen, shown, rung, rise, doubt } = step;
+        let NextModel { chosen, shown, rung, rise, doubt, open } = step;
         let values = shown.values();
         let name = prose(&values.kinds());
         let (tracks, against) = (Arc::clone(&self.view.tracks), self.view.against.clone());
@@ -165,6 +169,7 @@ impl Session {
         self.passed.retain(|p| p.name != name);
         self.passed.push(Passed { name, values });
         (self.chosen, self.current, self.diagnosis, self.doubt) = (chosen, shown, None, doubt);
+        self.open = open;
         self.ladder.push(rung);
         self.rises.push(rise);
     }
@@ -221,6 +226,7 @@ impl Session {
             model: self.model(),
             chosen: self.chosen.clone(),
             doubt: self.doubt,
+            open: self.open.clone(),
             title: self.title.clone(),
             confirmed: self.data.is_confirmed(),
         }
@@ -240,6 +246,8 @@ pub struct NextModel {
     pub rise: Option<Rise>,
     /// Whether its last effect is believed.
     pub doubt: Option<Doubt>,
+    /// What its effects leave open.
+    pub open: Vec<Arc<Open>>,
 }
 
 /// The usual model of robotics, as the page names it.

@@ -53,11 +53,16 @@ function nextCard(next) {
     element("p", { className: "quiet", textContent: `${next.programme.name}, ${short(segments)} s. By hand: motorlens capture --programme programme.json.` }),
     element("p", { className: "tools" }, run, element("a", { className: "button", href: "/export/programme.json", download: "programme.json", textContent: "Save the programme" })));
 }
+function rivalsCard(set) {
+  const [first, ...others] = set, accepted = state.effects.some((e) => e.name === first && e.added);
+  const words = accepted ? `${first} is in the model; these records cannot tell it from ${listed(others, "or")}.` : `These records cannot tell ${listed(set)} apart: the first of them is as good a name as the others.`;
+  return element("article", { className: "card rivals" }, element("h3", { textContent: "Indistinguishable" }), element("p", { textContent: words }));
+}
 async function showMissing() {
   const { cards, figures, rivals, next, worth, diagnosed } = await ask("/api/figures/missing");
   const all = [];
   if (diagnosed && !worth) all.push(element("article", { className: "card nothing" }, element("h3", { textContent: "No candidate is worth adding" }), element("p", { textContent: "No effect of the library lowers the error enough, on the records fitted and on blocks held out, to be worth its parameters." })));
-  for (const set of rivals) all.push(element("article", { className: "card rivals" }, element("h3", { textContent: "Indistinguishable" }), element("p", { textContent: `These records cannot tell ${listed(set)} apart: the first of them is as good a name as the others.` })));
+  for (const set of rivals) all.push(rivalsCard(set));
   if (next) all.push(nextCard(next));
   all.push(...cards.map((c, k) => card(c, figures, k === 0)));
   $("missing-words").textContent = diagnosed ? "Gain: the share of the error that the effect explains, on the records fitted and on blocks held out. The order is that of the likelihood of blocks held out; what these records cannot tell apart shares a rank." : "Every effect of the library is tried on the model, on records fitted and on blocks held out.";
