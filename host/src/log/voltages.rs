@@ -7,10 +7,16 @@ use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::{Record, Warning};
 
+/// Whether a mapping says how many volts the numbers of the column are, be it `V*1`: not one that turns it round only.
+fn is_scaled(record: &Record) -> bool {
+    let source = record.map.as_ref().and_then(|map| map.source(Quantity::Voltage));
+    source.is_some_and(|source| source.written.trim_end_matches("*-1").contains(['*', '/']))
+}
+
 /// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
 pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
-    let records =
-        || records.iter().copied().filter(|r| r.supply_v.is_none() && r.meta.get("voltage").is_none());
+    let may_be = |r: &&Record| r.supply_v.is_none() && r.meta.get("voltage").is_none() && !is_scaled(r);
+    let records = || records.iter().copied().filter(may_be);
     let highest = records().map(|r| peak(&r.voltage_v)).fold(0.0, f64::max);
     let first = records().next()?;
     let (looks, full) = if highest > 0.0 && highest <= 1.0 {
@@ -26,8 +32,10 @@ pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
             "perhaps_duty: the voltage never passes {highest:.3}, as {looks} does; then every gain is wrong by the supply's voltage"
         ),
         fix: format!(
-            "if it is a duty, say {} --supply-volts 12 (with the voltage of this drive's supply)",
-            remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)])
+            "if it is a duty, say {} --supply-volts 12 (with the voltage of this drive's supply); if it is in volts, say {} (it is not asked \
+             again)",
+            remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)]),
+            remapped(first, &[(Quantity::Voltage, Quantity::Voltage, "*1")])
         ),
     })
 }
@@ -199,6 +207,21 @@ pub(super) fn unsigned_motion(record: &Record) -> Option<Odd> {
 mod tests {
     use super::*;
     use crate::log::usable::tests::motor;
+
+    #[test]
+    fn a_voltage_as_small_as_a_duty_is_asked_about_until_the_mapping_says_how_many_volts_it_is() {
+        let mut record = motor();
+        let highest = peak(&record.voltage_v);
+        record.voltage_v.iter_mut().for_each(|v| *v /= highest);
+        let asked = duty(&[&record]).unwrap();
+        assert!(asked.fix.contains("--map \"voltage=voltage_v:V*1\""), "{}", asked.fix);
+        let mut is_asked = |map: &str| {
+            record.map = Some(map.parse().unwrap());
+            duty(&[&record]).is_some()
+        };
+        assert!(is_asked("voltage=u:V,angle=x:rad") && is_asked("voltage=u:V*-1,angle=x:rad"));
+        assert!(!is_asked("voltage=u:V*1,angle=x:rad") && !is_asked("voltage=u:V/255*7.9,angle=x:rad"));
+    }
 
     #[test]
     fn a_voltage_without_its_sign_is_told_and_a_load_that_turns_the_motor_back_is_not() {

@@ -49,7 +49,7 @@ function onPage(remedy) {
   const told = FIELDS.map(([option, id]) => [id, remedy.match(new RegExp(`${option} ([\\d.]+)`))]).filter(([, found]) => found);
   if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
   const again = state && state.data.entries.some((e) => e.file !== null);
-  return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
+  return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/g, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
     .replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
 }
 
