@@ -90,18 +90,23 @@ const Plots = (() => {
   function chart(entry, place) {
     const { figure, root } = entry, panel = figure.panels[place], last = place === figure.panels.length - 1;
     const now = () => entry.figure.panels[place];
-    const narrow = root.clientWidth < 480, size = narrow ? 11 : 13, names = figure.x.names || [];
+    // On paper plots are lower, and so are the letters of their axes' titles.
+    const narrow = root.clientWidth < 480, size = document.documentElement.dataset.paper ? 10 : narrow ? 11 : 13, names = figure.x.names || [];
     const font = `${size}px system-ui, sans-serif`, ink = colour("ink"), rule = { stroke: colour("line"), width: 1 };
     const all = lines(figure, panel);
-    const axis = { stroke: ink, font, labelFont: font, grid: rule, ticks: rule };
-    const across = { ...axis, label: last ? figure.x.title : undefined, labelSize: 22, size: last ? 34 : 8 };
+    const axis = { stroke: ink, font, grid: rule, ticks: rule };
+    // A title that is longer than its axis is written smaller; letters are about half as wide as high.
+    const titled = (title, room) => `${Math.max(8, Math.min(size, Math.floor(room / (0.55 * title.length))))}px system-ui, sans-serif`;
+    const across = { ...axis, labelFont: titled(figure.x.title, root.clientWidth - 70), label: last ? figure.x.title : undefined, labelSize: 22, size: last ? 34 : 8 };
+    // As far apart as their numbers are long.
+    across.space = (u, k, low, high) => Math.max(50, 8 * Math.round(Math.max(Math.abs(low), Math.abs(high))).toLocaleString().length);
     if (!last) across.values = (u, splits) => splits.map(() => "");
     if (names.length) {
       const high = Math.max(...names.map((name) => broken(name, narrow).split("\n").length));
       Object.assign(across, { splits: () => names.map((_, k) => k), values: (u, splits) => splits.map((k) => broken(names[k], narrow)), grid: { show: false }, size: 18 + 1.5 * size * high });
     }
     if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
-    const up = { ...axis, label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58, values: (u, splits) => splits.map(brief) };
+    const up = { ...axis, labelFont: titled(panel.y.title, heightOf(panel)), label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58, values: (u, splits) => splits.map(brief) };
     if (heightOf(panel) < 150) up.space = 20;
     if (panel.y.log) {
       // Lines and numbers at whole decades only, or at 1, 2, 5 where there are few: nine to each would be all that one sees.

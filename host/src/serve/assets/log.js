@@ -31,11 +31,15 @@ const memoryOf = (names) => "columns " + names.join("|");
 function remembered(names) { try { return JSON.parse(localStorage.getItem(memoryOf(names))); } catch { return null; } }
 function remember(names, value) { try { localStorage.setItem(memoryOf(names), JSON.stringify(value)); } catch { /* a browser may keep nothing */ } }
 
+// What a log must tell.
+const NEEDED = [[/^(time|interval):/, "the time"], [/^(voltage|duty|target):/, "the voltage or duty"], [/^(angle|speed):/, "the angle or speed"]];
+
 function guessed({ names, kinds, canonical, proposal }) {
   if (canonical) return { kinds, words: "The columns have the names that motorlens knows." };
   const before = remembered(names);
   if (before) return { ...before, words: "As you mapped columns of these names before." };
-  if (!proposal) return { kinds, words: "Say what each column is. Angles and speeds are of the output shaft." };
+  const lacking = NEEDED.filter(([of]) => !kinds.some((kind) => of.test(kind))).map(([, what]) => what);
+  if (!proposal) return { kinds, words: `${lacking.length ? `Not recognised: ${listed(lacking)}. ` : ""}Say what each column is. Angles and speeds are of the output shaft.` };
   const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev && ((state && state.counts_per_rev) || proposal.counts_per_rev), metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
   const assumed = Object.values(rig).some((value) => value) ? " Put your own figures in the place of those assumed below." : "";
   return { kinds, rig, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
@@ -50,7 +54,9 @@ function onPage(remedy) {
   if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
   const again = state && state.data.entries.some((e) => e.file !== null);
   return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/g, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
-    .replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)");
+    .replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)")
+    .replace("--skip and --judge-by take the records by their names", "each of them has its role in the table above")
+    .replace(/motorlens fit LOG\.\.\. -e ([\w,]+)/, (_, names) => `have ${listed(names.split(","))} and nothing else in the model (4 Add)`);
 }
 
 async function openAll(files) {
@@ -117,14 +123,19 @@ function showMapping(name, guess) {
 }
 const kindsChosen = () => [...$("preview").querySelectorAll("select")].map((s) => s.value);
 
+// Of so many columns some of those in use are beyond the edge of the table.
+const MANY = 7;
 // The columns as they stand in the file, before anything is made of them.
 function showRaw() {
   const { names, rows } = dropped.table, kinds = kindsChosen();
+  const used = names.map((name, k) => kinds[k] && `${name} is ${kindWords(kinds[k])}`).filter(Boolean);
+  $("log-used").hidden = names.length < MANY;
+  $("log-used").textContent = `In use: ${used.join("; ") || "no column yet"}.`;
   const every = Math.max(1, Math.ceil(rows.length / 800)), kept = rows.filter((_, k) => k % every === 0);
   const column = (k) => kept.map((row) => { const x = Number(String(row[k] ?? "").replace(",", ".")); return !row[k] || Number.isNaN(x) ? null : x; });
   const time = kinds.findIndex((kind) => kind.startsWith("time")), place = time < 0 ? kept.map((_, k) => k * every) : column(time);
   const good = place.every((x, k) => x !== null && (k === 0 || x > place[k - 1]));
-  const shown = names.map((_, k) => k).filter((k) => k !== time && column(k).some((x) => x !== null)).slice(0, 6);
+  const shown = names.map((_, k) => k).filter((k) => k !== time && column(k).some((x) => x !== null)).sort((a, b) => !kinds[a] - !kinds[b]).slice(0, 6);
   const x = good ? place : kept.map((_, k) => k * every);
   $("raw").hidden = !shown.length || kept.length < 2;
   if ($("raw").hidden) return;

@@ -21,6 +21,8 @@ function element(name, properties = {}, ...children) {
   e.append(...children);
   return e;
 }
+// A long name may break behind its dots and underscores, and not within a word.
+const breakable = (name) => (name.match(/[^._]+[._]?|[._]/g) || []).flatMap((piece) => [piece, element("wbr")]);
 const listed = (names, last = "and") => (names.length < 2 ? names.join() : `${names.slice(0, -1).join(", ")} ${last} ${names[names.length - 1]}`);
 const named = (unit) => (unit === "1" ? "" : " " + unit);
 const short = (x) => Number(x.toPrecision(4)).toString();

@@ -33,7 +33,7 @@ async function showFails() {
 const gain = (c) => [Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "gain of " + c.effect }), ` ${c.gain_percent} %`];
 function candidateRow(c) {
   const add = c.added ? element("span", { className: "tag fit", textContent: "in the model" }) : element("button", { type: "button", className: "add", textContent: "Add", ariaLabel: "Add " + c.effect, onclick: guard(() => ask("/api/add", { effect: c.effect })) });
-  const show = element("a", { href: "#card-" + c.effect, textContent: c.effect, title: c.title, onclick: () => { $("card-" + c.effect).open = true; } });
+  const show = element("a", { href: "#card-" + c.effect, title: c.title, onclick: () => { $("card-" + c.effect).open = true; } }, ...breakable(c.effect));
   return element("tr", { className: c.added ? "added" : "" }, element("td", { textContent: c.added ? "" : c.rank }), Object.assign(element("th", {}, show), { scope: "row" }),
     element("td", {}, ...gain(c)), element("td", { textContent: c.rivals.join(", ") }), element("td", {}, add));
 }
@@ -80,6 +80,7 @@ function showStep(step) {
   Plots.update($("convergence"), { id: "convergence", title: "Convergence", reading: "Error after each step.", x, columns: [rounds],
     panels: [{ y: { title: "Weighted error (1)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });
   const old = step.parameters.filter((p) => p.before);
+  $("during").hidden = false;
   Plots.update($("giving"), { id: "giving", title: "Parameters", reading: "Each parameter of the model before, in percent of its value then.", x, columns: [rounds],
     panels: [{ y: { title: "Of the value before (%)", log: false }, height: 200, curves: old.map((p, k) => ({ role: "p" + (k % 6), name: p.name, on: 0, draw: "dotted", y: history_.map((s) => 100 * s.parameters.find((q) => q.name === p.name).now / p.before) })) }] });
   rows("moving", step.parameters, (p) => [p.name, p.before === null ? "new" : short(p.before), short(p.now), p.unit], (p) => p.before !== null && Math.abs(p.now - p.before) > 0.005 * Math.abs(p.before) ? "moved" : "");
@@ -96,7 +97,7 @@ function spanOf(all) {
 function rows(target, list, cells, mark) {
   $(target).replaceChildren(...list.map((item) => {
     const [first, ...others] = cells(item);
-    const row = element("tr", { className: mark ? mark(item) : "" }, Object.assign(element("th", { textContent: first, title: item.meaning || "" }), { scope: "row" }));
+    const row = element("tr", { className: mark ? mark(item) : "" }, Object.assign(element("th", { title: item.meaning || "" }, ...breakable(first)), { scope: "row" }));
     row.append(...others.map((c) => element("td", { textContent: c })));
     return row;
   }));
