@@ -108,7 +108,7 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
-            "{}: the error is {} with the model and {} with {}; {}{}.",
+            "{}: the error is {} with the model and {} with the one beside it ({}); {}{}.",
             if shown.unseen { "Validation record" } else { "Record fitted" },
             told.words(measures.rmse),
             told.words(shown.base.measures().rmse),

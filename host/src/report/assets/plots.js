@@ -100,6 +100,7 @@ const Plots = (() => {
     const across = { ...axis, labelFont: titled(figure.x.title, root.clientWidth - 70), label: last ? figure.x.title : undefined, labelSize: 22, size: last ? 34 : 8 };
     // As far apart as their numbers are long.
     across.space = (u, k, low, high) => Math.max(50, 8 * Math.round(Math.max(Math.abs(low), Math.abs(high))).toLocaleString().length);
+    if (figure.x.whole) across.incrs = [1, 2, 5, 10];
     if (!last) across.values = (u, splits) => splits.map(() => "");
     if (names.length) {
       const high = Math.max(...names.map((name) => broken(name, narrow).split("\n").length));

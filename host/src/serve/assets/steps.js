@@ -75,7 +75,7 @@ async function showMissing() {
 // 4 Add
 function showStep(step) {
   history_.push(step);
-  const rounds = history_.map((s) => s.round), x = { title: "Step of the search (1)", log: false };
+  const rounds = history_.map((s) => s.round), x = { title: "Step of the search (1)", log: false, whole: true };
   $("convergence-reading").textContent = `Step ${step.round}: weighted error ${short(step.error)}; the search makes it small, time scale by time scale.`;
   Plots.update($("convergence"), { id: "convergence", title: "Convergence", reading: "Error after each step.", x, columns: [rounds],
     panels: [{ y: { title: "Weighted error (1)", log: true, range: spanOf(history_.map((s) => s.error)) }, height: 240, curves: [{ role: "model", name: "error", on: 0, draw: "dotted", y: history_.map((s) => s.error) }] }] });

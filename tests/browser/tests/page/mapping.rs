@@ -143,3 +143,26 @@ fn whether_the_columns_mean_what_was_read_is_asked_before_anything_else() {
     assert_eq!(browser.value("$('also').hidden"), true);
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
+
+#[test]
+fn records_that_the_command_line_divided_are_read_anew_and_stay_divided() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let log = arduino(directory.path(), "one.csv", 0.0);
+    let map = "time=millis:ms,duty=pwm:255,angle=enc:counts";
+    let options = ["--skip", "3..3.5", "--map", map, "--supply-volts", "12", "--counts-per-rev", "1320"];
+    let server = Server::start(&[&[log.to_str().unwrap()][..], &options[..]].concat());
+    let mut browser = opened(&server);
+    let names = "state.data.entries.map((e) => e.name)";
+    assert_eq!(browser.value(names), json!(["one part 1", "one part 2"]));
+    let at_12 = gain(&mut browser);
+    browser.click("#entries .columns");
+    browser.wait("$('dialog').open");
+    browser.value("$('log-supply').value = '6'");
+    browser.click("#use");
+    browser.wait(&format!("/Undo reads them as before/.test($('status').textContent) && {FRESH}"));
+    assert_eq!(browser.value(names), json!(["one part 1", "one part 2"]));
+    let at_6 = gain(&mut browser);
+    assert!((at_6 / at_12 - 2.0).abs() < 0.02, "{at_12} {at_6}");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
