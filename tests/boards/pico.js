@@ -210,6 +210,8 @@ function stopCrystal() {
 let swingAgain = null;
 function injure() {
   if (since !== null || fault === "none" || driven < 0.3) return;
+  // The main loop circles: not a handler, and not within a critical section, out of which interrupts would find what it borrowed.
+  if (fault === "circle" && (core.IPSR || core.PM)) return;
   since = 0;
   if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
   if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
