@@ -58,7 +58,7 @@ impl Grid {
 mod tests {
     use super::*;
     use crate::fit::grid::tests::record;
-    use crate::fit::setup::rig;
+    use crate::fit::rig::rig;
     use crate::fit::simulate::predict_one;
     use crate::motor_file::MotorFile;
     use motorlens_shared::effects::Kind;

@@ -16,6 +16,7 @@ pub mod layout;
 pub mod noise;
 pub mod passes;
 pub mod reading;
+pub mod rig;
 pub mod scales;
 pub mod search;
 pub mod setup;

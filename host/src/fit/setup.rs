@@ -8,10 +8,11 @@ use super::grid::{Grid, Quantity};
 use super::held::{date, held};
 use super::instants::plainly_otherwise;
 use super::layout::{BaseValues, Layout, Prior, Values};
+use super::rig::rig;
 use super::search::Problem;
 use super::simulate::{Block, LANES, predict_block};
+use crate::log::Record;
 use crate::log::quantum::quantum as step_of;
-use crate::log::{EncoderShaft, Record};
 use crate::motor_file::MotorFile;
 
 /// Electrical time constant of small motors where nothing is known, s, and how sure that is.
@@ -20,30 +21,6 @@ const USUAL_TAU_E: (f64, f64) = (8e-4, 0.4);
 const NAMEPLATE_WIDTH: f64 = 0.4;
 /// Viscous share of the damping of small geared motors, and its spread.
 const USUAL_VISCOUS_SHARE: (f64, f64) = (0.08, 0.05);
-
-/// The known part of a rig: what a motor file and the logs say.
-pub fn rig(records: &[Record], motor: &MotorFile) -> Rig {
-    let meta = |f: fn(&Record) -> Option<f64>| records.iter().find_map(f);
-    let gear_ratio = motor.gear_ratio.or_else(|| meta(|r| r.meta.gear_ratio())).unwrap_or(1.0);
-    let shaft = motor.encoder_shaft.or_else(|| records.iter().find_map(|r| r.meta.encoder_shaft()));
-    let counts = motor.counts_per_rev.or_else(|| meta(|r| r.meta.counts_per_rev()));
-    let peak = records.iter().flat_map(|r| &r.voltage_v).fold(0.0_f64, |peak, v| peak.max(v.abs())).max(1e-3);
-    let nominal_v = motor.nameplate.voltage_v.unwrap_or(peak);
-    let mean_supply = records.iter().filter_map(|r| r.supply_v.as_ref()).flatten();
-    let (sum, n) = mean_supply.fold((0.0, 0_u32), |(s, n), v| (s + v, n + 1));
-    let supply_v = if n > 0 { sum / f64::from(n) } else { nominal_v.max(peak) };
-    let measured_count = records.iter().find_map(|r| step_of(r.angle_rad.as_ref()?));
-    let count_rad = counts.map(|c| std::f64::consts::TAU / c).or(measured_count).unwrap_or(1e-3);
-    Rig {
-        step_s: 1e-3,
-        gear_ratio,
-        encoder_on_motor: shaft.unwrap_or(EncoderShaft::Motor) == EncoderShaft::Motor,
-        nominal_v,
-        supply_v,
-        reference_speed: 1.0,
-        count_rad,
-    }
-}
 
 /// Beliefs about the base.
 pub fn prior(motor: &MotorFile) -> Prior {

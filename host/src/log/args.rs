@@ -36,7 +36,7 @@ pub struct ReadArgs {
     /// Samples per second, where no column tells the time (paper: of the virtual motor's logs too, 100 if absent)
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub rate: Option<f64>,
-    /// Supply of the driver in volts, where the log gives duty only
+    /// Supply of the driver in volts, where no column has it: a duty needs it, and so does what the bridge does between pulses
     #[arg(long, value_name = "VOLTS", value_parser = positive)]
     pub supply_volts: Option<f64>,
     /// Encoder counts per turn of the output shaft, after x4 decoding and gearing (above the motor file's)

@@ -56,7 +56,7 @@ impl Metadata {
     /// Says why, where the key is one the program understands and the value does not fit it.
     pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
         match key {
-            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" => {
+            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" | "supply_volts" => {
                 match value.parse::<f64>() {
                     Ok(number) if number.is_finite() && number > 0.0 => {}
                     _ => return Err(format!("{key} \"{value}\" is not a positive number")),
@@ -103,6 +103,11 @@ impl Metadata {
     /// The supply's voltage by which a duty was multiplied, V, where the log had none: as the metadata tell it.
     pub fn supply_behind_duty(&self) -> Option<f64> {
         self.get("voltage")?.strip_prefix(BEHIND_DUTY)?.split(' ').next()?.parse().ok()
+    }
+
+    /// The supply's voltage that was stated beside a log in volts, V.
+    pub fn supply_volts(&self) -> Option<f64> {
+        self.typed("supply_volts")
     }
 
     /// Where the encoder sits, if the log says.

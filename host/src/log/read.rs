@@ -34,7 +34,7 @@ pub struct ReadOptions {
     pub hold: Option<Hold>,
     /// Samples per second, where no column tells the time.
     pub rate_hz: Option<f64>,
-    /// Supply of the driver, V, where the log gives duty only.
+    /// Supply of the driver, V, where no column has it.
     pub supply_volts: Option<f64>,
     /// Duty per radian of error of a position servo; of a BAM log, per unit of kp too ([`super::bam::SERVO_GAIN`] if absent).
     pub servo_gain: Option<f64>,

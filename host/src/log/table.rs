@@ -251,6 +251,13 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
                 ));
             }
         };
+    } else if let (None, Some(volts)) = (&record.supply_v, options.supply_volts.filter(|_| target.is_none()))
+    {
+        // Effects of the bridge depend on the duty, which a voltage alone does not tell.
+        let stated = record.meta.insert("supply_volts", &volts.to_string());
+        stated.map_err(|why| {
+            Error::usage(why, "give the voltage of the supply, for example --supply-volts 12")
+        })?;
     }
     if let Some(target_rad) = target.filter(|_| record.voltage_v.is_empty()) {
         let volts = options.supply_volts;

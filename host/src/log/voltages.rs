@@ -133,8 +133,7 @@ const HALF: (f64, f64) = (0.5, 0.07);
 pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
     let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
     let full = mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(100.0))?;
-    let supply_v = record.supply_v.as_ref().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
-    let supply_v = supply_v.or(record.meta.supply_behind_duty())?;
+    let supply_v = record.mean_supply_v()?;
     // A byte that lost its sign is never negative either.
     if record.voltage_v.iter().any(|v| *v < 0.0) || byte_duty(record).is_some() {
         return None;
