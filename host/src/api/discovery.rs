@@ -87,7 +87,8 @@ pub fn discover_records(records: &[Record], options: &Options, observer: Observe
             &mut told(tell),
         )?;
         let faults = log::data_faults(records.iter().chain(&options.validation));
-        let findings = Findings::new(&found, &faults).supposing(records);
+        let findings = Findings::new(&found, &faults);
+        let findings = findings.supposing(records, &options.motor, &found.evidence.whole.rig);
         Ok(Discovered { findings, model: found.model })
     })
 }

@@ -61,8 +61,8 @@ pub fn diagnosed(
     let found = diagnose(model, &logs.records, &logs.validation, &logs.motor, kinds, &mut progress);
     bar.finish_and_clear();
     let found = found?;
-    let findings =
-        Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults()).supposing(&logs.records);
+    let findings = Findings::of_diagnosis(&found, model.values().effects.len(), logs.faults());
+    let findings = findings.supposing(&logs.records, &logs.motor, &found.evidence.whole.rig);
     Ok((found, findings))
 }
 

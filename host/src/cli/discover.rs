@@ -58,7 +58,8 @@ pub fn search(logs: &Logs, options: &Options, console: &Console) -> Result<(Disc
     let found = discover(&logs.records, &logs.validation, &logs.motor, options, &mut progress);
     bar.finish_and_clear();
     let found = found?;
-    let findings = Findings::new(&found, logs.faults()).supposing(&logs.records);
+    let findings = Findings::new(&found, logs.faults());
+    let findings = findings.supposing(&logs.records, &logs.motor, &found.evidence.whole.rig);
     Ok((found, findings))
 }
 

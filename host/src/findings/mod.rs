@@ -11,7 +11,7 @@ mod yardstick;
 
 use std::path::Path;
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Rig};
 use serde::Serialize;
 
 use crate::compare::measures::Measures;
@@ -23,6 +23,7 @@ use crate::estimate::combinations;
 use crate::fit::grid::Quantity;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, Warning};
+use crate::motor_file::MotorFile;
 use crate::report::falls::judged;
 use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
@@ -211,10 +212,13 @@ impl Findings {
 }
 
 impl Findings {
-    /// The same, found on `records`: the headline says what unit it supposes that only a mapping says, of an angle that an effect goes with.
+    /// The same, found on `records` of a `motor` on `rig`: the headline says what the effects suppose that no file tells, which is to be told
+    /// before the model is used.
     #[must_use]
-    pub fn supposing(mut self, records: &[Record]) -> Self {
-        self.headline += &supposes(&self.effects, records);
+    pub fn supposing(mut self, records: &[Record], motor: &MotorFile, rig: &Rig) -> Self {
+        let supposed = supposes(&self.effects, records, motor, rig);
+        self.next_step = self.next_step.once_told(&supposed);
+        self.headline += &supposed;
         self
     }
 

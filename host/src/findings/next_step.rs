@@ -75,6 +75,16 @@ impl NextStep {
         Self { label: mend.label().into(), mend: Some(mend), place, ..Self::new(Action::Data, None) }
     }
 
+    /// The same, but that a model whose sizes rest on what is `supposed`, if anything is, is not used before that is told.
+    #[must_use]
+    pub(crate) fn once_told(self, supposed: &str) -> Self {
+        if supposed.is_empty() || self.action != Action::Export {
+            return self;
+        }
+        let mend = Mend::Columns;
+        Self { label: mend.label().into(), mend: Some(mend), ..Self::new(Action::Data, None) }
+    }
+
     /// What follows `facts` that amount to `verdict`.
     pub(super) fn after(facts: &Facts, verdict: Option<Verdict>) -> Self {
         let action = match verdict {
@@ -90,5 +100,20 @@ impl NextStep {
             Some(_) => Action::Look,
         };
         Self::new(action, None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_rests_on_what_nobody_told_is_used_after_that_is_told() {
+        let next = NextStep::new(Action::Export, None)
+            .once_told(" The size supposes that \"2\" is in rad a second.");
+        assert_eq!((next.action, next.mend), (Action::Data, Some(Mend::Columns)));
+        assert_eq!(NextStep::new(Action::Export, None).once_told("").action, Action::Export);
+        let look = NextStep::new(Action::Look, None);
+        assert_eq!(look.clone().once_told(" It supposes something."), look);
     }
 }

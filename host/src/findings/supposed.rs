@@ -1,59 +1,96 @@
-//! What an answer supposes that no file tells: the unit of the angle, on which the size of an effect rests.
+//! What an answer supposes that no file tells: the unit of the motion or the voltage of the supply, on which the size of an effect rests.
 //!
 //! A weight hangs once in a turn of the shaft, and so do cogging and an encoder that is off centre. Where degrees are read as counts, what
-//! looks like a weight is a spring, or nothing.
+//! looks like a weight is a spring, or nothing. A bridge that floats is off for the rest of the duty, which is the voltage over that of the
+//! supply: a log in volts does not tell it.
 
-use motorlens_shared::effects::Kind;
+use motorlens_shared::effects::{Kind, Rig, Spec};
 
+use crate::fit::rig::highest_voltage;
 use crate::log::Record;
 use crate::log::guess::{ASSUMED_COUNTS, words};
 use crate::log::units::Quantity;
+use crate::motor_file::MotorFile;
+use crate::report::figure::in_words;
 use crate::sentence::listed;
 
-/// What an answer with `effects` that was found on `records` supposes, in a sentence with a blank before it.
-pub fn supposes<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record>) -> String {
-    unit_of_angle(effects, records).map_or_else(String::new, |text| format!(" {text}."))
+/// What an answer with `effects` supposes that was found on `records` of a `motor` on `rig`, in sentences with a blank before each.
+pub fn supposes<'a>(
+    effects: &[Kind],
+    records: impl IntoIterator<Item = &'a Record>,
+    motor: &MotorFile,
+    rig: &Rig,
+) -> String {
+    let records: Vec<&Record> = records.into_iter().collect();
+    let all = [unit_of_motion(effects, &records), supply(effects, &records, motor, rig)];
+    all.into_iter().flatten().map(|text| format!(" {text}.")).collect()
 }
 
-/// What is said of `effects` found on `records` whose angle is in a unit that only a mapping says; none where a header says it too, or where
-/// no effect rests on it.
-fn unit_of_angle<'a>(effects: &[Kind], records: impl IntoIterator<Item = &'a Record>) -> Option<String> {
-    let resting: Vec<&str> =
-        effects.iter().filter(|kind| kind.spec().periodic).map(|kind| kind.name()).collect();
-    if resting.is_empty() {
-        return None;
-    }
-    records.into_iter().find_map(|record| {
-        let source = record.map.as_ref()?.source(Quantity::Angle)?;
+/// The names of those `effects` that have a property; none where none has.
+fn resting(effects: &[Kind], property: fn(&Spec) -> bool) -> Option<String> {
+    let names: Vec<&str> =
+        effects.iter().filter(|kind| property(kind.spec())).map(|kind| kind.name()).collect();
+    (!names.is_empty()).then(|| listed(&names))
+}
+
+/// What is said of `effects` found on `records` whose angle, or speed where there is none, is in a unit that only a mapping says; none where a
+/// header says it too, or where no effect rests on it.
+fn unit_of_motion(effects: &[Kind], records: &[&Record]) -> Option<String> {
+    let resting = resting(effects, |spec| spec.periodic)?;
+    records.iter().find_map(|record| {
+        let map = record.map.as_ref()?;
+        let source = map.source(Quantity::Angle).or_else(|| map.source(Quantity::Speed))?;
         let name = &source.column;
-        let (unit, scale) = source.written.split_at(source.written.find(['*', '/']).unwrap_or(source.written.len()));
-        // A factor was worked out and not guessed.
-        if !["", "*-1", "/-1"].contains(&scale) {
-            return None;
-        }
+        // Any other factor was worked out and not guessed.
+        let sign = ["*-1", "/-1"].into_iter().find_map(|sign| source.written.strip_suffix(sign));
+        let unit = sign.unwrap_or(&source.written);
         let counts = ASSUMED_COUNTS.to_string();
-        let in_counts = format!("counts of {counts} a turn");
-        let (in_words, once_round) = match unit {
-            "" | "rad" => ("rad", "6.283"),
-            "deg" => ("degrees", "360"),
-            "rev" => ("turns", "1"),
-            "counts" if record.meta.counts_per_rev() == Some(ASSUMED_COUNTS) => (in_counts.as_str(), counts.as_str()),
+        let (what, per, once_round) = match unit {
+            "" | "rad" | "rad/s" => ("rad", " a second", "6.283"),
+            "deg" | "deg/s" => ("degrees", " a second", "360"),
+            "rev" | "rev/s" => ("turns", " a second", "1"),
+            "rpm" => ("turns", " a minute", "60"),
+            "counts" | "counts/s" if record.meta.counts_per_rev() == Some(ASSUMED_COUNTS) => {
+                ("counts", " a second", counts.as_str())
+            }
             _ => return None,
         };
-        let is_told = unit != "counts" && words::told(name).is_some_and(|(of, _)| of == Quantity::Angle);
+        let is_told = what != "counts" && words::told(name).is_some_and(|(of, _)| of == source.quantity);
+        let (per, changes) = if source.quantity == Quantity::Angle {
+            ("", "by which it must change by")
+        } else {
+            (per, "over which its integral over the time in seconds must come to")
+        };
+        let of_a_turn = if what == "counts" { format!(" ({counts} a turn)") } else { String::new() };
         (!is_told).then(|| {
             format!(
-                "The size of {} supposes that \"{name}\" is in {in_words}, which --map says and no header does: turn the shaft once by hand, by \
-                 which it must change by {once_round}, and write the unit into the header; in another unit this is another effect, or none",
-                listed(&resting)
+                "The size of {resting} supposes that \"{name}\" is in {what}{per}{of_a_turn}, which --map says and no header does: turn the \
+                 shaft once by hand, {changes} {once_round}, and write the unit into the header; in another unit this is another effect, or none"
             )
         })
+    })
+}
+
+/// What is said of `effects` that depend on the duty, found on `records` in volts, where the supply on `rig` is only the highest voltage in them.
+fn supply(effects: &[Kind], records: &[&Record], motor: &MotorFile, rig: &Rig) -> Option<String> {
+    let resting = resting(effects, |spec| spec.by_duty)?;
+    let is_told =
+        motor.nameplate.voltage_v.is_some() || records.iter().any(|record| record.mean_supply_v().is_some());
+    // A model that was fitted before has the supply of its own records.
+    let is_assumed = !is_told && rig.supply_v <= highest_voltage(records.iter().copied());
+    is_assumed.then(|| {
+        format!(
+            "The size of {resting} supposes a supply of {}, the highest voltage of these records, for none of them tells it: give the supply with \
+             --supply-volts, or log it beside the voltage; on a higher one that size and the gain are others",
+            in_words(rig.supply_v, "V")
+        )
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::rig::rig;
 
     fn record(map: &str) -> Record {
         Record { map: Some(map.parse().unwrap()), ..Record::default() }
@@ -61,21 +98,67 @@ mod tests {
 
     #[test]
     fn what_repeats_with_the_turns_names_the_unit_that_only_the_mapping_says() {
-        let said = |effects: &[Kind], map: &str| unit_of_angle(effects, &[record(map)]);
+        let said = |effects: &[Kind], map: &str| unit_of_motion(effects, &[&record(map)]);
         let guessed = "time=t:s,voltage=u:V,angle=position:deg";
         let text = said(&[Kind::Coulomb, Kind::Gravity], guessed).unwrap();
         assert!(
-            text.contains("gravity supposes") && text.contains("degrees") && text.contains("360"),
+            text.contains("gravity supposes") && text.contains("degrees,") && text.contains("change by 360"),
             "{text}"
         );
         assert_eq!(said(&[Kind::Coulomb], guessed), None);
         assert_eq!(said(&[Kind::Gravity], "time=t:s,voltage=u:V,angle=position_deg:deg"), None);
-        assert_eq!(said(&[Kind::Gravity], "time=t:s,voltage=u:V,speed=w:rpm"), None);
+        assert_eq!(said(&[Kind::Gravity], "time=t:s,voltage=u:V,angle=position:rev/1400"), None);
         let mut counted = record("time=t:s,voltage=u:V,angle=enc:counts");
         counted.meta.insert("counts_per_rev", "1320").unwrap();
-        assert!(unit_of_angle(&[Kind::Cogging], &[counted.clone()]).is_some());
+        assert!(unit_of_motion(&[Kind::Cogging], &[&counted]).is_some());
         counted.meta.insert("counts_per_rev", "979.6").unwrap();
-        assert_eq!(unit_of_angle(&[Kind::Cogging], &[counted]), None);
-        assert_eq!(unit_of_angle(&[Kind::Gravity], &[Record::default()]), None);
+        assert_eq!(unit_of_motion(&[Kind::Cogging], &[&counted]), None);
+        assert_eq!(unit_of_motion(&[Kind::Gravity], &[&Record::default()]), None);
+    }
+
+    /// The shaft turns by what a speed adds up to: in another unit it turns more often, or less.
+    #[test]
+    fn where_only_a_speed_is_read_the_turns_rest_on_its_unit() {
+        let said = |map: &str| unit_of_motion(&[Kind::Gravity], &[&record(map)]);
+        for (unit, in_words, once) in [
+            ("rad/s", "in rad a second,", "come to 6.283,"),
+            ("rad/s*-1", "in rad a second,", "come to 6.283,"),
+            ("deg/s", "in degrees a second,", "come to 360,"),
+            ("rev/s", "in turns a second,", "come to 1,"),
+            ("rpm", "in turns a minute,", "come to 60,"),
+        ] {
+            let text = said(&format!("time=t:s,voltage=u:V,speed=2:{unit}")).unwrap();
+            assert!(text.contains(in_words) && text.contains(once), "{text}");
+        }
+        assert_eq!(said("time=t:s,voltage=u:V,speed=speed_rpm:rpm"), None);
+        assert_eq!(said("time=t:s,voltage=u:V,angle=theta_deg:deg,speed=2:rpm"), None, "the angle is told");
+    }
+
+    #[test]
+    fn what_depends_on_the_duty_names_a_supply_that_nothing_tells() {
+        let volts = Record {
+            voltage_v: vec![0.0, 6.0],
+            time_s: vec![0.0, 0.1],
+            ..record("time=t:s,voltage=u:V,speed=w:rpm")
+        };
+        let said = |effects: &[Kind], record: &Record, motor: &MotorFile| {
+            let rig = rig(std::slice::from_ref(record), motor);
+            supply(effects, &[record], motor, &rig)
+        };
+        let unknown = MotorFile::default();
+        let text = said(&[Kind::Coulomb, Kind::Coast], &volts, &unknown).unwrap();
+        assert!(text.contains("coast supposes a supply of 6 V") && text.contains("--supply-volts"), "{text}");
+        assert_eq!(said(&[Kind::Coulomb], &volts, &unknown), None);
+        let mut plate = unknown.clone();
+        plate.nameplate.voltage_v = Some(6.0);
+        assert_eq!(said(&[Kind::Coast], &volts, &plate), None);
+        let logged = Record { supply_v: Some(vec![12.0; 2]), ..volts.clone() };
+        assert_eq!(said(&[Kind::Coast], &logged, &unknown), None);
+        let mut stated = volts.clone();
+        stated.meta.insert("supply_volts", "12").unwrap();
+        assert_eq!(said(&[Kind::Coast], &stated, &unknown), None);
+        let mut of_model = rig(std::slice::from_ref(&volts), &unknown);
+        of_model.supply_v = 12.0;
+        assert_eq!(supply(&[Kind::Coast], &[&volts], &unknown, &of_model), None);
     }
 }

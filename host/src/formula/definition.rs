@@ -210,6 +210,7 @@ impl Written {
             laws: entry.laws(),
             remembers: false,
             periodic: false,
+            by_duty: false,
             contains: &[],
         }
     }

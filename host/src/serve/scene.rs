@@ -44,7 +44,7 @@ pub struct Scene {
     pub(super) title: String,
     /// Whether a person looked once more at the columns of all files.
     pub(super) confirmed: bool,
-    /// What the model supposes that only a mapping says, behind its headline.
+    /// What the model supposes that no file tells, behind its headline.
     pub(super) supposes: String,
 }
 
@@ -88,6 +88,9 @@ impl Scene {
         // Before anything was found there is no answer.
         if diagnosis.is_some() || !self.effects().is_empty() {
             standing.headline += &self.supposes;
+            if !self.confirmed {
+                standing.next = standing.next.once_told(&self.supposes);
+            }
         }
         standing
     }

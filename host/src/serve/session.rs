@@ -212,7 +212,8 @@ impl Session {
     pub fn scene(&self) -> Scene {
         let view = self.view();
         let fitted = self.data.entries.iter().filter(|entry| entry.role == Role::Fit);
-        let supposes = supposes(&view.model.kinds(), fitted.map(|entry| &*entry.record));
+        let (motor, rig) = (&self.data.motor, &self.evidence.whole.rig);
+        let supposes = supposes(&view.model.kinds(), fitted.map(|entry| &*entry.record), motor, rig);
         Scene {
             supposes,
             view,

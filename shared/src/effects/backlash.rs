@@ -27,6 +27,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: between_masses(8),
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

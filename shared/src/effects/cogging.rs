@@ -27,6 +27,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: TORQUE,
     remembers: true,
     periodic: true,
+    by_duty: false,
     contains: &[],
 };
 

@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: between_masses(4),
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: TORQUE,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

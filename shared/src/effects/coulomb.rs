@@ -18,6 +18,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: DRY,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -21,6 +21,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: DRY,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[("coulomb", "level"), ("constant_load", "difference")],
 };
 

@@ -21,6 +21,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: EXPLICIT,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -27,6 +27,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: EXPLICIT,
     remembers: false,
     periodic: true,
+    by_duty: false,
     contains: &[],
 };
 

@@ -41,6 +41,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: EXPLICIT,
     remembers: true,
     periodic: false,
+    by_duty: true,
     contains: &[],
 };
 

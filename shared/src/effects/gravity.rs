@@ -26,6 +26,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: TORQUE,
     remembers: false,
     periodic: true,
+    by_duty: false,
     contains: &[],
 };
 

@@ -24,6 +24,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: EXPLICIT,
     remembers: true,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -147,6 +147,8 @@ pub struct Spec {
     pub remembers: bool,
     /// Repeats with the turns of a shaft: its size rests on the unit that the angle is read in.
     pub periodic: bool,
+    /// Depends on the duty, which is the voltage over that of the supply: its size rests on the supply that the rig has.
+    pub by_duty: bool,
     /// Simpler effects of one parameter that this one contains, each with the parameter here that is its own.
     pub contains: &'static [(&'static str, &'static str)],
 }

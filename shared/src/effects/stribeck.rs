@@ -23,6 +23,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: DRY,
     remembers: true,
     periodic: false,
+    by_duty: false,
     contains: &[("coulomb", "level")],
 };
 

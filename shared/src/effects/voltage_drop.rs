@@ -22,6 +22,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: BRUSH,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -23,6 +23,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: SERIES,
     remembers: true,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

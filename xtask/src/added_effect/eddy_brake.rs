@@ -21,6 +21,7 @@ pub(super) const SPEC: Spec = Spec {
     laws: TORQUE,
     remembers: false,
     periodic: false,
+    by_duty: false,
     contains: &[],
 };
 

@@ -24,6 +24,7 @@ const fn row(name: &'static str, entry: Entry) -> Spec {
         laws: entry.laws(),
         remembers: false,
         periodic: false,
+        by_duty: false,
         contains: &[],
     }
 }
