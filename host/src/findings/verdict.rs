@@ -8,7 +8,7 @@ use super::yardstick::is_known;
 use crate::compare::measures::Measures;
 use crate::compare::rise::Rise;
 use crate::report::figure::in_words;
-use crate::select::adequacy::Adequacy;
+use crate::select::adequacy::{Adequacy, LITTLE};
 use crate::sentence::{capital, listed};
 
 /// Multiples of the noise level above which nothing is called explained that is not a disturbance by all that these records show.
@@ -19,6 +19,9 @@ const CLOSE: f64 = 1.5;
 const STRAYED: f64 = 0.25;
 /// What equations that are idealised may leave of it beside any noise: readings of a fine encoder show what nobody needs to know.
 const IDEALISED: f64 = 0.005;
+
+/// Said of more than the noise in which nothing was found: neither is sure, the noise of readings that were not taken twice least of all.
+const EITHER: &str = ", either more noise than estimated or something that the library lacks";
 
 /// How a diagnosis ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -179,10 +182,11 @@ impl Errors {
         // The shares are those of whole simulations, which a disturbance makes drift.
         let rises = self.explained_share().is_some_and(|share| share < 0.0);
         let left = self.left();
+        let either = if self.left_over().is_some_and(|n| n > LITTLE) { EITHER } else { "" };
         let (names, verb) = subject(effects);
         match beside {
             None if effects.is_empty() => {
-                format!("The base model leaves {left}, and these records show no missing effect")
+                format!("The base model leaves {left}{either}, and these records show no missing effect")
             }
             Some(is) if effects.is_empty() => format!("The base model leaves {left}, which {is}"),
             None if rises => capital(&format!(
@@ -191,7 +195,7 @@ impl Errors {
             Some(is) if rises => {
                 capital(&format!("{names} {verb} all but what {is}, which drives whole records to {left}"))
             }
-            None => self.share_of(effects),
+            None => self.share_of(effects) + either,
             Some(is) => format!("{}, and {is}", self.share_of(effects)),
         }
     }
@@ -365,6 +369,18 @@ mod tests {
         assert!(told.ends_with("8.7 x the noise, and a simpler model comes 1.4 times nearer"), "{told}");
         assert_eq!(errors.verdict(3, Adequacy::Disturbance(0.05)), Verdict::PartlyExplained);
         assert_eq!(Errors { beaten: 1.0, ..errors }.verdict(3, ALL), Verdict::Explained);
+    }
+
+    /// A step that a duty of 8 bits drove was "explained" at 8.7 times the noise, with a hitch in it.
+    #[test]
+    fn more_than_the_noise_in_which_nothing_was_found_is_not_told_as_if_it_were_noise() {
+        let errors = |model| Errors { base: 9.0, model, ..PLAIN };
+        let told = errors(8.7).headline::<&str>(&[], Verdict::Explained, ALL);
+        let open = "8.7 x the noise, either more noise than estimated or something that the library lacks";
+        assert_eq!(told, format!("The base model leaves {open}, and these records show no missing effect"));
+        assert!(errors(8.7).headline(&["delay"], Verdict::Explained, ALL).ends_with(open));
+        assert!(!errors(1.2).headline(&["delay"], Verdict::Explained, ALL).contains("either"));
+        assert!(!errors(8.7).headline(&["delay"], Verdict::PartlyExplained, SOME).contains("either"));
     }
 
     #[test]

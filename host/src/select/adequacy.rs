@@ -8,7 +8,7 @@ use crate::compare::residual_torque::residual_torque;
 use crate::diagnose::evidence::Evidence;
 
 /// So many times the noise are little: equations are idealised.
-const LITTLE: f64 = 2.0;
+pub(crate) const LITTLE: f64 = 2.0;
 /// ... and so is this share of what the plain motor leaves, however small the noise.
 const NEXT_TO_NOTHING: f64 = 0.01;
 /// A larger share than this is no chance, however few stretches show it.
