@@ -1,5 +1,7 @@
 //! Tables and sentences for people, as wide as their terminal.
 
+use motorlens_shared::effects::Kind;
+
 use super::wrap::{filled, known_width, width};
 use crate::compare::measures::Measures;
 use crate::findings::{Findings, MANY, Standing, Verdict, multiple};
@@ -138,14 +140,23 @@ fn limits_within(limits: &[DetectionLimit], width: usize) -> String {
         |limit: &DetectionLimit| limit.smallest.map(|size| of_size(limit.effect.name(), size, limit.unit));
     let mut shown: Vec<String> = limits.iter().filter_map(size).collect();
     shown.sort();
-    let hidden: Vec<&str> = DetectionLimit::hidden(limits).iter().map(|kind| kind.name()).collect();
+    let names = |kinds: Vec<Kind>| kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+    let hidden = names(DetectionLimit::hidden(limits));
+    let undecided = names(DetectionLimit::undecided(limits));
     let mut text = String::new();
     if !shown.is_empty() {
         text += "These records would have shown further effects from:\n";
         text += &filled(&shown, width);
     }
     if !hidden.is_empty() {
-        text += &format!("They cannot confirm at any size: {}.\n", hidden.join(", "));
+        let subject = if shown.is_empty() { "These records" } else { "They" };
+        text += &format!("{subject} cannot confirm at any size: {hidden}.\n");
+    }
+    if !undecided.is_empty() {
+        text += &format!(
+            "Too much is left to confirm or to exclude: {undecided}. Alone they lower it too little, or the search gave them up before its end; \
+             motorlens fit --effects A,B LOG... tries two together.\n"
+        );
     }
     text
 }
@@ -188,8 +199,6 @@ pub fn effects<T: std::fmt::Display>(list: &[T]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motorlens_shared::effects::Kind;
-
     use super::super::wrap::wrapped;
     use super::*;
 
@@ -262,7 +271,8 @@ mod tests {
         let limit = |effect: Kind| {
             let strength = effect.spec().parameters.iter().find(|p| p.strength);
             let (parameter, unit) = strength.map_or(("", "1"), |p| (p.name, p.unit));
-            DetectionLimit { effect, parameter, smallest: Some(0.012_34), unit, programme: None }
+            let smallest = Some(0.012_34);
+            DetectionLimit { effect, parameter, smallest, undecided: false, unit, programme: None }
         };
         let all: Vec<DetectionLimit> = Kind::ALL.iter().map(|kind| limit(*kind)).collect();
         for width in [40, 60, 80] {
@@ -273,6 +283,11 @@ mod tests {
             }
             assert!(width < 80 || told.lines().count() <= 8, "{told}");
         }
+        let unseen = |undecided| DetectionLimit { smallest: None, undecided, ..limit(Kind::Coast) };
+        let told = limits_within(&[unseen(false)], 80);
+        assert_eq!(told, "These records cannot confirm at any size: coast.\n");
+        let told = limits_within(&[unseen(true)], 80);
+        assert!(told.starts_with("Too much is left to confirm or to exclude: coast."), "{told}");
         assert_eq!(of_size("winding_heating", 0.023_44, "1/s"), "winding_heating 0.0234 1/s");
         assert_eq!(of_size("coast", 0.1, "1"), "coast 0.1");
     }

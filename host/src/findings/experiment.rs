@@ -32,15 +32,18 @@ impl NextExperiment {
 
     /// The programme that most of the effects which the records cannot show ask for.
     fn to_show(limits: &[DetectionLimit]) -> Option<Self> {
-        let asked = || limits.iter().filter_map(|limit| Some((limit.effect, limit.programme.as_ref()?)));
+        let asked = || limits.iter().filter_map(|limit| Some((limit, limit.programme.as_ref()?)));
         let votes = |programme: &Programme| asked().filter(|(_, other)| other.name == programme.name).count();
         let (_, programme) = asked().max_by_key(|(_, programme)| votes(programme))?;
-        let shown = asked().filter(|(_, other)| other.name == programme.name);
-        let names = shown.map(|(effect, _)| effect.name()).collect::<Vec<_>>().join(", ");
-        let why = format!(
-            "these records cannot confirm {names} at any size; {} would show most of it",
-            programme.name
-        );
+        let shown: Vec<&DetectionLimit> =
+            asked().filter(|(_, other)| other.name == programme.name).map(|(limit, _)| limit).collect();
+        let names = shown.iter().map(|limit| limit.effect.name()).collect::<Vec<_>>().join(", ");
+        let what = if shown.iter().any(|limit| limit.undecided) {
+            format!("too much is left to confirm or to exclude {names}")
+        } else {
+            format!("these records cannot confirm {names} at any size")
+        };
+        let why = format!("{what}; {} would show most of it", programme.name);
         Some(Self { why, programme: programme.clone() })
     }
 }

@@ -92,7 +92,7 @@ pub fn discovery(
         baseline: baseline(&evidence),
         shown,
         candidates: rank(base, &selected.first, &evidence.noise_under(model), &evidence),
-        limits: detection_limits(&evidence, base, model, &options.library),
+        limits: detection_limits(&evidence, base, model, &options.library, adequacy),
         model: Model::fitted(&values, &evidence.whole, origin),
         seconds: begun.elapsed().as_secs_f64(),
         simulations: evidence.simulations(),

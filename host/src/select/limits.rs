@@ -11,6 +11,7 @@ use motorlens_shared::effects::{Kind, Search};
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
+use super::adequacy::Adequacy;
 use super::criterion::KNOWN_VOLTAGE;
 use super::fitted::Fitted;
 use super::forward::lacks;
@@ -43,6 +44,10 @@ pub struct DetectionLimit {
     pub parameter: &'static str,
     /// The smallest size that would have been accepted; none where these records cannot show any.
     pub smallest: Option<f64>,
+    /// None is shown beside what the model leaves unexplained, in which the effect may be: alone it lowers that too little, or the search gave it
+    /// up before its end. With less left these records may show it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub undecided: bool,
     /// Unit of that size.
     pub unit: &'static str,
     /// What to run to see it, where these records cannot and a programme is known that would.
@@ -52,16 +57,31 @@ pub struct DetectionLimit {
 impl DetectionLimit {
     /// Effects of `limits` that the records cannot show at any size.
     pub fn hidden(limits: &[Self]) -> Vec<Kind> {
-        limits.iter().filter(|limit| limit.smallest.is_none()).map(|limit| limit.effect).collect()
+        limits
+            .iter()
+            .filter(|limit| limit.is_unseen() && !limit.undecided)
+            .map(|limit| limit.effect)
+            .collect()
+    }
+
+    /// Effects of `limits` that what is left neither shows nor excludes.
+    pub fn undecided(limits: &[Self]) -> Vec<Kind> {
+        limits.iter().filter(|limit| limit.undecided).map(|limit| limit.effect).collect()
+    }
+
+    /// Whether no size would have been accepted.
+    fn is_unseen(&self) -> bool {
+        self.smallest.is_none()
     }
 }
 
-/// Limits of every effect of `library` that `model`, selected from `base`, lacks, on the records of `data`.
+/// Limits of every effect of `library` that `model`, selected from `base`, lacks, on the records of `data`, of which it leaves what `left` says.
 pub fn detection_limits(
     data: &Evidence,
     base: &Fitted,
     model: &Fitted,
     library: &[Kind],
+    left: Adequacy,
 ) -> Vec<DetectionLimit> {
     let sketched = data.train.clone().sketch(SKETCH);
     let trial = Trial::new(data, &sketched, base, model);
@@ -71,15 +91,21 @@ pub fn detection_limits(
     let missing = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
     let mut limits: Vec<DetectionLimit> =
         missing.filter_map(|kind| limit(data, &problem, model, &tangent, kind, &trial)).collect();
+    if !left.is_explained() {
+        // What cannot be told from all else on any such records does not depend on what is left.
+        for limit in limits.iter_mut().filter(|limit| limit.is_unseen() && data.may_show(limit.effect)) {
+            limit.undecided = true;
+        }
+    }
     plan_hidden(data, model, &mut limits, Limits::of(data));
     limits
 }
 
 /// Gives each of `limits` that the records cannot show the programme `within` the rig's limits that would show most of it beside `model`.
 pub fn plan_hidden(data: &Evidence, model: &Fitted, limits: &mut [DetectionLimit], within: Limits) {
-    let hidden = DetectionLimit::hidden(limits);
-    let shown = plan::showing(&data.train, model, &hidden, reading_noise(&data.train), within);
-    for (limit, programme) in limits.iter_mut().filter(|l| l.smallest.is_none()).zip(shown) {
+    let unseen: Vec<Kind> = limits.iter().filter(|l| l.is_unseen()).map(|l| l.effect).collect();
+    let shown = plan::showing(&data.train, model, &unseen, reading_noise(&data.train), within);
+    for (limit, programme) in limits.iter_mut().filter(|l| l.is_unseen()).zip(shown) {
         limit.programme = programme;
     }
 }
@@ -165,6 +191,7 @@ fn limit(
         effect: kind,
         parameter: of.name,
         smallest,
+        undecided: false,
         unit: of.unit,
         programme: None,
     };

@@ -68,10 +68,12 @@ impl Diagnosis {
             |open: &&Arc<Open>| open.set.models.first().is_some_and(|m| m.kinds() == model.kinds());
         let asked = found.as_ref().or_else(|| open.iter().find(of_the_last).filter(|_| suggested.is_none()));
         let among: Vec<&Fitted> = asked.map_or_else(Vec::new, |open| open.set.models.iter().collect());
-        let limits =
-            if suggested.is_some() { Vec::new() } else { detection_limits(evidence, base, model, library) };
-        let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
         let left = Adequacy::of(evidence, base, model, floor);
+        let limits = match suggested {
+            Some(_) => Vec::new(),
+            None => detection_limits(evidence, base, model, library, left),
+        };
+        let next = Experiment::after(evidence, model, &among, &limits, Limits::of(evidence)).next;
         Self { suspects, open: found, next, limits, left, suggested, candidates }
     }
 }
