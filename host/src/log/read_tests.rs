@@ -86,7 +86,23 @@ fn duty_becomes_voltage_through_the_supply_column_or_option() {
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("--supply-volts"));
     with_option.supply_volts = Some(10.0);
-    assert!((read_text(text.as_bytes(), &with_option).unwrap().voltage_v[0] - 2.0).abs() < 1e-12);
+    let record = read_text(text.as_bytes(), &with_option).unwrap();
+    assert!((record.voltage_v[0] - 2.0).abs() < 1e-12);
+    assert_eq!(record.mean_supply_v(), Some(10.0));
+}
+
+#[test]
+fn a_supply_that_is_stated_beside_volts_is_kept_and_one_that_was_logged_goes_before_it() {
+    let body: String = (0..40).map(|i| format!("{},1.5,8000,1\n", i * 10)).collect();
+    let text = format!("t,u,battery,y\n{body}");
+    let stated = |map: &str| {
+        let options = ReadOptions { supply_volts: Some(12.0), ..mapped(map) };
+        read_text(text.as_bytes(), &options).unwrap().mean_supply_v()
+    };
+    assert_eq!(stated("time=t:ms,voltage=u:V,speed=y"), Some(12.0));
+    assert_eq!(stated("time=t:ms,voltage=u:V,supply=battery:mV,speed=y"), Some(8.0));
+    let unknown = mapped("time=t:ms,voltage=u:V,speed=y");
+    assert_eq!(read_text(text.as_bytes(), &unknown).unwrap().mean_supply_v(), None);
 }
 
 #[test]

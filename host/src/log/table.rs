@@ -251,7 +251,8 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
                 ));
             }
         };
-    } else if let (None, Some(volts)) = (&record.supply_v, options.supply_volts.filter(|_| target.is_none()))
+    } else if let (None, false, Some(volts)) =
+        (&record.supply_v, record.voltage_v.is_empty(), options.supply_volts)
     {
         // Effects of the bridge depend on the duty, which a voltage alone does not tell.
         let stated = record.meta.insert("supply_volts", &volts.to_string());
