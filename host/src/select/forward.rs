@@ -68,11 +68,8 @@ pub fn tried(
         tick(*kind);
         let (layout, mut starts) = starts(&rough.problem, &values, &tangent, *kind);
         starts.truncate(STARTS);
-        for group in besides(&data.train, &values, *kind) {
-            let begun = |other| plain_starts(&rough.problem, other, *kind);
-            let mut others: Vec<Start> = group.iter().flat_map(begun).collect();
-            others.sort_by(|a, b| a.0.total_cmp(&b.0));
-            starts.extend(others.into_iter().take(STARTS));
+        for other in besides(&data.train, &values, *kind) {
+            starts.extend(plain_starts(&rough.problem, &other, *kind).into_iter().take(STARTS));
         }
         trials.push((layout, starts));
     }

@@ -12,9 +12,6 @@ use crate::fit::layout::{BaseValues, Layout, Values};
 use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
 
-/// Shares of the gain with which an effect that changes it is begun.
-const GAINS: [f64; 3] = [1.0, 0.7, 0.5];
-
 /// Cost, and the search vector.
 pub type Start = (f64, Vec<f64>);
 
@@ -70,19 +67,17 @@ pub fn straightened(problem: &Problem, values: &Values) -> Option<Values> {
     Some(usual)
 }
 
-/// The models from which `kind` is looked for beside `values` itself, in groups of which the nearest are searched: with the usual time constants
-/// where the fit has biased them, and with the viscous share that the effect asks for. Such an effect moves the speed that belongs to a voltage,
-/// and the gain of a fit without it is biased by as much, which is further than a few steps go.
-pub fn besides(problem: &Problem, values: &Values, kind: Kind) -> Vec<Vec<Values>> {
+/// The models from which `kind` is looked for beside `values` itself: with the usual time constants where the fit has biased them, and with the
+/// viscous share that the effect asks for.
+pub fn besides(problem: &Problem, values: &Values, kind: Kind) -> Vec<Values> {
     let damped = match kind.spec().search {
         Search::Damped(viscous_share) => {
-            let base =
-                |share: &f64| BaseValues { viscous_share, gain: share * values.base.gain, ..values.base };
-            GAINS.iter().map(|share| Values { base: base(share), ..values.clone() }).collect()
+            let base = BaseValues { viscous_share, ..values.base };
+            Some(Values { base, ..values.clone() })
         }
-        _ => Vec::new(),
+        _ => None,
     };
-    straightened(problem, values).into_iter().map(|usual| vec![usual]).chain([damped]).collect()
+    straightened(problem, values).into_iter().chain(damped).collect()
 }
 
 /// The search of `values` with `kind` of each of `sizes` added.
