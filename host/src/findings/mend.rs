@@ -35,7 +35,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
             "wrong_gear_ratio",
         ],
     ),
-    (Mend::Range, &["hard_stop", "frozen_sensor"]),
+    (Mend::Range, &["hard_stop", "frozen_sensor", "switched_off"]),
 ];
 
 /// Whether the voltage that was logged is surely not what drove the motor: held in the file and not by the drive, or more than the supply

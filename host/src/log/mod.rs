@@ -70,6 +70,7 @@ mod still;
 mod stops;
 mod structure;
 mod suspicion;
+mod switched_off;
 pub mod sysid;
 mod sysid_entries;
 mod sysid_mechanisms;

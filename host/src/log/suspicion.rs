@@ -12,6 +12,7 @@ use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
 use super::stale::stale_voltage;
 use super::stops::hard_stop;
+use super::switched_off::switched_off;
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
@@ -50,6 +51,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         jumps,
         hard_stop,
         held_back,
+        switched_off,
         speed_beside_angle,
         blind_near_zero,
         byte_duty,
