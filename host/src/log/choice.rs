@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::guess::{self, unit_names, words};
+use super::guess::{unit_names, words};
 use super::mapping::{Mapping, Source};
 use super::sample::Guess;
 use super::units::{PerTurn, Quantity, Unit};
@@ -286,13 +286,7 @@ impl Choice<'_> {
             Guess::Proposed(proposal) => {
                 format!("say which column is what and in which unit; it looks like {}", proposal.told())
             }
-            Guess::Open(Some(question)) => question.clone(),
-            Guess::Open(None) => format!(
-                "say which column is what and in which unit; if they are time, voltage and speed: --map {}, and of a duty and encoder \
-                 counts: --map time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev {}",
-                guess::example(self.names),
-                guess::ASSUMED_COUNTS
-            ),
+            Guess::Open(question) => question.clone(),
         };
         let proposal = if let Guess::Proposed(proposal) = guess { Some(proposal) } else { None };
         BadInput::new(self.path, format!("{}; the columns are {}", missing.why, self.listed()), remedy)

@@ -66,6 +66,7 @@ mod several;
 mod slow_sensor;
 mod stale;
 mod stamped;
+mod steady_states;
 mod still;
 mod stops;
 mod structure;

@@ -10,6 +10,7 @@ use super::guess::{self, by_numbers};
 use super::newest;
 use super::numbers::OfFile;
 use super::preamble::{NAMELESS, Preamble, remark_in};
+use super::samples::FEWEST_SAMPLES;
 use super::text::cannot_read;
 use super::unsigned;
 use crate::error::{BadInput, Result};
@@ -117,6 +118,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     if (0..clocked.len()).any(|k| is_dated(k) && falls(k)) {
         sample.rows.reverse();
     }
+    leave_out_stale_first(&mut sample.rows);
     sample.signed = give_signs(&mut sample.rows);
     for (k, name) in sample.with_units.iter_mut().enumerate() {
         let unit = head.units.get(k).map(String::as_str).filter(|unit| !unit.is_empty());
@@ -132,6 +134,24 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
 /// The numbers of a column, as far as its rows have them.
 pub(super) fn numbers(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = f64> + Clone {
     rows.iter().filter_map(move |row| row.get(column)).copied().filter(|value| value.is_finite())
+}
+
+/// Leaves out a first row from before a column began that only rises behind it, as the reader of the rows does: what a serial port still
+/// held when the board was reset tells nothing of this run.
+fn leave_out_stale_first(rows: &mut Vec<Vec<f64>>) {
+    let Some(([first, second], rest)) =
+        rows.split_first_chunk::<2>().filter(|_| rows.len() >= FEWEST_SAMPLES)
+    else {
+        return;
+    };
+    let rises = |k: usize| {
+        let later = std::iter::once(second).chain(rest).map(|row| row.get(k));
+        later.clone().zip(later.skip(1)).all(|(before, after)| after > before)
+    };
+    let is_stale = |k: usize| first[k] > second.get(k).copied().unwrap_or(f64::NAN) && rises(k);
+    if (0..first.len()).any(is_stale) {
+        rows.remove(0);
+    }
 }
 
 /// Gives columns of whole numbers the signs that their type took away, and tells which, and the width of the type.
@@ -155,7 +175,9 @@ fn give_signs(rows: &mut [Vec<f64>]) -> Vec<(usize, f64)> {
 /// What reading says.
 pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Result<Guess> {
     let sample = read(path, input, head, 0)?;
-    Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(question(&sample)), Guess::Proposed))
+    let open =
+        || question(&sample).or_else(|| no_table(&sample, head)).unwrap_or_else(|| any_mapping(&sample));
+    Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(open()), Guess::Proposed))
 }
 
 /// The fault of a table whose columns have no names, or whose header is `wrong`, with what their numbers say of them.
@@ -206,6 +228,46 @@ fn question(sample: &Sample) -> Option<String> {
     questions.into_iter().find_map(|question| question(sample))
 }
 
+/// As much of a line as a message holds, in characters.
+const SHOWN: usize = 60;
+
+/// What is said of lines with fewer than two columns of numbers, of which no mapping makes a log.
+fn no_table(sample: &Sample, head: &Preamble) -> Option<String> {
+    let width = sample.rows.iter().map(Vec::len).max()?;
+    let mut columns = (0..width).filter(|k| numbers(&sample.rows, *k).next().is_some());
+    match (columns.next(), columns.next()) {
+        (Some(only), None) => {
+            let name = sample.names.get(only).cloned().unwrap_or_else(|| only.to_string());
+            Some(format!(
+                "only \"{name}\" holds numbers, and a fit needs the time, what drove the motor (a duty or voltage) and how it moved (an angle, \
+                 counts or a speed): log them in every row"
+            ))
+        }
+        (None, _) => {
+            // A number at its beginning rather shows what the lines are than a sentence does.
+            let has_number = |line: &str| line.trim_start().starts_with(|c: char| c.is_ascii_digit());
+            let first = head.rows.iter().find(|(_, line)| has_number(line)).or(head.rows.first());
+            let (line, text) = first?;
+            let text: String = text.trim().chars().take(SHOWN).collect();
+            Some(format!(
+                "this is no table of numbers: line {line} reads \"{text}\"; write a row for each instant, with the time, what drives the motor and \
+                 its motion as numbers in columns of their own"
+            ))
+        }
+        _ => None,
+    }
+}
+
+/// What is said where nothing is known of the columns.
+fn any_mapping(sample: &Sample) -> String {
+    format!(
+        "say which column is what and in which unit; if they are time, voltage and speed: --map {}, and of a duty and encoder counts: --map \
+         time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev {}",
+        guess::example(&sample.names, &sample.rows),
+        guess::ASSUMED_COUNTS
+    )
+}
+
 impl Guess {
     /// The same without assumptions about what is known.
     pub fn with_known(self, known: guess::Known) -> Self {
@@ -222,5 +284,29 @@ pub(super) enum Guess {
     /// Options that read the table.
     Proposed(guess::Proposal),
     /// No options; what else is known of the columns.
-    Open(Option<String>),
+    Open(String),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_row_from_before_the_clock_began_tells_nothing_of_the_columns() {
+        let run = |first: [f64; 2]| -> Vec<Vec<f64>> {
+            let rows = (0..30).map(|k| vec![f64::from(k), 64.0]);
+            std::iter::once(first.to_vec()).chain(rows).collect()
+        };
+        let mut rows = run([249.0, 65_472.0]);
+        leave_out_stale_first(&mut rows);
+        assert_eq!((rows.len(), rows[0][1]), (30, 64.0));
+        // In its place, and before a clock that begins anew later too.
+        let mut begins = run([-1.0, 65_472.0]);
+        let mut twice = [run([249.0, 64.0]), run([0.0, 64.0])].concat();
+        for rows in [&mut begins, &mut twice] {
+            let before = rows.len();
+            leave_out_stale_first(rows);
+            assert_eq!(rows.len(), before);
+        }
+    }
 }

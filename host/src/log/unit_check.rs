@@ -150,20 +150,7 @@ fn gain(record: &Record) -> Option<Fault> {
         ));
     }
     if gain > FRANTIC {
-        return Some(fault(
-            motion_column(record),
-            format!(
-                "{gain:.0} rad/s per volt is more than any motor turns; the column looks like degrees or counts"
-            ),
-            format!(
-                "give the unit, for example {}, and check that the voltage is in volts and no duty",
-                if record.angle_rad.is_some() {
-                    remapped(record, &[(Angle, Angle, "deg")])
-                } else {
-                    remapped(record, &[(Speed, Speed, "deg/s")])
-                }
-            ),
-        ));
+        return Some(frantic(record, gain, volts));
     }
     let plate = record.meta.no_load_gain()?;
     // A load or a fast programme slows a motor. Small duties of a driver that floats or freewheels make it several times as fast a volt as its name
@@ -175,6 +162,29 @@ fn gain(record: &Record) -> Option<Fault> {
             "check the units (--map angle=angle_rad:deg, --map speed=speed_rad_s:rpm, --map voltage=voltage_v:mV) and the [nameplate]",
         )
     })
+}
+
+/// What is said of a `gain`, rad/s per V, that no motor has, at `volts` V at most. A unit that was given already is not proposed again.
+fn frantic(record: &Record, gain: f64, volts: f64) -> Fault {
+    let (quantity, unit) = if record.angle_rad.is_some() { (Angle, "deg") } else { (Speed, "deg/s") };
+    let given = record.map.as_ref().and_then(|map| map.source(quantity));
+    let (looks, fix) = if given.is_some_and(|source| source.written == unit) {
+        (
+            format!("and the highest voltage is only {volts:.4} V"),
+            "check the number that is full duty and the unit of the voltage first, then the units of the motion and of the time".to_owned(),
+        )
+    } else {
+        let map = remapped(record, &[(quantity, quantity, unit)]);
+        (
+            "the column looks like degrees or counts".to_owned(),
+            format!("give the unit, for example {map}, and check that the voltage is in volts and no duty"),
+        )
+    };
+    fault(
+        motion_column(record),
+        format!("{gain:.0} rad/s per volt is more than any motor turns; {looks}"),
+        fix,
+    )
 }
 
 fn motion_column(record: &Record) -> &'static str {
@@ -201,6 +211,16 @@ mod tests {
 
     fn scale(column: Option<&mut Vec<f64>>, factor: f64) {
         column.unwrap().iter_mut().for_each(|value| *value *= factor);
+    }
+
+    #[test]
+    fn a_unit_that_was_given_is_not_proposed_again() {
+        let mut record = motor();
+        scale(Some(&mut record.voltage_v), 5e-4);
+        record.map = Some("time=0:s,duty=1:65535,angle=2:deg".parse().unwrap());
+        let fault = gain(&record).unwrap();
+        assert!(fault.why.contains("the highest voltage is only 0.00"), "{}", fault.why);
+        assert!(fault.fix.contains("full duty") && !fault.fix.contains("--map"), "{}", fault.fix);
     }
 
     #[test]

@@ -153,12 +153,18 @@ impl<'de> Visitor<'de> for &mut Document {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<(), A::Error> {
-        while let Some(value) = all.next_element::<Value>()? {
-            if value.is_array() {
-                self.rows.take_array(&[], &value);
-            } else {
-                self.rows.take(&value);
-            }
+        let Some(first) = all.next_element::<Value>()? else { return Ok(()) };
+        let mut next = all.next_element::<Value>()?;
+        if next.is_none()
+            && let Some(rows) = rows_of_columns(std::slice::from_ref(&first))
+        {
+            rows.iter().for_each(|row| self.rows.take(row));
+            return Ok(());
+        }
+        self.take(&first);
+        while let Some(value) = next {
+            self.take(&value);
+            next = all.next_element()?;
         }
         Ok(())
     }
@@ -171,7 +177,40 @@ impl<'de> Visitor<'de> for &mut Document {
     }
 }
 
+/// An array in an object of columns is at least so many times as long as the list of such objects, and so long.
+const LONGER: usize = 10;
+const FEWEST_ROWS: usize = 20;
+
+/// The rows of a list of objects that are columns each: two arrays of one length or more, far longer than the list. None where the objects
+/// are rows themselves.
+fn rows_of_columns(list: &[Value]) -> Option<Vec<Value>> {
+    let mut rows = Vec::new();
+    for object in list {
+        let object = object.as_object()?;
+        let arrays = || object.iter().filter_map(|(name, value)| Some((name, value.as_array()?)));
+        let alike = |length: usize| arrays().filter(|(_, all)| all.len() == length).count();
+        let length = arrays().map(|(_, all)| all.len()).filter(|length| alike(*length) >= 2).max()?;
+        if length < FEWEST_ROWS.max(LONGER * list.len()) {
+            return None;
+        }
+        rows.extend((0..length).map(|k| {
+            let columns = arrays().filter(|(_, all)| all.len() == length);
+            Value::Object(columns.map(|(name, all)| (name.clone(), all[k].clone())).collect())
+        }));
+    }
+    Some(rows)
+}
+
 impl Document {
+    /// Takes a row.
+    fn take(&mut self, value: &Value) {
+        if value.is_array() {
+            self.rows.take_array(&[], value);
+        } else {
+            self.rows.take(value);
+        }
+    }
+
     /// Takes an entry of the outermost object: a column, or the rows themselves.
     fn put(&mut self, name: String, value: &Value) {
         match value {
@@ -184,7 +223,8 @@ impl Document {
                 self.arrays.clone_from(all);
             }
             Value::Array(all) if all.iter().any(Value::is_object) => {
-                all.iter().for_each(|row| self.rows.take(row));
+                let unfolded = rows_of_columns(all);
+                unfolded.as_ref().unwrap_or(all).iter().for_each(|row| self.rows.take(row));
             }
             Value::Array(all) if self.columns.len() < MOST_COLUMNS => {
                 let number =
@@ -270,6 +310,10 @@ mod tests {
             "rate": 100, "t": column(&|row| number(&row["t"])), "motor": {"u": column(&|row| number(&row["motor"]["u"]))},
             "q[1]": column(&|row| number(&row["q"][1])),
         });
+        let one_run = serde_json::json!({
+            "kind": "run", "t": column(&|row| number(&row["t"])), "motor.u": column(&|row| number(&row["motor"]["u"])),
+            "q[1]": column(&|row| number(&row["q"][1])), "labels": ["a", "b"],
+        });
         // As pandas writes a table: `{"t": {"0": 0.0, "1": 0.01, ...}, ...}`.
         let numbered = |all: Vec<f64>| {
             let of = |(k, x): (usize, f64)| (k.to_string(), x.into());
@@ -297,6 +341,8 @@ mod tests {
             ("array", serde_json::to_string_pretty(&rows).unwrap()),
             ("array in an object", serde_json::json!({"name": "run", "data": rows}).to_string()),
             ("columns", columns.to_string()),
+            ("columns in a list", serde_json::json!({"limits": [-1, 1], "data": [one_run]}).to_string()),
+            ("nothing but that list", serde_json::json!([one_run]).to_string()),
             ("columns by row", pandas.to_string()),
             ("columns and rows apart", split.to_string()),
             ("rows with what they are", table.to_string()),

@@ -271,9 +271,10 @@ fn falls(values: impl Iterator<Item = f64> + Clone) -> bool {
     values.clone().zip(values.skip(1)).any(|(before, after)| after < before)
 }
 
-/// Whether a column that is called one of counts holds an encoder's levels, which are high or low and count nothing.
+/// Whether a column that is called one of counts holds an encoder's levels, which are high or low and count nothing. One that is 0 in every
+/// row is a count that never moved.
 pub(super) fn is_level(rows: usize, range: &Range) -> bool {
-    rows >= FEWEST_TICKS && range.whole && range.low == 0.0 && range.high <= 1.0
+    rows >= FEWEST_TICKS && range.whole && range.low == 0.0 && range.high == 1.0
 }
 
 /// Of a gyroscope's axes the one that moves most may be the motor's, where no other motion was logged.

@@ -5,7 +5,7 @@ use super::columns::{self, Part};
 use super::preview::short;
 use super::questions::guessed_unit;
 use super::ranges::Range;
-use super::{column, options_as_if, sides, symbols, words};
+use super::{column, options_as_if, sides, symbols, unit_names, words};
 use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::{Sample, numbers};
@@ -131,6 +131,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
         // What drives one motor turns no other.
         others.retain(is_own);
     }
+    let sought = if drive.is_some() { [Angle, Speed] } else { [Duty, Voltage] };
+    others.retain(|k| !is_of_another(&sample.with_units[*k], &sought));
     if let (None, Some(motion)) = (drive, motion) {
         others.retain(|k| !is_motion_again(&sample.rows, motion.index, *k));
     }
@@ -205,6 +207,11 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Whether a name tells a unit that none of these quantities has: an encoder's volts are no speed, and an acceleration is no voltage.
+fn is_of_another(name: &str, sought: &[Quantity]) -> bool {
+    unit_names::is_of_acceleration(name) || words::said(name).unit_of.is_some_and(|of| !sought.contains(&of))
 }
 
 /// Whether a column is the `motion` in another unit: it goes with it in every row.

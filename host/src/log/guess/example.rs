@@ -1,17 +1,22 @@
 //! An example of a mapping, where nothing tells what the columns are.
 
+use super::ranges::Range;
 use super::{column, quoted, words};
+use crate::log::sample::numbers;
+use crate::log::samples::FEWEST_SAMPLES;
 use crate::log::units::Quantity;
 
-/// A mapping of the first columns, for an example where nothing tells what they are.
-pub(in crate::log) fn example(names: &[String]) -> String {
+/// A mapping of the first columns that hold numbers, for an example where nothing tells what they are.
+pub(in crate::log) fn example(names: &[String], rows: &[Vec<f64>]) -> String {
     let part = |(quantity, unit): (Quantity, &str), index: usize| {
         let told = words::told(&names[index]).filter(|(of, _)| *of == quantity).map(|(_, unit)| unit);
         format!("{quantity}={}:{}", column(names, index), told.unwrap_or(unit))
     };
     let kinds = [(Quantity::Time, "s"), (Quantity::Voltage, "V"), (Quantity::Speed, "rad/s")];
     // The one that is called so, else the next; a column without a name is none, and what somebody wanted comes last.
-    let mut columns: Vec<usize> = (0..names.len()).filter(|k| !names[*k].is_empty()).collect();
+    let has_numbers = |k: usize| rows.is_empty() || numbers(rows, k).next().is_some();
+    let mut columns: Vec<usize> =
+        (0..names.len()).filter(|k| !names[*k].is_empty() && has_numbers(*k)).collect();
     columns.sort_by_key(|k| words::said(&names[*k]).wanted);
     let is_called = |k: usize, kind: Quantity| {
         let said = words::said(&names[k]);
@@ -20,11 +25,20 @@ pub(in crate::log) fn example(names: &[String]) -> String {
     let named: Vec<Option<usize>> =
         kinds.iter().map(|(kind, _)| columns.iter().copied().find(|k| is_called(*k, *kind))).collect();
     columns.retain(|k| !named.contains(&Some(*k)));
-    let mut others = columns.into_iter();
+    // What is constant, or one of two values, is no time.
+    let tells_time = |k: usize| {
+        let range = Range::of(numbers(rows, k));
+        rows.len() < FEWEST_SAMPLES || numbers(rows, k).any(|value| value > range.low && value < range.high)
+    };
     let parts: Vec<String> = kinds
         .into_iter()
         .zip(named)
-        .filter_map(|(kind, named)| Some(part(kind, named.or_else(|| others.next())?)))
+        .filter_map(|(kind, named)| {
+            let fits = |k: &usize| kind.0 != Quantity::Time || tells_time(*k);
+            let other = named.is_none().then(|| columns.iter().position(fits)).flatten();
+            let index = named.or(other.map(|place| columns.remove(place)))?;
+            Some(part(kind, index))
+        })
         .collect();
     quoted(&parts.join(","))
 }
@@ -36,8 +50,16 @@ mod tests {
     #[test]
     fn an_example_keeps_the_units_that_names_tell() {
         assert_eq!(
-            example(&["czas_ms", "x", "y_rpm"].map(str::to_owned)),
+            example(&["czas_ms", "x", "y_rpm"].map(str::to_owned), &[]),
             "time=czas_ms:ms,voltage=x:V,speed=y_rpm:rpm"
         );
+    }
+
+    #[test]
+    fn an_example_maps_numbers_and_no_constant_as_the_time() {
+        let row = |k: usize| vec![f64::NAN, 5.0, [0.0, 1.0][k % 2], 0.1 * k as f64];
+        let names = ["foo", "bar", "baz", "qux"].map(str::to_owned);
+        let rows: Vec<Vec<f64>> = (0..40).map(row).collect();
+        assert_eq!(example(&names, &rows), "time=qux:s,voltage=bar:V,speed=baz:rad/s");
     }
 }

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
+use crate::log::steady_states::are_steady_states;
 use crate::log::timing;
 use crate::log::units::Quantity;
 
@@ -27,12 +28,6 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
     Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
 }
 
-/// A table of steady states has so many rows at most; a log that begins so has more.
-const MOST_STATES: usize = 200;
-/// Share of its rows in which the drive is another than in the row before.
-const STEPS: f64 = 0.9;
-/// What moves goes with what drives it by at least this correlation.
-const GOES_AT_ONCE: f64 = 0.9;
 
 /// What is said of a table without a clock in which the drive is another in each row and the speed goes with it.
 pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
@@ -41,11 +36,8 @@ pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
     let speed = of(&[Quantity::Speed])?;
     let both = |row: &Vec<f64>| Some((*row.get(drive.index)?, *row.get(speed.index)?));
     let (volts, speeds): (Vec<f64>, Vec<f64>) = sample.rows.iter().filter_map(both).unzip();
-    let steps = volts.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let is_timed = of(&[Quantity::Time, Quantity::Interval]).is_some() || sample.stamped;
-    let is_table = !is_timed && (2..=MOST_STATES).contains(&volts.len());
-    let goes = || motion::correlation(&volts, &speeds).abs() > GOES_AT_ONCE;
-    (is_table && steps as f64 > STEPS * (volts.len() - 1) as f64 && goes()).then(|| {
+    (!is_timed && are_steady_states(&volts, &speeds)).then(|| {
         let name = |part: &Part| sample.names.get(part.index).cloned().unwrap_or(part.index.to_string());
         format!(
             "\"{}\" is another in every row and \"{}\" goes with it: where each row is the speed that a level settled at, these are steady states, \
@@ -182,16 +174,18 @@ pub(super) fn taken_for(names: &[String], part: &Part, parts: &[Part], rows: &[V
     }
 }
 
-/// What is asked of a table whose only motion is the levels of an encoder's channels.
+/// What is asked of a table whose only motion is the levels of an encoder's channels: none where another column counts.
 pub(in crate::log) fn levels_question(sample: &Sample) -> Option<String> {
     let values = |k: usize| numbers(&sample.rows, k);
-    let is_level = |k: &usize| {
-        words::said(&sample.with_units[*k]).unit == Some("counts")
-            && columns::is_level(sample.rows.len(), &Range::of(values(*k)))
-    };
-    let levels: Vec<String> =
-        (0..sample.names.len()).filter(is_level).map(|k| format!("\"{}\"", sample.names[k])).collect();
-    (!levels.is_empty()).then(|| {
+    let range = |k: usize| Range::of(values(k));
+    let is_counted = |k: &usize| words::said(&sample.with_units[*k]).unit == Some("counts");
+    // One that never moves is neither.
+    let moves = |k: &usize| range(*k).high > range(*k).low;
+    let (levels, counts): (Vec<usize>, Vec<usize>) = (0..sample.names.len())
+        .filter(|k| is_counted(k) && moves(k))
+        .partition(|k| columns::is_level(sample.rows.len(), &range(*k)));
+    let levels: Vec<String> = levels.into_iter().map(|k| format!("\"{}\"", sample.names[k])).collect();
+    (!levels.is_empty() && counts.is_empty()).then(|| {
         format!(
             "{} hold 0 and 1 only, the level of an encoder's channel and no count: count the edges on the board (interrupts, a timer in encoder \
              mode) and log the count, as --map ...,angle=count:counts --counts-per-rev {ASSUMED_COUNTS}",

@@ -262,15 +262,7 @@ fn columns_that_no_name_tells_are_proposed_by_their_numbers() {
         speed += 0.1 * (2.0 * volts - speed);
         vec![0.01 * k as f64, volts, 0.01 * k as f64, speed]
     });
-    let sample = Sample {
-        with_units: names("time;value;time;value"),
-        names: names("time;value;time;value"),
-        rows: rows.collect(),
-        texts: Vec::new(),
-        stamped: false,
-        signed: Vec::new(),
-        rate: None,
-    };
+    let sample = sample("time;value;time;value", rows.collect());
     assert_eq!(propose_for(&sample), None);
     let asked = questions::numbers_question(&sample).unwrap();
     assert!(asked.contains("--map time=0:s,voltage=1:V,speed=3:rad/s"), "{asked}");
@@ -300,4 +292,52 @@ fn signals_with_clocks_of_their_own_are_no_motion_and_told_where_they_differ() {
     assert!(!proposal.assumptions().contains("other times"), "{}", proposal.assumptions());
     let asked = propose_for(&sample(0.004)).unwrap().assumptions();
     assert!(asked.contains("column 2 is the clock \"speed.Time\" beside \"volt.Time\""), "{asked}");
+}
+
+/// A table of which nothing but the names and the rows is known.
+fn sample(header: &str, rows: Vec<Vec<f64>>) -> Sample {
+    Sample {
+        with_units: names(header),
+        names: names(header),
+        rows,
+        texts: Vec::new(),
+        stamped: false,
+        signed: Vec::new(),
+        rate: None,
+    }
+}
+
+#[test]
+fn a_counter_that_never_counts_is_no_level_of_a_channel() {
+    let level = |k: f64| f64::from(k % 2.0 > 0.5);
+    let asked = |row: &dyn Fn(f64) -> Vec<f64>| levels_question(&sample("t_ms;encoder1;encoder2", rows(row)));
+    assert!(asked(&|k| vec![k, level(k), level(k + 1.0)]).unwrap().contains("\"encoder1\" and \"encoder2\""));
+    assert_eq!(asked(&|k| vec![k, 3.0 * k, 0.0]), None, "one that counts and one that does not");
+    assert_eq!(asked(&|k| vec![k, 0.0, 0.0]), None);
+    assert_eq!(asked(&|k| vec![k, 3.0 * k, level(k)]), None);
+}
+
+#[test]
+fn levels_of_the_drive_that_move_nothing_hide_no_table_of_steady_states() {
+    let row = |k: u32| {
+        let volts = f64::from(16_u32.saturating_sub(k)) * 0.5;
+        vec![volts, 300.0 * volts]
+    };
+    let asked = propose_for(&sample("voltage;rpm", (0..21).map(row).collect())).unwrap().unknown_units;
+    assert!(asked.iter().any(|text| text.contains("these are steady states")), "{asked:?}");
+}
+
+#[test]
+fn a_unit_that_a_name_tells_bars_it_from_what_has_another() {
+    let half =
+        |header: &str| half_question(&sample(header, rows(|k| vec![0.01 * k, (0.1 * k).sin(), k.cos()])));
+    let asked = half("time_s;alpha_m_rad_s2;theta_m_rad").unwrap();
+    assert!(asked.contains("no column tells what drove the motor") && !asked.contains("--map"), "{asked}");
+    let asked = half("time_s;duty_pct;encoder_V").unwrap();
+    assert!(asked.contains("no column tells how it moved") && !asked.contains("--map"), "{asked}");
+    for (name, is) in
+        [("a [m/s^2]", true), ("alpha_m_rad_s2", true), ("sensors2", false), ("omega_rad_s", false)]
+    {
+        assert_eq!(unit_names::is_of_acceleration(name), is, "{name}");
+    }
 }

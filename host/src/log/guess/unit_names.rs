@@ -1,6 +1,7 @@
 //! What units are called in headers, and how `--map` writes them.
 
 use super::super::units::Quantity;
+use super::spelling::bracketed;
 
 use Quantity::{Angle, Current, Duty, Speed, Time, Voltage};
 
@@ -182,6 +183,15 @@ pub fn unit_named(text: &str) -> Option<(Quantity, &'static str)> {
     let lower = text.to_lowercase();
     let named = with_stroke(&lower).unwrap_or(lower);
     UNITS.iter().find(|(known, ..)| *known == named).map(|(_, quantity, unit)| (*quantity, *unit))
+}
+
+/// Whether a name, or what stands in its brackets, ends with the unit of an acceleration: `alpha_rad_s2`, `a [m/s^2]`.
+pub(super) fn is_of_acceleration(name: &str) -> bool {
+    const SECONDS: [&str; 4] = ["s2", "s^2", "s\u{b2}", "s-2"];
+    let (bare, bracket) = bracketed(name);
+    let text = bracket.unwrap_or(bare).to_lowercase();
+    let of = |second: &str| text.strip_suffix(second)?.strip_suffix(['/', '_'])?.rsplit([' ', '_']).next();
+    SECONDS.iter().filter_map(|second| of(second)).any(|of| ["rad", "deg", "\u{b0}", "m"].contains(&of))
 }
 
 /// The unit of what changes in a time with a stroke between, and the shortest word for a second: of `deg per sec`, `ticks / 100 ms`.

@@ -22,6 +22,8 @@ pub struct Said {
     pub told: bool,
     /// It is what somebody wanted, a setpoint or an error: never a measurement.
     pub wanted: bool,
+    /// What the unit in the name measures, whether it fits what else the name says or not: `encoder_V`.
+    pub unit_of: Option<Quantity>,
     /// It is where a servo was told to go.
     pub target: bool,
     /// It is a register of a servo.
@@ -73,6 +75,7 @@ pub fn said(name: &str) -> Said {
         });
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
+    let unit_of = unit.map(|(of, _)| of);
     let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let is_made =
@@ -196,6 +199,7 @@ pub fn said(name: &str) -> Said {
         quantity,
         unit: unit.map(|(_, unit)| unit).or(implied),
         told,
+        unit_of,
         wanted,
         target,
         register,

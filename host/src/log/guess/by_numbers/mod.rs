@@ -105,6 +105,13 @@ impl Found {
             return None;
         }
         let time = clock(columns);
+        let is_count = time
+            .is_some_and(|k| stands_beside_row_numbers(columns, k) && candidates(columns, time).is_empty());
+        Found::by_clock(columns, time.filter(|_| !is_count))
+    }
+
+    /// What is found beside a clock, or without one.
+    fn by_clock(columns: &[Vec<f64>], time: Option<usize>) -> Option<Found> {
         let candidates = candidates(columns, time);
         let constant = (0..columns.len()).find(|k| span(&columns[*k]) == 0.0 && columns[*k][0] != 0.0);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
@@ -171,6 +178,12 @@ fn clock(columns: &[Vec<f64>]) -> Option<usize> {
         columns.iter().enumerate().filter(|(_, values)| values.len() >= FEWEST && !counts_rows(values));
     let clocks = clocks.filter_map(|(k, values)| Some((k, unevenness(values)?)));
     clocks.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(k, _)| k)
+}
+
+/// Whether what rises evenly in column `k` may be an encoder's count: it stands at times, as no clock does, and another column numbers the
+/// rows.
+fn stands_beside_row_numbers(columns: &[Vec<f64>], k: usize) -> bool {
+    columns[k].windows(2).any(|pair| pair[1] == pair[0]) && columns.iter().any(|values| counts_rows(values))
 }
 
 /// Whether column `k` is one before it once more, or what is missing of it to a target, or the difference of two.
@@ -313,6 +326,12 @@ mod tests {
             })
             .collect();
         assert_eq!(propose(&rows).unwrap().map, "duty=0:100,angle=1:deg");
+    }
+
+    #[test]
+    fn a_count_that_rises_evenly_beside_the_number_of_a_row_is_no_time() {
+        assert_eq!(map(|k| vec![k, 64.0, (2.6 * (k - 3.0).max(0.0)).floor()]), "duty=1:255,angle=2:deg");
+        assert_eq!(map(|k| vec![k, 64.0, 10.0 * k]), "", "a clock, and nothing that moves");
     }
 
     /// Three runs at one level each, one after the other, in the order drive, time, speed, angle.
