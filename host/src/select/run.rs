@@ -104,6 +104,7 @@ pub fn run(
             // None alone explains anything: two may.
             let mut two = pairs(data, model, &came_near, WORTH);
             two.extend(beside_the_usual(data, model, library, model.kinds()));
+            two.extend(with_the_usual(data, model, library));
             two.sort_by(|a, b| b.score().total_cmp(&a.score()));
             next = step_up(data, base, model, &mut two);
             candidates.extend(two);
@@ -129,6 +130,15 @@ fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind], kinds: &[
     let usual = usual_first(lacking.collect()).into_iter().next();
     let beside = usual.filter(|usual| !covers(kinds, *usual)).and_then(|usual| with(data, model, usual));
     beside.map_or_else(Vec::new, |beside| forward(data, &beside, library, WORTH, &mut |_| ()))
+}
+
+/// Candidates with an effect that only friction stops beside, and the usual friction: alone such an effect looks wrong, and next to a friction that
+/// was fitted without it, too.
+fn with_the_usual(data: &Evidence, model: &Fitted, library: &[Kind]) -> Vec<Fitted> {
+    let Some(usual) = usual_first(library.to_vec()).into_iter().next() else { return Vec::new() };
+    let asks = |kind: &&Kind| matches!(kind.spec().search, Search::Damped(_)) && lacks(model.kinds(), **kind);
+    let begun = library.iter().filter(asks).filter_map(|kind| with(data, model, *kind));
+    begun.flat_map(|begun| forward(data, &begun, &[usual], WORTH, &mut |_| ())).collect()
 }
 
 /// Of the `candidates` tried on `model`, the one that is believed in its place, searched to its end: of those that the best does not beat

@@ -28,7 +28,6 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
     Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
 }
 
-
 /// What is said of a table without a clock in which the drive is another in each row and the speed goes with it.
 pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
     let of = |wanted: &[Quantity]| parts.iter().find(|part| wanted.contains(&part.quantity));
