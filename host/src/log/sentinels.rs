@@ -176,7 +176,7 @@ mod tests {
     fn numbers_for_nothing_are_left_out_however_long_they_stand() {
         for mixed in [false, true] {
             let number = |k: usize| match k % 80 {
-                20..28 if mixed && k % 3 > 0 => Some(-1.0),
+                20..28 if mixed && !k.is_multiple_of(3) => Some(-1.0),
                 20..28 if mixed || k % 160 < 80 => Some(65_535.0),
                 20..28 => Some(-1.0),
                 _ => None,
@@ -224,7 +224,9 @@ mod tests {
         let pulses: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 9.0 } else { f64::from(k % 3) }).collect();
         assert!(at_the_ends(&pulses, 3.0).is_empty());
         // A shaft that goes to and fro between two places faster than it is logged, and rests at each.
-        let places = |k: usize| if k / 20 % 2 == 0 { 10.0 + 0.1 * f64::from(k as u32 * 7 % 5) } else { 90.0 };
+        let places = |k: usize| {
+            if (k / 20).is_multiple_of(2) { 10.0 + 0.1 * f64::from(k as u32 * 7 % 5) } else { 90.0 }
+        };
         assert!(at_the_ends(&(0..400).map(places).collect::<Vec<_>>(), 0.0).is_empty());
     }
 }
