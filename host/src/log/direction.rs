@@ -67,7 +67,7 @@ pub(super) fn named(text: &str) -> Option<f64> {
     let lower = text.trim_matches(['"', '\'']).to_lowercase();
     let is_one_of = |words: &[&str]| words.contains(&lower.as_str());
     match lower.as_str() {
-        "true" | "high" | "on" => Some(1.0),
+        "true" | "high" => Some(1.0),
         "false" | "low" => Some(0.0),
         _ if is_one_of(&FORTH_WORDS) => Some(FORTH),
         _ if is_one_of(&BACK_WORDS) => Some(-FORTH),

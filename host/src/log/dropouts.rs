@@ -53,22 +53,16 @@ fn at_the_sentinel(values: &[f64]) -> Vec<usize> {
     dropped_to_zero(&shifted, None)
 }
 
-/// The number other than zero that stands most often, for some samples, far below or far above both readings beside it.
+/// The number other than zero that stands most often by itself far below or far above both readings beside it.
 fn sentinel(values: &[f64]) -> Option<f64> {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let far = APART * steps.sum::<f64>() / values.len().max(1) as f64;
     let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    let mut k = 1;
-    while k < values.len() {
-        let number = values[k];
-        let long = values[k..].iter().take_while(|value| **value == number).count();
-        let (before, after) =
-            (number - values[k - 1], values.get(k + long).map_or(0.0, |after| number - after));
-        let is_apart = before * after > 0.0 && before.abs().min(after.abs()) > far;
-        if number != 0.0 && long <= LONGEST_SPIKE && is_apart {
-            *counts.entry(number.to_bits()).or_default() += 1;
+    for triple in values.windows(3) {
+        let (before, after) = (triple[1] - triple[0], triple[1] - triple[2]);
+        if triple[1] != 0.0 && before * after > 0.0 && before.abs().min(after.abs()) > far {
+            *counts.entry(triple[1].to_bits()).or_default() += 1;
         }
-        k += long.max(1);
     }
     let (bits, count) = counts.into_iter().max_by_key(|(_, count)| *count)?;
     (count >= FEWEST_SENTINELS).then(|| f64::from_bits(bits))

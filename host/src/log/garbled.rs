@@ -4,7 +4,7 @@ use super::dropouts::{LONGEST_SPIKE, dropouts, speed_dropouts};
 use super::edges::{garbled_behind_edges, keep_drive};
 use super::motion::peak;
 use super::repair::{far_steps, leave_out, named};
-use super::sentinels::{at_the_ends, beside, in_passes, picked};
+use super::sentinels::{at_the_ends, in_passes, picked};
 use super::wraps::wrapped;
 use super::{Record, Warning};
 
@@ -36,32 +36,23 @@ fn spikes(values: &[f64]) -> Vec<usize> {
 
 /// Of an angle, the samples where nothing was read; where there are none, those that stand far from the others.
 fn garbled_angles(angle: &[f64]) -> Vec<usize> {
-    let found = in_passes(angle.len(), |pass, kept| {
+    in_passes(angle.len(), |pass, kept| {
         let rest = picked(angle, kept);
         if pass > 0 && wrapped(&rest).is_some() {
             return Vec::new();
         }
         let first = |x: &[f64]| if pass == 0 { spikes(x) } else { Vec::new() };
         first_of([&dropouts, &first, &|x| at_the_ends(x, 0.0)], &rest)
-    });
-    with_those_beside(angle, found)
+    })
 }
 
 /// The same of a speed that `volts` drive.
 fn garbled_speeds(speed: &[f64], volts: &[f64]) -> Vec<usize> {
-    let found = in_passes(speed.len(), |pass, kept| {
+    in_passes(speed.len(), |pass, kept| {
         let (rest, volts) = (picked(speed, kept), picked(volts, kept));
         let first = |w: &[f64]| if pass == 0 { speed_spikes(w) } else { Vec::new() };
         first_of([&|w| speed_dropouts(w, &volts), &first, &|w| at_the_ends(w, SPIKE_SPEED)], &rest)
-    });
-    with_those_beside(speed, found)
-}
-
-/// The samples `found`, and those of a second number for nothing that stands beside them.
-fn with_those_beside(values: &[f64], mut found: Vec<usize>) -> Vec<usize> {
-    found.extend(beside(values, &found));
-    found.sort_unstable();
-    found
+    })
 }
 
 /// A rule that finds samples which are no readings.

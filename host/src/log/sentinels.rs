@@ -1,15 +1,12 @@
 //! Two numbers for what was not read in one column, 65535 and -1: each hides the other from the rules for one of them.
 //!
 //! Both stand at an end of the column. Without them its steps are those of the motion, which tell that neither is a reading, however
-//! seldom it comes and however long; and once one of them is left out, the rest is looked at again. One of them may lie among the readings,
-//! as -1 does among speeds: that it stands beside the other tells it.
+//! seldom it comes; and once one of them is left out, the rest is looked at again.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::ops::Range;
 
 use super::dropouts::LONGEST_SPIKE;
-use super::motion::{ends, peak, span};
+use super::motion::{ends, peak};
 use super::repair::APART;
 
 /// A column is looked at so often at most.
@@ -18,10 +15,6 @@ const PASSES: usize = 4;
 const FEW_COUNTS: f64 = 4.0;
 /// Where more than this share of the column would be no reading, its ends belong to it.
 const MOST: f64 = 0.4;
-/// A motion in small steps goes so many times as far as in the furthest of them.
-const SMOOTH: f64 = 4.0;
-/// A number stands so often right beside another that is no reading, where it is none itself.
-const FEWEST_BESIDE: usize = 3;
 
 /// What `find` finds among `count` samples, and again among those that it leaves: it is told which pass it is, from 0, and the samples
 /// that are left, and gives places among these in order.
@@ -54,15 +47,7 @@ pub(super) fn picked<'a>(values: &'a [f64], samples: &[usize]) -> Cow<'a, [f64]>
 
 /// The samples at the lowest or the highest number of all that no step of the others explains, and that lie beyond so many times all
 /// others. Zeros have a rule of their own.
-///
-/// For some rows a shaft may be at an end of its way; for longer it is none where the others move in small steps from end to end.
 pub(super) fn at_the_ends(values: &[f64], beyond: f64) -> Vec<usize> {
-    let short = runs_at_the_ends(values, beyond, LONGEST_SPIKE, 0.0);
-    if short.is_empty() { runs_at_the_ends(values, beyond, values.len(), SMOOTH) } else { short }
-}
-
-/// The same in runs of up to `longest` samples, where the others go so many times as far as in their furthest step.
-fn runs_at_the_ends(values: &[f64], beyond: f64, longest: usize, smooth: f64) -> Vec<usize> {
     let (low, high) = ends(values);
     let is_end = |value: f64| value != 0.0 && (value == low || value == high);
     let (mut runs, mut is_in_run) = (Vec::new(), vec![false; values.len()]);
@@ -70,65 +55,29 @@ fn runs_at_the_ends(values: &[f64], beyond: f64, longest: usize, smooth: f64) ->
     while k < values.len() {
         let long = values[k..].iter().take_while(|value| is_end(**value)).count();
         let is_between = !is_end(values[k - 1]) && k + long < values.len();
-        if is_between && (1..=longest).contains(&long) {
+        if is_between && (1..=LONGEST_SPIKE).contains(&long) {
             is_in_run[k..k + long].fill(true);
             runs.push(k..k + long);
         }
         k += long.max(1);
     }
     let others: Vec<f64> = (0..values.len()).filter(|k| !is_in_run[*k]).map(|k| values[k]).collect();
-    let (furthest, smallest) = steps(values, &is_in_run);
+    let (mut furthest, mut smallest) = (0.0_f64, f64::INFINITY);
+    for (k, pair) in values.windows(2).enumerate() {
+        let step = (pair[1] - pair[0]).abs();
+        if step > 0.0 && !is_in_run[k] && !is_in_run[k + 1] {
+            (furthest, smallest) = (furthest.max(step), smallest.min(step));
+        }
+    }
     let (far, fastest) = (APART * furthest + FEW_COUNTS * smallest, beyond * peak(&others));
-    let is_none = |run: &Range<usize>| {
+    let is_none = |run: &std::ops::Range<usize>| {
         let (before, after) = (values[run.start - 1], values[run.end]);
         values[run.clone()]
             .iter()
             .all(|value| value.abs() > fastest && (value - before).abs() > far && (value - after).abs() > far)
     };
     let found: Vec<usize> = runs.into_iter().filter(is_none).flatten().collect();
-    let is_all = found.len() as f64 > MOST * values.len() as f64 || span(&others) < smooth * furthest;
-    if is_all { Vec::new() } else { found }
-}
-
-/// The furthest and the smallest step, other than none, between neighbours of which neither is `out`.
-fn steps(values: &[f64], out: &[bool]) -> (f64, f64) {
-    let (mut furthest, mut smallest) = (0.0_f64, f64::INFINITY);
-    for (k, pair) in values.windows(2).enumerate() {
-        let step = (pair[1] - pair[0]).abs();
-        if step > 0.0 && !out[k] && !out[k + 1] {
-            (furthest, smallest) = (furthest.max(step), smallest.min(step));
-        }
-    }
-    (furthest, smallest)
-}
-
-/// The samples that hold one number right beside those `found` to be no readings, time and again, and from which no step of the others
-/// leads back to the motion: a second number for what was not read, which lies among the readings. A shaft at rest reads zero.
-pub(super) fn beside(values: &[f64], found: &[usize]) -> Vec<usize> {
-    let mut is_out = vec![false; values.len()];
-    found.iter().for_each(|k| is_out[*k] = true);
-    let mut runs: BTreeMap<u64, Vec<Range<usize>>> = BTreeMap::new();
-    let mut k = 0;
-    while k < values.len() {
-        let same = |other: usize| !is_out[other] && values[other] == values[k];
-        let end = (k..values.len()).find(|other| !same(*other)).unwrap_or(values.len());
-        let touches = k > 0 && is_out[k - 1] || end < values.len() && is_out[end];
-        if end > k && values[k] != 0.0 && touches {
-            runs.entry(values[k].to_bits()).or_default().push(k..end);
-        }
-        k = end.max(k + 1);
-    }
-    let Some((_, runs)) = runs.into_iter().max_by_key(|(_, runs)| runs.len()) else { return Vec::new() };
-    runs.iter().for_each(|run| is_out[run.clone()].fill(true));
-    let (furthest, smallest) = steps(values, &is_out);
-    let far = APART * furthest + FEW_COUNTS * smallest;
-    let is_far = |run: &&Range<usize>| {
-        let before = (0..run.start).rev().find(|k| !is_out[*k]);
-        let after = (run.end..values.len()).find(|k| !is_out[*k]);
-        [before, after].into_iter().flatten().all(|k| (values[k] - values[run.start]).abs() > far)
-    };
-    let is_number = runs.len() >= FEWEST_BESIDE && runs.iter().filter(is_far).count() > 1;
-    if is_number { runs.into_iter().flatten().collect() } else { Vec::new() }
+    if found.len() as f64 > MOST * values.len() as f64 { Vec::new() } else { found }
 }
 
 #[cfg(test)]
@@ -173,46 +122,6 @@ mod tests {
     }
 
     #[test]
-    fn numbers_for_nothing_are_left_out_however_long_they_stand() {
-        for mixed in [false, true] {
-            let number = |k: usize| match k % 80 {
-                20..28 if mixed && !k.is_multiple_of(3) => Some(-1.0),
-                20..28 if mixed || k % 160 < 80 => Some(65_535.0),
-                20..28 => Some(-1.0),
-                _ => None,
-            };
-            let mut record = moving(|t| 2000.0 + (50.0 * swing(t)).round());
-            let angle = record.angle_rad.as_mut().unwrap();
-            (0..800).for_each(|k| angle[k] = number(k).unwrap_or(angle[k]));
-            let parts = repaired(record);
-            assert_eq!((parts.len(), parts[0].len()), (1, 800 - 80), "{mixed} {:?}", parts[0].warnings);
-        }
-    }
-
-    #[test]
-    fn a_second_number_that_lies_among_the_speeds_is_told_by_the_first_beside_it() {
-        let speed = |k: usize| 34.0 * (0.0085 * k as f64).cos();
-        let with = |k: usize| match k % 80 {
-            20 | 27 => 65_535.0,
-            21..27 => -1.0,
-            _ => speed(k),
-        };
-        let mut record = moving(swing);
-        (record.angle_rad, record.speed_rad_s) = (None, Some((0..800).map(with).collect()));
-        assert_eq!(repaired(record)[0].len(), 800 - 80);
-        // A shaft that stands at a number while some readings fail went there.
-        let standing: Vec<f64> = (0..800)
-            .map(|k| match (speed(k).abs() < 5.0, k % 9) {
-                (true, 0) => 65_535.0,
-                (true, _) => 5.0,
-                _ => speed(k).abs(),
-            })
-            .collect();
-        let failed: Vec<usize> = (0..800).filter(|k| standing[*k] == 65_535.0).collect();
-        assert_eq!(beside(&standing, &failed), [0; 0]);
-    }
-
-    #[test]
     fn the_ends_of_a_motion_are_no_numbers_for_nothing() {
         let angle = moving(swing).angle_rad.unwrap();
         assert!(at_the_ends(&angle, 0.0).is_empty());
@@ -223,10 +132,5 @@ mod tests {
         assert!(at_the_ends(&touched, 0.0).is_empty());
         let pulses: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 9.0 } else { f64::from(k % 3) }).collect();
         assert!(at_the_ends(&pulses, 3.0).is_empty());
-        // A shaft that goes to and fro between two places faster than it is logged, and rests at each.
-        let places = |k: usize| {
-            if (k / 20).is_multiple_of(2) { 10.0 + 0.1 * f64::from(k as u32 * 7 % 5) } else { 90.0 }
-        };
-        assert!(at_the_ends(&(0..400).map(places).collect::<Vec<_>>(), 0.0).is_empty());
     }
 }
