@@ -1,7 +1,7 @@
 //! Which effects a motor has, and the experiment that tells more.
 
 use super::observed::{told, watched};
-use super::{Measured, Observer, Options, record, search};
+use super::{Event, Measured, Observer, Options, record, search};
 use crate::diagnose::plan::Limits;
 use crate::error::Result;
 use crate::findings::{Findings, NextExperiment};
@@ -79,13 +79,7 @@ pub fn discover(
 /// ```
 pub fn discover_records(records: &[Record], options: &Options, observer: Observer) -> Result<Discovered> {
     watched(observer, move |tell| {
-        let found = search::discover(
-            records,
-            &options.validation,
-            &options.motor,
-            &options.asked(),
-            &mut told(tell),
-        )?;
+        let found = searched(records, options, tell)?;
         let faults = log::data_faults(records.iter().chain(&options.validation));
         let findings = Findings::new(&found, &faults);
         let findings = findings.supposing(records, &options.motor, &found.evidence.whole.rig);
@@ -124,14 +118,13 @@ pub fn plan(
 ) -> Result<Option<NextExperiment>> {
     watched(observer, move |tell| {
         // The loop of `discover`: an experiment that is proposed after its first step may be another one.
-        let found = search::discover(
-            records,
-            &options.validation,
-            &options.motor,
-            &options.asked(),
-            &mut told(tell),
-        )?;
+        let found = searched(records, options, tell)?;
         let volts = volts.unwrap_or_else(|| found.evidence.highest_voltage());
         Ok(found.experiment(Limits { volts, seconds }).next)
     })
+}
+
+/// The loop of fit, diagnosis and effects.
+fn searched(records: &[Record], options: &Options, tell: &dyn Fn(Event)) -> Result<search::Discovery> {
+    search::discover(records, &options.validation, &options.motor, &options.asked(), &mut told(tell))
 }

@@ -9,7 +9,7 @@ use motorlens_shared::effects::Kind;
 use serde_json::{Map, Value, json};
 
 use super::actuator::{self, take};
-use super::{Exported, Format, Options, Stepper};
+use super::{Exported, Format, Options};
 use crate::error::{Error, Result};
 use crate::model_file::Model;
 
@@ -93,13 +93,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
     let why = "is in \"command_delay\", on which BAM 1.0 does not act: shift the commands of a rollout by it";
     let left = actuator::leave(model, &[Kind::Delay], why);
     let content = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
-    Ok(Exported {
-        content: content.into_bytes(),
-        beside: None,
-        notes,
-        lost,
-        left,
-        carried,
-        stepper: Stepper::Other,
-    })
+    Ok(Exported::numbers(content, carried, notes, lost, left))
 }

@@ -8,7 +8,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::actuator::{LOADS, OF_THE_ROBOT, leave, one_level, take};
-use super::{Exported, Format, Options, Stepper};
+use super::{Exported, Format, Options};
 use crate::error::Result;
 use crate::model_file::Model;
 
@@ -74,13 +74,5 @@ from isaaclab.actuators import DCMotorCfg
         viscous = scale * b.viscous_share / b.gain,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported {
-        content: text.into_bytes(),
-        beside: None,
-        notes,
-        lost,
-        left,
-        carried,
-        stepper: Stepper::Other,
-    })
+    Ok(Exported::numbers(text, carried, notes, lost, left))
 }

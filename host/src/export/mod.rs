@@ -190,6 +190,12 @@ impl Exported {
         }
     }
 
+    /// A file for a simulator that takes a few numbers, which has `carried` of a model.
+    fn numbers(text: String, carried: Values, notes: Vec<String>, lost: Vec<Lost>, left: Vec<Lost>) -> Self {
+        let content = text.into_bytes();
+        Self { content, beside: None, notes, lost, left, carried, stepper: Stepper::Other }
+    }
+
     /// The file as text.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.content).into_owned()

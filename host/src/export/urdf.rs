@@ -8,7 +8,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::actuator::{LOADS, OF_THE_ROBOT, leave, one_level, take};
-use super::{Exported, Format, Options, Stepper, xml};
+use super::{Exported, Format, Options, xml};
 use crate::error::Result;
 use crate::model_file::Model;
 
@@ -74,13 +74,5 @@ pub(super) fn export(model: &Model, options: &Options) -> Result<Exported> {
         friction = scale * a.friction,
     );
     let carried = one_level(carried, a.friction, &[]);
-    Ok(Exported {
-        content: text.into_bytes(),
-        beside: None,
-        notes,
-        lost,
-        left,
-        carried,
-        stepper: Stepper::Other,
-    })
+    Ok(Exported::numbers(text, carried, notes, lost, left))
 }

@@ -8,7 +8,7 @@
 use motorlens_shared::effects::Kind;
 
 use super::actuator::{leave, one_level, take};
-use super::{Exported, Lost, Stepper};
+use super::{Exported, Lost};
 use crate::model_file::Model;
 use crate::sentence::capital;
 
@@ -59,15 +59,8 @@ pub(super) fn export(model: &Model) -> Exported {
         left.extend(leave(model, &[Kind::ConstantLoad, Kind::CoulombAsymmetric], &why));
     }
     let carried = one_level(carried, ks, &[Kind::DeadZone]);
-    Exported {
-        content: text([ks, kv, ka, kg], arm, &notes, &left).into_bytes(),
-        beside: None,
-        notes,
-        lost,
-        left,
-        carried,
-        stepper: Stepper::Other,
-    }
+    let text = text([ks, kv, ka, kg], arm, &notes, &left);
+    Exported::numbers(text, carried, notes, lost, left)
 }
 
 fn text([ks, kv, ka, kg]: [f64; 4], arm: Option<f64>, notes: &[String], left: &[Lost]) -> String {

@@ -69,9 +69,9 @@ impl NextStep {
         Self { action, effect, label, command, mend: None, place: None }
     }
 
-    /// To mend the data problem at `place`.
-    pub(super) fn mending(mend: Mend, place: &str) -> Self {
-        let place = Some(place.to_owned());
+    /// To mend the data problem at `place`, where it is at one.
+    pub(super) fn mending(mend: Mend, place: Option<&str>) -> Self {
+        let place = place.map(str::to_owned);
         Self { label: mend.label().into(), mend: Some(mend), place, ..Self::new(Action::Data, None) }
     }
 
@@ -81,8 +81,7 @@ impl NextStep {
         if supposed.is_empty() || self.action != Action::Export {
             return self;
         }
-        let mend = Mend::Columns;
-        Self { label: mend.label().into(), mend: Some(mend), ..Self::new(Action::Data, None) }
+        Self::mending(Mend::Columns, None)
     }
 
     /// What follows `facts` that amount to `verdict`.

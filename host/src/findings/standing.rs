@@ -83,7 +83,7 @@ impl Standing {
         let (first, mut next) = (facts.mend.or(facts.asked), NextStep::after(facts, verdict));
         let mut also = None;
         if let Some((mend, place)) = first {
-            let later = std::mem::replace(&mut next, NextStep::mending(mend, place));
+            let later = std::mem::replace(&mut next, NextStep::mending(mend, Some(place)));
             let goes_on = matches!(later.action, Action::Diagnose | Action::Add | Action::Remove);
             also = goes_on.then_some(later);
         }

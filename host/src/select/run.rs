@@ -123,19 +123,24 @@ pub fn run(
     Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
 }
 
+/// The effect of `kinds` on which most others build.
+fn usual(kinds: impl Iterator<Item = Kind>) -> Option<Kind> {
+    usual_first(kinds.collect()).first().copied()
+}
+
 /// Candidates with the effect on which most others build, and one more: a motor is rarely without friction, and what it lacks beside that may
 /// look like nothing without. None where that effect is one of the `kinds` that were accepted: then it is tried so anyway.
 fn beside_the_usual(data: &Evidence, model: &Fitted, library: &[Kind], kinds: &[Kind]) -> Vec<Fitted> {
     let lacking = library.iter().copied().filter(|kind| lacks(model.kinds(), *kind));
-    let usual = usual_first(lacking.collect()).into_iter().next();
-    let beside = usual.filter(|usual| !covers(kinds, *usual)).and_then(|usual| with(data, model, usual));
+    let beside =
+        usual(lacking).filter(|usual| !covers(kinds, *usual)).and_then(|usual| with(data, model, usual));
     beside.map_or_else(Vec::new, |beside| forward(data, &beside, library, WORTH, &mut |_| ()))
 }
 
 /// Candidates with an effect that only friction stops beside, and the usual friction: alone such an effect looks wrong, and next to a friction that
 /// was fitted without it, too.
 fn with_the_usual(data: &Evidence, model: &Fitted, library: &[Kind]) -> Vec<Fitted> {
-    let Some(usual) = usual_first(library.to_vec()).into_iter().next() else { return Vec::new() };
+    let Some(usual) = usual(library.iter().copied()) else { return Vec::new() };
     let asks = |kind: &&Kind| matches!(kind.spec().search, Search::Damped(_)) && lacks(model.kinds(), **kind);
     let begun = library.iter().filter(asks).filter_map(|kind| with(data, model, *kind));
     begun.flat_map(|begun| forward(data, &begun, &[usual], WORTH, &mut |_| ())).collect()

@@ -42,21 +42,11 @@ impl Open {
 mod tests {
     use super::super::session::Session;
     use super::*;
-    use crate::log::Record;
-    use crate::motor_file::MotorFile;
     use crate::select::forward::forward;
 
     #[test]
     fn the_accepted_effect_stands_first_and_stays_open_while_no_other_of_the_set_is_in_the_model() {
-        let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
-        let record = Record {
-            name: "run".into(),
-            voltage_v: time_s.iter().map(|t| 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin()).collect(),
-            speed_rad_s: Some(time_s.iter().map(|t| 30.0 * (1.3 * t - 0.1).sin()).collect()),
-            time_s,
-            ..Record::default()
-        };
-        let session = Session::new(vec![record], Vec::new(), MotorFile::default()).unwrap();
+        let session = Session::of_a_swing();
         let (evidence, base) = (&session.evidence, &session.base);
         let models = [Kind::Coulomb, Kind::DeadZone, Kind::QuadraticDrag]
             .map(|kind| forward(evidence, base, &[kind], 0.0, &mut |_| ()).remove(0));

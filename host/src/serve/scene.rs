@@ -178,15 +178,7 @@ mod tests {
 
     #[test]
     fn a_unit_that_only_the_mapping_says_is_told_on_the_page_once_there_is_an_answer() {
-        let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
-        let record = Record {
-            name: "run".into(),
-            voltage_v: time_s.iter().map(|t| 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin()).collect(),
-            speed_rad_s: Some(time_s.iter().map(|t| 30.0 * (1.3 * t - 0.1).sin()).collect()),
-            time_s,
-            ..Record::default()
-        };
-        let mut session = Session::new(vec![record], Vec::new(), MotorFile::default()).unwrap();
+        let mut session = Session::of_a_swing();
         let told = |session: &Session| {
             Scene { supposes: " It is in degrees.".into(), ..session.scene() }.standing().headline
         };

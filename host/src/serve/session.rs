@@ -149,6 +149,20 @@ impl Session {
         })
     }
 
+    /// One of a speed that swings after its voltage.
+    #[cfg(test)]
+    pub(super) fn of_a_swing() -> Self {
+        let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let record = Record {
+            name: "run".into(),
+            voltage_v: time_s.iter().map(|t| 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin()).collect(),
+            speed_rad_s: Some(time_s.iter().map(|t| 30.0 * (1.3 * t - 0.1).sin()).collect()),
+            time_s,
+            ..Record::default()
+        };
+        Self::new(vec![record], Vec::new(), MotorFile::default()).expect("a fit takes it")
+    }
+
     /// Unit of what is compared.
     pub fn unit(&self) -> &'static str {
         self.evidence.whole.grids.first().map_or("rad", |g| g.quantity.unit())

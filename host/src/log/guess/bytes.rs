@@ -10,8 +10,10 @@ use crate::log::unsigned;
 pub(super) fn give_sign(parts: &mut [Part], rows: &[Vec<f64>]) {
     let Some(place) = parts.iter().position(|part| part.quantity == Quantity::Duty) else { return };
     let duty = &parts[place];
-    let is_number = duty.rest.is_none() && duty.unit.parse::<u32>().is_ok();
-    let both = drive_and_motion(duty, parts, rows).filter(|_| is_number);
+    if duty.rest.is_some() || duty.unit.parse::<u32>().is_err() {
+        return;
+    }
+    let both = drive_and_motion(duty, parts, rows);
     if both.is_some_and(|(drive, motion)| unsigned::is_byte_without_sign(&drive, &motion)) {
         let duty = &mut parts[place];
         duty.unit = format!("{INT8}/{}", duty.unit);
@@ -65,9 +67,10 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part, parts: &[Part]) -> Option<
             "\"{name}\" {how}, as negative numbers of 8 bits do without their sign: print it with its sign (int8_t) if 255 is -1{otherwise}"
         ));
     }
-    let has_direction = parts.iter().any(|part| part.quantity == Quantity::Direction);
-    let (drive, motion) =
-        drive_and_motion(part, parts, &sample.rows).filter(|_| is_duty && !has_direction)?;
+    if !is_duty || parts.iter().any(|part| part.quantity == Quantity::Direction) {
+        return None;
+    }
+    let (drive, motion) = drive_and_motion(part, parts, &sample.rows)?;
     unsigned::leaves_direction_open(&drive, &motion).then(|| {
         format!(
             "the motor turns both ways, and \"{name}\" is never negative and does not go with it: if it is a byte whose negative numbers lost \
