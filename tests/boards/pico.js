@@ -207,11 +207,13 @@ function stopCrystal() {
   };
 }
 
+const UNLOCKED = new Set(["circle", "panic", "dead", "crystal", "crystal-back"]);
 let swingAgain = null;
 function injure() {
   if (since !== null || fault === "none" || driven < 0.3) return;
-  // The main loop circles: not a handler, and not within a critical section, out of which interrupts would find what it borrowed.
-  if (fault === "circle" && (core.IPSR || core.PM)) return;
+  // Not in a handler, nor within a critical section: a loop that circles there keeps what it borrowed from the interrupts, a borrow that is
+  // made up is written over where one ends, an alarm that is taken away is set again, and what is written while the timer stands is lost.
+  if (UNLOCKED.has(fault) && (core.IPSR || core.PM)) return;
   since = 0;
   if (fault === "emergency") rp2040.gpio[10].setInputValue(true);
   if (fault === "bounce") rp2040.gpio[10].setInputValue(true);
