@@ -61,7 +61,7 @@ const TABLE: [Row; 62] = [
         Read(1, &["late_speed: the speed is a mean over 100 ms"]),
     ),
     ("08-hard-stop/H_wall.csv", "", Read(1, &["stands at 2.50 rad at up to 6.0 V", "--skip H_wall:0.8"])),
-    ("09-stale-voltage/I2_ffill_sine.csv", "", Read(1, &["renewed only every 100 ms"])),
+    ("09-stale-voltage/I2_ffill_sine.csv", "", Read(1, &["a new voltage comes only every 100 ms"])),
     ("09-stale-voltage/I_blank.csv", "", Read(1, &["blank fields hold the value before them"])),
     (
         "09-stale-voltage/I_merged.csv",

@@ -107,7 +107,7 @@ mod tests {
     fn a_voltage_that_drove_nothing_comes_first_and_one_of_a_duty_and_its_supply_drove_something() {
         let fault = |what: &str| Warning { place: "run".into(), what: what.into(), fix: "do".into() };
         let beyond = fault(&format!("commanded_voltage: 9 samples {BEYOND_SUPPLY}, so"));
-        let stale = fault("stale_voltage: renewed every 100 ms");
+        let stale = fault("stale_voltage: a new voltage comes only every 100 ms");
         let units = fault("wrong_units: degrees");
         assert_eq!(Mend::first(&[units.clone(), stale]), Some((Mend::Voltage, "run")));
         assert_eq!(Mend::first(&[units, beyond]), Some((Mend::Voltage, "run")));

@@ -59,7 +59,7 @@ pub(super) fn leave_out_held(record: &mut Record) {
     let warning = Warning {
         place: place_of(record, column),
         what: format!(
-            "stale_samples: the reading is renewed only every {:.3} ms ({rows:.0} rows) and stands still in between while the motor moves: {done}",
+            "stale_samples: a new reading comes only every {:.3} ms ({rows:.0} rows), and the last one stands still in between while the motor moves: {done}",
             1e3 * rows * median_interval(&record.time_s)
         ),
         fix: "log when the sensor is read, or read it more often: no delay and no time constant shorter than that shows in this log".into(),

@@ -41,7 +41,7 @@ pub(super) fn stale_voltage(record: &Record) -> Option<Odd> {
             "stale_voltage",
             "voltage_v",
             format!(
-                "the voltage is renewed only every {ms:.0} ms ({hold} samples) and stands still in between, while the motor answers to one \
+                "a new voltage comes only every {ms:.0} ms ({hold} samples) and stands still in between, while the motor answers to one \
                  that goes on changing"
             ),
             "log the voltage at the rate of the motion; until then every time constant and delay found is that of the log".into(),

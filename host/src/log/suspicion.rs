@@ -201,7 +201,7 @@ fn stale(record: &Record) -> Option<Odd> {
             "stale_samples",
             column,
             format!(
-                "the reading is renewed only every {:.3} ms, {samples:.1} samples, and is old in between",
+                "a new reading comes only every {:.3} ms, {samples:.1} samples, and the last one is repeated in between",
                 1e3 * hold.time_s
             ),
             "log at the rate at which the sensor is read, or only when it is; else the effect sensor_lag takes part of \
