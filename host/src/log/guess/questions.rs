@@ -134,8 +134,9 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     let is_full = part.quantity == Quantity::Duty && duty_range::told(name).is_some();
     // MATLAB's `ans(2)` and NumPy's `data[1]` are places.
     let is_place = |unit: &str| part.quantity != Quantity::Duty && unit.bytes().all(|b| b.is_ascii_digit());
-    let unknown =
-        |unit: &String| !is_full && !is_place(unit) && (!unit_names::is_unit(unit) || of_another(unit));
+    // `pwm []` tells none.
+    let is_told = |unit: &str| !unit.is_empty() && !is_full && !is_place(unit);
+    let unknown = |unit: &String| is_told(unit) && (!unit_names::is_unit(unit) || of_another(unit));
     let unit = words::bracketed(name).1.filter(unknown)?;
     Some(format!(
         "\"{unit}\" of the column \"{name}\" is no unit that is known here: {taken} stands in its place; put the right one, or its scale ({taken}*1000)"

@@ -51,6 +51,18 @@ fn counts_need_their_number_a_turn_and_a_column_of_the_supply_is_used() {
 }
 
 #[test]
+fn brackets_without_a_unit_between_them_tell_none_and_are_not_asked_about() {
+    let rows = rows(|k| vec![10.0 * k, (200.0 * (0.1 * k).sin()).round(), 300.0 * (0.1 * k).sin()]);
+    let proposal = propose(&names("t_ms;pwm [];speed ( )"), &rows).unwrap();
+    assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm []:255,speed=speed ( ):rad/s");
+    let asked = proposal.assumptions();
+    assert!(!asked.contains("no unit that is known") && asked.contains("full duty of \"pwm []\""), "{asked}");
+    // What stands between them is one, or is said to be unknown.
+    let unknown = propose(&names("t_ms;pwm [];speed [furlongs]"), &rows).unwrap().assumptions();
+    assert!(unknown.contains("\"furlongs\" of the column"), "{unknown}");
+}
+
+#[test]
 fn a_setpoint_is_never_proposed_as_a_measurement() {
     let rows = rows(|k| vec![k, k.sin(), 5.0, k.sin()]);
     let proposal = propose(&names("t;pwm;speed_setpoint;speed"), &rows).unwrap();
