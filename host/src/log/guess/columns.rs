@@ -57,6 +57,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         .enumerate()
         .map(|(index, said)| said.quantity.filter(|_| !said.wanted && useful(index)))
         .collect();
+    let clocks = quantities.iter().filter(|q| q.is_some_and(|(q, _)| q == Quantity::Time)).count();
     // A voltage that hardly changes beside a duty or a target is the supply's; whole numbers far beyond any supply are a duty.
     // Beside a torque one that changes even less is too: a drive that is told a torque logs what it is fed with.
     let driven = quantities.iter().any(|q| q.is_some_and(|(q, _)| q == Quantity::Duty))
@@ -74,8 +75,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             continue;
         }
         let range = Range::of(values(index));
-        // Times in us that stay within those of a servo's pulses are its pulses, and no clock.
-        if quantity == Quantity::Time && range.pulse_of_no_duty().is_some() && falls(values(index)) {
+        // Times that stay within those of a servo's pulses are its pulses, and no clock, where they fall or, in us, stand beside one.
+        let is_no_clock = || falls(values(index)) || said[index].unit == Some("us") && clocks > 1;
+        if quantity == Quantity::Time && range.pulse_of_no_duty().is_some() && is_no_clock() {
             *guess = Some((Quantity::Duty, plain));
             continue;
         }

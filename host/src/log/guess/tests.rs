@@ -201,6 +201,17 @@ fn pulses_of_a_servo_are_no_clock_and_the_output_is_what_turns() {
     let pulses = rows(|k| vec![10.0 * k, 1500.0 + (400.0 * swing(k)).round(), 60.0 * swing(k)]);
     let proposal = propose(&names("ms;servo_us;rpm"), &pulses).unwrap();
     assert_eq!(proposal.map, "time=ms:ms,duty=servo_us:1500..2000,speed=rpm:rpm");
+    // Beside a clock they need not fall: one step up, a ramp. Without one what only rises is the clock.
+    let step = |k: f64| if k < 50.0 { 1500.0 } else { 1700.0 };
+    let ramp = |k: f64| 1500.0 + k;
+    for pulse in [step as fn(f64) -> f64, ramp] {
+        let rising = rows(|k| vec![10.0 * k, pulse(k), 0.1 * k]);
+        let proposal = propose(&names("ms;motor_us;deg"), &rising).unwrap();
+        assert_eq!(proposal.map, "time=ms:ms,duty=motor_us:1500..2000,angle=deg:deg");
+    }
+    let alone = rows(|k| vec![ramp(k), 9.0 * swing(k), 60.0 * swing(k)]);
+    let proposal = propose(&names("t_us;V;rpm"), &alone).unwrap();
+    assert!(proposal.map.starts_with("time=t_us:"), "{}", proposal.map);
     let geared = rows(|k| vec![0.01 * k, 9.0 * swing(k), 1800.0 * swing(k), 60.0 * swing(k)]);
     let proposal = propose(&names("t;V;motor_rpm;output_rpm"), &geared).unwrap();
     assert_eq!(proposal.map, "time=t:s,voltage=V:V,speed=output_rpm:rpm");
