@@ -1,7 +1,7 @@
 //! From what is written of an effect to what the fit works with.
 
 use motorlens_shared::effects::{
-    Definition, Entry, Kind, Operation, Parameter, Port, Scale, Search, Spec, Unsound,
+    Definition, Entry, Kind, Operation, Parameter, Port, Quantity, Scale, Search, Spec, Unsound,
 };
 use motorlens_shared::simulator::MAX_PARAMETERS;
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ impl Written {
             remedy: f.remedy,
         })?;
         self.check_use(&program, *entry)?;
-        let spec = self.spec(*port, *entry);
+        let spec = self.spec(*port, *entry, &program);
         let definition = Definition::new(spec, *entry, leak(program)).map_err(|unsound| {
             let (why, remedy) = match unsound {
                 Unsound::TooDeep => ("it is nested too deeply", "write it with fewer parentheses"),
@@ -179,7 +179,7 @@ impl Written {
         Ok(())
     }
 
-    fn spec(&self, port: Port, entry: Entry) -> Spec {
+    fn spec(&self, port: Port, entry: Entry, program: &[Operation]) -> Spec {
         let or = |text: &str, other: String| if text.is_empty() { other } else { text.to_owned() };
         let parameters: Vec<Parameter> = self
             .parameters
@@ -209,7 +209,7 @@ impl Written {
             search: Search::Probes,
             laws: entry.laws(),
             remembers: false,
-            periodic: false,
+            periodic: is_periodic(program),
             by_duty: false,
             contains: &[],
         }
@@ -240,6 +240,19 @@ impl Written {
 }
 
 const MOST_PROBES: usize = 24;
+
+/// Whether a `program` repeats with the turns of a shaft: it takes the sine, the cosine or the tangent of what depends on an angle.
+fn is_periodic(program: &[Operation]) -> bool {
+    // Of each number on the stack, whether it depends on an angle.
+    let mut by_angle: Vec<bool> = Vec::new();
+    program.iter().any(|operation| {
+        let taken = by_angle.split_off(by_angle.len().saturating_sub(operation.takes()));
+        let is_angle = matches!(operation, Operation::Read(Quantity::Angle | Quantity::MotorAngle));
+        let depends = is_angle || taken.contains(&true);
+        by_angle.push(depends);
+        depends && matches!(operation, Operation::Sine | Operation::Cosine | Operation::Function("tan", _))
+    })
+}
 
 fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_lowercase())

@@ -157,6 +157,25 @@ mod tests {
     }
 
     #[test]
+    fn a_formula_repeats_with_the_turns_where_it_takes_the_sine_of_what_depends_on_an_angle() {
+        for (formula, is_periodic) in [
+            ("-drag * sin(angle)", true),
+            ("drag * (1 + cos(3 * motor_angle + 0.5))", true),
+            ("drag * tan(max(angle, 0.1))", true),
+            ("-drag * angle", false),
+            ("drag * sin(time) * angle", false),
+            ("-drag * speed * abs(speed)", false),
+        ] {
+            let text = FAN.replace("test_fan", "test_turns").replace("-drag * speed * abs(speed)", formula);
+            assert_eq!(
+                parse(Path::new("turns.toml"), &text).unwrap().spec().periodic,
+                is_periodic,
+                "{formula}"
+            );
+        }
+    }
+
+    #[test]
     fn two_callers_may_describe_different_effects_by_one_name() {
         let (ours, theirs) = (Path::new("ours.toml"), Path::new("theirs.toml"));
         assert_ne!(parse(ours, FAN).unwrap(), parse(theirs, &FAN.replace("0.01", "0.02")).unwrap());
