@@ -1,5 +1,6 @@
 //! The next experiment: whatever proposes one (`discover`, `diagnose`, `plan`, the page, the library) takes it from here.
 
+use motorlens_shared::effects::Kind;
 use motorlens_shared::excitation::Programme;
 use serde::Serialize;
 
@@ -35,14 +36,18 @@ impl NextExperiment {
         let asked = || limits.iter().filter_map(|limit| Some((limit, limit.programme.as_ref()?)));
         let votes = |programme: &Programme| asked().filter(|(_, other)| other.name == programme.name).count();
         let (_, programme) = asked().max_by_key(|(_, programme)| votes(programme))?;
-        let shown: Vec<&DetectionLimit> =
-            asked().filter(|(_, other)| other.name == programme.name).map(|(limit, _)| limit).collect();
-        let names = shown.iter().map(|limit| limit.effect.name()).collect::<Vec<_>>().join(", ");
-        let what = if shown.iter().any(|limit| limit.undecided) {
-            format!("too much is left to confirm or to exclude {names}")
-        } else {
-            format!("these records cannot confirm {names} at any size")
-        };
+        let shown: Vec<DetectionLimit> = asked()
+            .filter(|(_, other)| other.name == programme.name)
+            .map(|(limit, _)| limit.clone())
+            .collect();
+        let names = |kinds: Vec<Kind>| kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+        let hidden = names(DetectionLimit::hidden(&shown));
+        let undecided = names(DetectionLimit::undecided(&shown));
+        let what = [
+            (!hidden.is_empty()).then(|| format!("these records cannot confirm {hidden} at any size")),
+            (!undecided.is_empty()).then(|| format!("too much is left to confirm or to exclude {undecided}")),
+        ];
+        let what = what.into_iter().flatten().collect::<Vec<_>>().join("; ");
         let why = format!("{what}; {} would show most of it", programme.name);
         Some(Self { why, programme: programme.clone() })
     }
@@ -74,5 +79,33 @@ impl Experiment {
             plan_hidden(evidence, model, &mut limits, within);
         }
         Self { next: NextExperiment::of(plan, &limits), none }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlens_shared::excitation::Shape;
+
+    use super::*;
+
+    #[test]
+    fn what_no_size_shows_and_what_is_left_undecided_are_told_apart() {
+        let programme = Programme::single("pulses", Shape::PulseAndCoast { amplitude_v: 5.0 }, 8.0);
+        let limit = |effect, undecided| DetectionLimit {
+            effect,
+            parameter: "level",
+            smallest: None,
+            undecided,
+            unit: "V",
+            programme: Some(programme.clone()),
+        };
+        let [hidden, undecided] = [limit(Kind::Coast, false), limit(Kind::Gravity, true)];
+        let why = |limits: &[DetectionLimit]| NextExperiment::to_show(limits).unwrap().why;
+        let end = "; pulses would show most of it";
+        let cannot = "these records cannot confirm coast at any size";
+        let too_much = "too much is left to confirm or to exclude gravity";
+        assert_eq!(why(std::slice::from_ref(&hidden)), format!("{cannot}{end}"));
+        assert_eq!(why(std::slice::from_ref(&undecided)), format!("{too_much}{end}"));
+        assert_eq!(why(&[undecided, hidden]), format!("{cannot}; {too_much}{end}"));
     }
 }
