@@ -186,7 +186,10 @@ impl Errors {
         let (names, verb) = subject(effects);
         match beside {
             None if effects.is_empty() => {
-                format!("The base model leaves {left}{either}, and these records show no missing effect")
+                let of_library = ", for these records show none of its effects";
+                let none =
+                    if either.is_empty() { ", and these records show no missing effect" } else { of_library };
+                format!("The base model leaves {left}{either}{none}")
             }
             Some(is) if effects.is_empty() => format!("The base model leaves {left}, which {is}"),
             None if rises => capital(&format!(
@@ -377,8 +380,10 @@ mod tests {
         let errors = |model| Errors { base: 9.0, model, ..PLAIN };
         let told = errors(8.7).headline::<&str>(&[], Verdict::Explained, ALL);
         let open = "8.7 x the noise, either more noise than estimated or something that the library lacks";
-        assert_eq!(told, format!("The base model leaves {open}, and these records show no missing effect"));
+        assert_eq!(told, format!("The base model leaves {open}, for these records show none of its effects"));
         assert!(errors(8.7).headline(&["delay"], Verdict::Explained, ALL).ends_with(open));
+        let told = errors(1.2).headline::<&str>(&[], Verdict::Explained, ALL);
+        assert_eq!(told, "The base model leaves 1.2 x the noise, and these records show no missing effect");
         assert!(!errors(1.2).headline(&["delay"], Verdict::Explained, ALL).contains("either"));
         assert!(!errors(8.7).headline(&["delay"], Verdict::PartlyExplained, SOME).contains("either"));
     }
