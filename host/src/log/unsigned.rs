@@ -116,6 +116,13 @@ pub(super) fn leaves_direction_open(drive: &[f64], speed: &[f64]) -> bool {
         && !goes(with_byte_sign(drive, speed))
 }
 
+/// Whether a motion goes with a `drive` of 8 bits as it is written, and rather so than as a byte that lost its sign, whatever the sign of
+/// the encoder.
+pub(super) fn goes_as_written(drive: &[f64], speed: &[f64]) -> bool {
+    let as_written = correlation(drive, speed).abs();
+    as_written > GOES_WITH && as_written > with_byte_sign(drive, speed).abs()
+}
+
 /// The correlation of a `speed` with a `drive` whose bytes have a sign.
 fn with_byte_sign(drive: &[f64], speed: &[f64]) -> f64 {
     let signed: Vec<f64> = drive.iter().map(|value| signed(*value, BYTE)).collect();

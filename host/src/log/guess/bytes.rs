@@ -6,11 +6,11 @@ use crate::log::sample::{Sample, numbers};
 use crate::log::units::{INT8, Quantity};
 use crate::log::unsigned;
 
-/// Gives a duty its sign that is a byte without one, as the motor turns back at its large numbers.
+/// Gives a duty its sign that is a byte without one, as the motor turns back at its large numbers; a direction beside it would have told it.
 pub(super) fn give_sign(parts: &mut [Part], rows: &[Vec<f64>]) {
     let Some(place) = parts.iter().position(|part| part.quantity == Quantity::Duty) else { return };
     let duty = &parts[place];
-    if duty.rest.is_some() || duty.unit.parse::<u32>().is_err() {
+    if duty.rest.is_some() || duty.unit.parse::<u32>().is_err() || has_direction(parts) {
         return;
     }
     let both = drive_and_motion(duty, parts, rows);
@@ -20,11 +20,15 @@ pub(super) fn give_sign(parts: &mut [Part], rows: &[Vec<f64>]) {
     }
 }
 
+fn has_direction(parts: &[Part]) -> bool {
+    parts.iter().any(|part| part.quantity == Quantity::Direction)
+}
+
 /// What drives the motor and how fast it moves, in the rows that have both; of an angle, its changes.
-fn drive_and_motion(duty: &Part, parts: &[Part], rows: &[Vec<f64>]) -> Option<(Vec<f64>, Vec<f64>)> {
+fn drive_and_motion(part: &Part, parts: &[Part], rows: &[Vec<f64>]) -> Option<(Vec<f64>, Vec<f64>)> {
     let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
     let motion = of(Quantity::Speed).or_else(|| of(Quantity::Angle))?;
-    let both = |row: &Vec<f64>| Some((*row.get(duty.index)?, *row.get(motion.index)?));
+    let both = |row: &Vec<f64>| Some((*row.get(part.index)?, *row.get(motion.index)?));
     let whole = rows.iter().filter_map(both).filter(|(a, b)| a.is_finite() && b.is_finite());
     let (mut drive, mut moved): (Vec<f64>, Vec<f64>) = whole.unzip();
     if motion.quantity == Quantity::Angle {
@@ -57,7 +61,13 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part, parts: &[Part]) -> Option<
     } else {
         is_duty && unsigned::may_be_far_bytes(values)
     };
-    if may_be {
+    // The sign of what drives the motor is known by the direction beside it, or by a motion that goes with it.
+    let has_sign = || {
+        has_direction(parts)
+            || drive_and_motion(part, parts, &sample.rows)
+                .is_some_and(|(drive, motion)| unsigned::goes_as_written(&drive, &motion))
+    };
+    if may_be && (part.quantity == Quantity::Speed || !has_sign()) {
         let how = if is_near { "stays near 0 and near 255" } else { "jumps between low and large numbers" };
         let otherwise = match part.quantity {
             Quantity::Duty => format!(": then write duty={own}:{INT8}/{full}"),
@@ -67,7 +77,7 @@ pub(super) fn lost_sign(sample: &Sample, part: &Part, parts: &[Part]) -> Option<
             "\"{name}\" {how}, as negative numbers of 8 bits do without their sign: print it with its sign (int8_t) if 255 is -1{otherwise}"
         ));
     }
-    if !is_duty || parts.iter().any(|part| part.quantity == Quantity::Direction) {
+    if !is_duty || has_direction(parts) {
         return None;
     }
     let (drive, motion) = drive_and_motion(part, parts, &sample.rows)?;
@@ -128,5 +138,38 @@ mod tests {
         let half =
             sample(|k| (127.5 + LEVELS[k / 40 % 8]).round(), |k| 3.0 * LEVELS[k.saturating_sub(4) / 40 % 8]);
         assert!(!propose_for(&half).unwrap().assumptions().contains("int8"));
+    }
+
+    fn speaks_of_bytes(sample: &Sample) -> bool {
+        let proposal = propose_for(sample).unwrap();
+        format!("{} {}", proposal.map, proposal.assumptions()).contains("int8")
+    }
+
+    /// Levels near both ends of a byte, and levels that reach further.
+    const NEAR: [f64; 8] = [5.0, 230.0, 10.0, 250.0, 20.0, 200.0, 30.0, 240.0];
+    const FAR: [f64; 8] = [20.0, 180.0, 60.0, 230.0, 10.0, 190.0, 70.0, 240.0];
+
+    #[test]
+    fn a_duty_with_a_direction_beside_it_lost_no_sign() {
+        // A lift takes little down and much up; another drive has any level either way.
+        for (levels, rows) in [(NEAR, 40), (FAR, 160)] {
+            let sign = |k: usize| if k / rows % 2 == 0 { 1.0 } else { -1.0 };
+            let drive = |k: usize| levels[k / 40 % 8];
+            let late = |k: usize| k.saturating_sub(4);
+            let mut sample = sample(drive, |k| 3.0 * sign(late(k)) * drive(late(k)));
+            assert!(speaks_of_bytes(&sample));
+            sample.names.push("dir".into());
+            sample.with_units.push("dir".into());
+            sample.rows.iter_mut().enumerate().for_each(|(k, row)| row.push(sign(k)));
+            assert!(!speaks_of_bytes(&sample));
+        }
+    }
+
+    #[test]
+    fn a_duty_that_the_motion_goes_with_as_it_is_written_is_not_asked_about() {
+        for (levels, encoder) in [(NEAR, 1.0), (FAR, 1.0), (FAR, -1.0)] {
+            let drive = |k: usize| levels[k / 40 % 8];
+            assert!(!speaks_of_bytes(&sample(drive, |k| 3.0 * encoder * drive(k.saturating_sub(4)))));
+        }
     }
 }
