@@ -35,7 +35,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         for warning in &loaded.warnings {
             console.say(super::prose::fault(warning));
         }
-        Session::of_files(loaded, &args.reading.options()?, &args.reading.division())?
+        Session::of_files(loaded, &args.reading)?
     };
     serve::serve(session, library.clone(), args.port, |address| {
         let url = format!("http://{address}");

@@ -139,15 +139,19 @@ impl Data {
         all
     }
 
-    /// Gives every record the file that it came from: all were read with `options` and divided by `division`. A pipe, or two files that were read as
-    /// one record, cannot be read once more as one file.
-    pub fn came_from(&mut self, options: &ReadOptions, division: &Division) {
+    /// Gives every record the file that it came from: all were read with `options` and divided by `division`; of those that were `kept_out` as a
+    /// whole no range was to judge apart from the rest. A pipe, or two files that were read as one record, cannot be read once more as one file.
+    pub fn came_from(&mut self, options: &ReadOptions, division: &Division, kept_out: &[PathBuf]) {
         let mut all: Vec<Arc<Origin>> = Vec::new();
         for entry in self.entries.iter_mut().filter(|entry| entry.record.path.is_file()) {
             let path = &entry.record.path;
             let known = all.iter().find(|origin| origin.name == *path).cloned();
             let origin = known.unwrap_or_else(|| {
-                all.push(Arc::new(Origin::on_disk(path.clone(), options.clone(), division.clone())));
+                let mut division = division.clone();
+                if kept_out.contains(path) {
+                    division.judge_by.clear();
+                }
+                all.push(Arc::new(Origin::on_disk(path.clone(), options.clone(), division)));
                 Arc::clone(&all[all.len() - 1])
             });
             entry.origin = Some(origin);
@@ -317,7 +321,7 @@ mod tests {
         let (judged, fitted): (Vec<_>, Vec<_>) = parts.partition(|(_, judges)| *judges);
         let records = |of: Vec<(Record, bool)>| of.into_iter().map(|(record, _)| record).collect();
         let mut data = Data::new(records(fitted), records(judged), MotorFile::default());
-        data.came_from(&options, &division);
+        data.came_from(&options, &division, &[]);
         let new = data.mapped(2, false, "time=0:ms,voltage=1,speed=2", &Rig::default()).unwrap();
         let of = |data: &Data| -> Vec<(String, Role, usize)> {
             data.entries.iter().map(|e| (e.record.name.clone(), e.role, e.record.len())).collect()
@@ -328,6 +332,22 @@ mod tests {
         assert!((own / old - 1e3).abs() < 1e-6, "{old} {own}");
         data.entries[0].origin = None;
         assert!(data.mapping_of(0).unwrap_err().to_string().contains("open its log again"));
+    }
+
+    #[test]
+    fn a_file_that_was_kept_out_as_a_whole_is_whole_again_when_it_is_read_anew() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("unseen.csv");
+        std::fs::write(&path, log()).unwrap();
+        let options =
+            Rig::default().options("time=0:ms,voltage=1:mV,speed=2", ReadOptions::default()).unwrap();
+        let division = Division { judge_by: vec!["2..4".parse().unwrap()], ..Division::default() };
+        let mut data = Data::new(Vec::new(), read(&path, &options).unwrap(), MotorFile::default());
+        data.came_from(&options, &division, &[path]);
+        let new = data.mapped(0, false, "time=0:ms,voltage=1,speed=2", &Rig::default()).unwrap();
+        let [old, own] = [&data, &new].map(|data| &data.entries[0]);
+        assert_eq!((new.entries.len(), own.role), (1, Role::Validation));
+        assert_eq!((&own.record.name, own.record.len()), (&old.record.name, old.record.len()));
     }
 
     #[test]

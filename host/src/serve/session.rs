@@ -16,8 +16,7 @@ use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::findings::{Yardstick, supposes};
 use crate::fit::layout::Values;
-use crate::log::roles::Division;
-use crate::log::{Loaded, ReadOptions, Record, Warning, data_faults};
+use crate::log::{Loaded, ReadArgs, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::report::falls::judged;
@@ -100,14 +99,14 @@ impl Session {
         Self::of(Data::new(records, validation, motor))
     }
 
-    /// The same of the records of files that were `loaded` with `options` and divided by `division`: their columns can be mapped anew on the
-    /// page.
+    /// The same of the records of files that were `loaded` as `reading` says: their columns can be mapped anew on the page.
     ///
     /// # Errors
-    /// Records that no fit can use.
-    pub fn of_files(loaded: Loaded, options: &ReadOptions, division: &Division) -> Result<Self> {
+    /// Records that no fit can use, or a motor file that cannot be read.
+    pub fn of_files(loaded: Loaded, reading: &ReadArgs) -> Result<Self> {
+        let options = reading.options()?;
         let mut data = Data::new(loaded.records, loaded.validation, options.motor.clone());
-        data.came_from(options, division);
+        data.came_from(&options, &reading.division(), &reading.validate);
         Self::of(data)
     }
 
