@@ -63,10 +63,8 @@ impl Diagnosis {
         let suspects = suspects.collect();
         let found = best.and_then(|best| alike(evidence, &best, candidates.clone(), base));
         let found = found.map(|set| Arc::new(Open::new(set, evidence)));
-        // Where nothing is suggested, what the last effect left open is to be told apart; since an earlier one the model has changed.
-        let of_the_last =
-            |open: &&Arc<Open>| open.set.models.first().is_some_and(|m| m.kinds() == model.kinds());
-        let asked = found.as_ref().or_else(|| open.iter().find(of_the_last).filter(|_| suggested.is_none()));
+        // Where nothing is suggested, what the first of the accepted effects left open is to be told apart, as after `discover`.
+        let asked = found.as_ref().or_else(|| open.first().filter(|_| suggested.is_none()));
         let among: Vec<&Fitted> = asked.map_or_else(Vec::new, |open| open.set.models.iter().collect());
         let left = Adequacy::of(evidence, base, model, floor);
         let limits = match suggested {

@@ -154,7 +154,7 @@ fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> 
         .filter(|_| rises || !chosen.beats(&work.model, &work.evidence, &work.base))
         .map(|effect| Doubt { effect, rises });
     let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
-    let open = still_open(&job.app.session(), added, chosen.kinds());
+    let open = still_open(job.app, work, added, &chosen);
     let next = NextModel { chosen, shown, rung: after, rise, doubt, open };
     End::Done(
         message,
@@ -168,12 +168,17 @@ fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> 
     )
 }
 
-/// What the effects of a model with `effects` leave open; the one `added` to the session's, as its diagnosis found it.
-fn still_open(session: &Session, added: Option<Kind>, effects: &[Kind]) -> Vec<Arc<Open>> {
-    let suggested = session.diagnosis.as_ref().and_then(|diagnosis| diagnosis.open.as_ref());
-    let new = added.zip(suggested).and_then(|(kind, open)| open.accepting(kind, &session.evidence));
-    let known = session.open.iter().cloned().chain(new.map(Arc::new));
-    known.filter(|open| open.is_of(effects)).collect()
+/// What the effects of `model` leave open: that of the session's, judged anew beside what came or went, and that of the one `added`, as its
+/// diagnosis found it.
+fn still_open(app: &App, work: &Work, added: Option<Kind>, model: &Fitted) -> Vec<Arc<Open>> {
+    let (known, suggested) = {
+        let session = app.session();
+        (session.open.clone(), session.diagnosis.as_ref().and_then(|diagnosis| diagnosis.open.clone()))
+    };
+    let new = added.zip(suggested).and_then(|(kind, open)| open.accepting(kind, &work.evidence));
+    let known = known.iter().filter(|open| open.is_of(model.kinds()));
+    let known = known.filter_map(|open| open.beside(model, &work.evidence, &work.base));
+    known.chain(new.filter(|open| open.is_of(model.kinds()))).map(Arc::new).collect()
 }
 
 /// Where the error rose, in words.

@@ -1,11 +1,15 @@
 //! What stays open of an accepted effect: others that the records cannot tell from it.
 
 use motorlens_shared::effects::Kind;
+use motorlens_shared::simulator::MAX_EFFECTS;
 
 use crate::diagnose::evidence::Evidence;
+use crate::fit::layout::Values;
 use crate::log::Warning;
 use crate::report::shown_by_fit::nearer_rival;
-use crate::select::run::Rivals;
+use crate::select::fitted::{Fitted, SETTLED};
+use crate::select::forward::lacks;
+use crate::select::run::{Rivals, alike};
 
 /// Models that the records cannot tell apart.
 #[derive(Debug, Clone)]
@@ -31,6 +35,23 @@ impl Open {
         Some(Self::new(set, evidence))
     }
 
+    /// The same beside all else that `model` has by now, judged anew: what came or went since may part them. None where it does, or where the
+    /// `model` lacks the accepted effect; `base` is the model without effects.
+    pub fn beside(&self, model: &Fitted, evidence: &Evidence, base: &Fitted) -> Option<Self> {
+        let (before, others) = self.set.models.split_first()?;
+        let kind = *before.kinds().last()?;
+        let values = model.values();
+        let own = values.parameters(kind)?.to_vec();
+        let accepted = Fitted::of(evidence, &values.without(kind).with(kind, own), 1, 0);
+        let refitted = |rival: &Fitted| {
+            let rival = instead(&values, before.kinds(), &rival.values())?;
+            Some(Fitted::of(evidence, &rival, SETTLED.0, SETTLED.1))
+        };
+        let mut others: Vec<Fitted> = others.iter().filter_map(refitted).collect();
+        others.sort_by(|a, b| b.score().total_cmp(&a.score()));
+        alike(evidence, &accepted, others, base).map(|set| Self::new(set, evidence))
+    }
+
     /// Whether a model with `effects` has the accepted one and none of the others.
     pub fn is_of(&self, effects: &[Kind]) -> bool {
         let mut kinds = self.set.kinds().into_iter().enumerate();
@@ -38,11 +59,47 @@ impl Open {
     }
 }
 
+/// `model` with the effects that a `rival` has and the `accepted` ones do not, in the place of those that it lacks of them; none where they do not
+/// join what the model has besides.
+fn instead(model: &Values, accepted: &[Kind], rival: &Values) -> Option<Values> {
+    let kinds = rival.kinds();
+    let gone = accepted.iter().filter(|kind| !kinds.contains(kind));
+    let rest = gone.fold(model.clone(), |rest, kind| rest.without(*kind));
+    let mut new = rival.effects.iter().filter(|(kind, _)| !accepted.contains(kind));
+    let all = new.try_fold(rest, |rest, (kind, parameters)| {
+        lacks(&rest.kinds(), *kind).then(|| rest.with(*kind, parameters.clone()))
+    })?;
+    (all.effects.len() <= MAX_EFFECTS).then_some(all)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::session::Session;
     use super::*;
     use crate::select::forward::forward;
+
+    #[test]
+    fn a_rival_takes_the_place_of_the_accepted_effect_beside_what_was_added_since() {
+        let session = Session::of_a_swing();
+        let base = session.base.values();
+        let of = |kinds: &[Kind]| {
+            let one = |values: Values, kind: &Kind| {
+                values.with(*kind, kind.spec().typical(&session.evidence.whole.rig).collect())
+            };
+            kinds.iter().fold(base.clone(), one)
+        };
+        let placed = |model: &[Kind], accepted: &[Kind], rival: &[Kind]| {
+            instead(&of(model), accepted, &of(rival)).map(|values| values.kinds())
+        };
+        let [first, since, other, third] = [Kind::Coulomb, Kind::Delay, Kind::DeadZone, Kind::QuadraticDrag];
+        assert_eq!(placed(&[first, since], &[first], &[other]), Some(vec![since, other]));
+        // Beside effects that both have, which stay; of two in the place of one, both.
+        assert_eq!(placed(&[third, first, since], &[third, first], &[third, other]).unwrap().len(), 3);
+        assert_eq!(placed(&[first], &[first], &[third, other]), Some(vec![third, other]));
+        assert_eq!(placed(&[first], &[third, first], &[third, other]), Some(vec![other]), "one was removed");
+        let [gap, spring] = [Kind::Backlash, Kind::Compliance];
+        assert_eq!(placed(&[first, spring], &[first], &[gap]), None, "two stand between rotor and load");
+    }
 
     #[test]
     fn the_accepted_effect_stands_first_and_stays_open_while_no_other_of_the_set_is_in_the_model() {
