@@ -11,6 +11,11 @@ const FEWEST: usize = 20;
 /// Numbers from here on count from an epoch: smaller ones may be the time that is left.
 const EPOCH: f64 = 1e8;
 
+/// Whether a time that is written as a number counts from an epoch, and so tells when its row was.
+pub(super) fn is_stamp(number: f64) -> bool {
+    number.abs() >= EPOCH
+}
+
 /// Whether times fall from row to row, but for those that stand still.
 pub(super) fn falls(times: &[f64]) -> bool {
     let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
@@ -25,8 +30,7 @@ pub(super) fn is_first(time: &TimeSource, head: &Preamble) -> bool {
     let mut stamp = |line: &str| {
         let text = splitter.split(trimmed(line)).then(|| splitter.get(column.index))??;
         let number = written.read(0, text);
-        let is_stamp = number.is_none_or(|number| number.abs() >= EPOCH);
-        clock.read(text, 1.0, number).filter(|_| is_stamp)
+        clock.read(text, 1.0, number).filter(|_| number.is_none_or(is_stamp))
     };
     let stamps: Option<Vec<f64>> = head.rows.iter().map(|(_, line)| stamp(line)).collect();
     stamps.is_some_and(|stamps| falls(&stamps))
@@ -34,6 +38,7 @@ pub(super) fn is_first(time: &TimeSource, head: &Preamble) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::guess::look;
     use super::super::read_tests::file;
     use super::super::{ReadOptions, read};
     use super::*;
@@ -68,5 +73,26 @@ mod tests {
         let left = |k: usize| format!("{:.2}", 0.01 * k as f64);
         let (_directory, path) = file(table(&left).as_bytes());
         assert!(read(&path, &map(":s")).unwrap_err().to_string().contains("time goes backwards"));
+    }
+
+    #[test]
+    fn a_proposal_shows_rows_that_count_from_an_epoch_turned_round_as_they_are_read() {
+        let table = |head: &str, row: &dyn Fn(u64) -> String| {
+            (0..300).rev().map(row).fold(format!("{head}\n"), |text, row| text + &row + "\n")
+        };
+        let shown = |text: String| {
+            let (_directory, path) = file(text.as_bytes());
+            look(&path).unwrap().proposal.unwrap()
+        };
+        let volts = |k: u64| [6, -3, 0][k as usize / 50 % 3];
+        let epoch = |k: u64| format!("{},{},{}", 1_700_000_000_000 + 10 * k, volts(k), k);
+        let proposal = shown(table("timestamp,u_v,angle_deg", &epoch));
+        assert_eq!(proposal.map, "time=timestamp:ms,voltage=u_v:V,angle=angle_deg:deg");
+        assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
+        // A counter that runs below zero of 32 bits falls too, and is no time: its rows stay.
+        let counter = |k: u64| format!("{},{},{}", 10 * (299 - k), volts(k), 4_294_960_000 + 10 * k);
+        let proposal = shown(table("t_ms,u_v,count", &counter));
+        assert!(proposal.preview[0].contains("100 samples a second"), "{:?}", proposal.preview);
+        assert!(proposal.map.starts_with("time=t_ms:ms,voltage=u_v:V,"), "{}", proposal.map);
     }
 }
