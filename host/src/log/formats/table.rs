@@ -5,9 +5,11 @@ use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::{Fault, interval};
+use super::Fault;
+use super::interval::{self, Clock};
 use crate::error::{Error, Result};
 use crate::log::table::Part;
+use crate::log::units::Quantity;
 use crate::log::{ReadOptions, Record, Warning, table};
 
 /// More columns than this are never looked through.
@@ -60,6 +62,8 @@ pub struct Table {
     columns: Vec<Column>,
     /// What of the file is no column, for messages.
     left_out: Vec<String>,
+    /// What made the last column, which tells the time where the file has none that does.
+    clock: Option<Clock>,
     /// What else a message about the columns should say.
     hint: String,
     /// What drives the motor has rows of its own, without a motion.
@@ -90,10 +94,13 @@ impl Table {
         };
         let (mut kept, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.values.len() == rows);
         let clock = interval::clock(&kept, &others);
-        left_out.extend(others.into_iter().map(|c| format!("{} ({} values)", c.name, c.values.len())));
+        left_out.extend(others.into_iter().map(|column| match column.values.len() {
+            1 => format!("{} (one value)", column.name),
+            several => format!("{} ({several} values)", column.name),
+        }));
         left_out.extend(kept.drain(kept.len().min(MOST_COLUMNS)..).map(|column| column.name));
-        kept.extend(clock);
-        Ok(Table { columns: kept, left_out, ..Table::default() })
+        kept.extend(clock.as_ref().map(|clock| clock.times(rows)));
+        Ok(Table { columns: kept, left_out, clock, ..Table::default() })
     }
 
     /// Adds a sentence to what a message about the columns advises.
@@ -123,11 +130,21 @@ impl Table {
     ///
     /// # Errors
     /// Those of a CSV with these columns; places are rows, from 1.
-    pub fn records(self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+    pub fn records(mut self, path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
         let part = if self.own_stamps { Part::OwnStamps } else { Part::Whole };
-        let read = table::read(path, self.text(), options, part);
+        let mut options = options.clone();
+        let mut clock = self.clock.take().filter(|_| options.map.as_ref().is_none_or(interval::is_read_by));
+        // A rate that a person states goes before a number of the file.
+        if options.rate_hz.is_some() && clock.take().is_some() {
+            self.columns.pop();
+            options.map = options.map.map(|map| map.without(Quantity::Time));
+        }
+        let read = table::read(path, self.text(), &options, part);
         let mut records = read.map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
+        if let (Some(clock), Some(record)) = (clock, records.first_mut()) {
+            record.warnings.push(clock.said(path));
+        }
         Ok(records)
     }
 
