@@ -20,9 +20,9 @@ pub fn shell(path: &Path) -> String {
 /// What to do next, with the commands that do it.
 pub fn told(step: &NextStep, model: Option<&Path>, logs: &[PathBuf]) -> String {
     let label = step.label.to_lowercase();
-    // A data problem is mended by an option or in the log, which its own text says; the command only shows it.
+    // What is to be mended by an option or in the log was told before; the command only shows it.
     let what = match &step.place {
-        Some(place) => format!("{label}, as the data problem of {place} says; see it on the page"),
+        Some(place) => format!("{label}, as told above of {place}; see it on the page"),
         None => label,
     };
     then(&what, &commands(step, model, logs).join("\n  "))
@@ -124,7 +124,7 @@ mod tests {
         let step = NextStep { place, label, ..NextStep::new(Action::Data, None) };
         assert_eq!(
             told(&step, None, &["run.csv".into()]),
-            "next: give the voltage that drove the motor, as the data problem of run.csv, column voltage_v says; see it on the page with\n  \
+            "next: give the voltage that drove the motor, as told above of run.csv, column voltage_v; see it on the page with\n  \
              motorlens serve run.csv\n"
         );
     }

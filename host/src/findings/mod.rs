@@ -34,7 +34,7 @@ pub use mend::Mend;
 pub use named::named;
 pub use next_step::{Action, NextStep};
 pub use standing::{Doubted, Facts, Standing};
-pub use supposed::supposes;
+pub use supposed::Supposed;
 pub use verdict::{Errors, MANY, Verdict, multiple};
 pub use yardstick::Yardstick;
 
@@ -216,9 +216,9 @@ impl Findings {
     /// before the model is used.
     #[must_use]
     pub fn supposing(mut self, records: &[Record], motor: &MotorFile, rig: &Rig) -> Self {
-        let supposed = supposes(&self.effects, records, motor, rig);
+        let supposed = Supposed::by(&self.effects, records, motor, rig);
         self.next_step = self.next_step.once_told(&supposed);
-        self.headline += &supposed;
+        self.headline += &supposed.text;
         self
     }
 

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::mend::Mend;
 use super::standing::Facts;
+use super::supposed::Supposed;
 use super::verdict::Verdict;
 
 /// What can be done next.
@@ -77,11 +78,11 @@ impl NextStep {
 
     /// The same, but that a model whose sizes rest on what is `supposed`, if anything is, is not used before that is told.
     #[must_use]
-    pub(crate) fn once_told(self, supposed: &str) -> Self {
-        if supposed.is_empty() || self.action != Action::Export {
+    pub(crate) fn once_told(self, supposed: &Supposed) -> Self {
+        if supposed.text.is_empty() || self.action != Action::Export {
             return self;
         }
-        Self::mending(Mend::Columns, None)
+        Self::mending(Mend::Columns, supposed.place.as_deref())
     }
 
     /// What follows `facts` that amount to `verdict`.
@@ -108,11 +109,16 @@ mod tests {
 
     #[test]
     fn a_model_that_rests_on_what_nobody_told_is_used_after_that_is_told() {
-        let next = NextStep::new(Action::Export, None)
-            .once_told(" The size supposes that \"2\" is in rad a second.");
+        let supposed = Supposed {
+            text: " The size supposes that \"2\" is in rad a second.".into(),
+            place: Some("b.csv, column 2".into()),
+        };
+        let next = NextStep::new(Action::Export, None).once_told(&supposed);
         assert_eq!((next.action, next.mend), (Action::Data, Some(Mend::Columns)));
-        assert_eq!(NextStep::new(Action::Export, None).once_told("").action, Action::Export);
+        assert_eq!(next.place, supposed.place, "of several files the one to be looked at is opened");
+        let export = NextStep::new(Action::Export, None);
+        assert_eq!(export.clone().once_told(&Supposed::default()), export);
         let look = NextStep::new(Action::Look, None);
-        assert_eq!(look.clone().once_told(" It supposes something."), look);
+        assert_eq!(look.clone().once_told(&supposed), look);
     }
 }

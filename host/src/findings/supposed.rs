@@ -14,16 +14,35 @@ use crate::motor_file::MotorFile;
 use crate::report::figure::in_words;
 use crate::sentence::listed;
 
-/// What an answer with `effects` supposes that was found on `records` of a `motor` on `rig`, in sentences with a blank before each.
-pub fn supposes<'a>(
-    effects: &[Kind],
-    records: impl IntoIterator<Item = &'a Record>,
-    motor: &MotorFile,
-    rig: &Rig,
-) -> String {
-    let records: Vec<&Record> = records.into_iter().collect();
-    let all = [unit_of_motion(effects, &records), supply(effects, &records, motor, rig)];
-    all.into_iter().flatten().map(|text| format!(" {text}.")).collect()
+/// What an answer supposes that no file tells.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Supposed {
+    /// In sentences with a blank before each, to be said behind a headline; empty where nothing is supposed.
+    pub text: String,
+    /// The file and the column of the first of them.
+    pub place: Option<String>,
+}
+
+impl Supposed {
+    /// By an answer with `effects` that was found on `records` of a `motor` on `rig`.
+    pub fn by<'a>(
+        effects: &[Kind],
+        records: impl IntoIterator<Item = &'a Record>,
+        motor: &MotorFile,
+        rig: &Rig,
+    ) -> Self {
+        let records: Vec<&Record> = records.into_iter().collect();
+        let all = [unit_of_motion(effects, &records), supply(effects, &records, motor, rig)];
+        let (texts, places): (Vec<String>, Vec<String>) = all.into_iter().flatten().unzip();
+        let text = texts.into_iter().map(|text| format!(" {text}.")).collect();
+        Self { text, place: places.into_iter().next() }
+    }
+}
+
+/// The `column` of `record`, as a data problem has its place.
+fn place_of(record: &Record, column: &str) -> String {
+    let file = record.path.display().to_string();
+    format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
 
 /// The names of those `effects` that have a property; none where none has.
@@ -33,9 +52,9 @@ fn resting(effects: &[Kind], property: fn(&Spec) -> bool) -> Option<String> {
     (!names.is_empty()).then(|| listed(&names))
 }
 
-/// What is said of `effects` found on `records` whose angle, or speed where there is none, is in a unit that only a mapping says; none where a
-/// header says it too, or where no effect rests on it.
-fn unit_of_motion(effects: &[Kind], records: &[&Record]) -> Option<String> {
+/// What is said, and of which column, of `effects` found on `records` whose angle, or speed where there is none, is in a unit that only a mapping
+/// says; none where a header says it too, or where no effect rests on it.
+fn unit_of_motion(effects: &[Kind], records: &[&Record]) -> Option<(String, String)> {
     let resting = resting(effects, |spec| spec.periodic)?;
     records.iter().find_map(|record| {
         let map = record.map.as_ref()?;
@@ -63,28 +82,31 @@ fn unit_of_motion(effects: &[Kind], records: &[&Record]) -> Option<String> {
         };
         let of_a_turn = if what == "counts" { format!(" ({counts} a turn)") } else { String::new() };
         (!is_told).then(|| {
-            format!(
-                "The size of {resting} supposes that \"{name}\" is in {what}{per}{of_a_turn}, which --map says and no header does: turn the \
-                 shaft once by hand, {changes} {once_round}, and write the unit into the header; in another unit this is another effect, or none"
-            )
+            let text = format!(
+                "The size of {resting} supposes that \"{name}\" is in {what}{per}{of_a_turn}, which the mapping says and no header does: turn \
+                 the shaft once by hand, {changes} {once_round}, and write the unit into the header; in another unit this is another effect, or none"
+            );
+            (text, place_of(record, name))
         })
     })
 }
 
-/// What is said of `effects` that depend on the duty, found on `records` in volts, where the supply on `rig` is only the highest voltage in them.
-fn supply(effects: &[Kind], records: &[&Record], motor: &MotorFile, rig: &Rig) -> Option<String> {
+/// What is said, and of which column, of `effects` that depend on the duty, found on `records` in volts, where the supply on `rig` is only the
+/// highest voltage in them.
+fn supply(effects: &[Kind], records: &[&Record], motor: &MotorFile, rig: &Rig) -> Option<(String, String)> {
     let resting = resting(effects, |spec| spec.by_duty)?;
     let is_told =
         motor.nameplate.voltage_v.is_some() || records.iter().any(|record| record.mean_supply_v().is_some());
     // A model that was fitted before has the supply of its own records.
     let is_assumed = !is_told && rig.supply_v <= highest_voltage(records.iter().copied());
-    is_assumed.then(|| {
-        format!(
-            "The size of {resting} supposes a supply of {}, the highest voltage of these records, for none of them tells it: give the supply with \
-             --supply-volts, or log it beside the voltage; on a higher one that size and the gain are others",
-            in_words(rig.supply_v, "V")
-        )
-    })
+    let record = records.first().filter(|_| is_assumed)?;
+    let column = record.map.as_ref().and_then(|map| map.source(Quantity::Voltage));
+    let text = format!(
+        "The size of {resting} supposes a supply of {}, the highest voltage of these records, for none of them tells it: give the supply with \
+         --supply-volts, or log it beside the voltage; on a higher one that size and the gain are others",
+        in_words(rig.supply_v, "V")
+    );
+    Some((text, place_of(record, column.map_or("voltage_v", |source| source.column.as_str()))))
 }
 
 #[cfg(test)]
@@ -98,7 +120,8 @@ mod tests {
 
     #[test]
     fn what_repeats_with_the_turns_names_the_unit_that_only_the_mapping_says() {
-        let said = |effects: &[Kind], map: &str| unit_of_motion(effects, &[&record(map)]);
+        let said =
+            |effects: &[Kind], map: &str| unit_of_motion(effects, &[&record(map)]).map(|(text, _)| text);
         let guessed = "time=t:s,voltage=u:V,angle=position:deg";
         let text = said(&[Kind::Coulomb, Kind::Gravity], guessed).unwrap();
         assert!(
@@ -119,7 +142,7 @@ mod tests {
     /// The shaft turns by what a speed adds up to: in another unit it turns more often, or less.
     #[test]
     fn where_only_a_speed_is_read_the_turns_rest_on_its_unit() {
-        let said = |map: &str| unit_of_motion(&[Kind::Gravity], &[&record(map)]);
+        let said = |map: &str| unit_of_motion(&[Kind::Gravity], &[&record(map)]).map(|(text, _)| text);
         for (unit, in_words, once) in [
             ("rad/s", "in rad a second,", "come to 6.283,"),
             ("rad/s*-1", "in rad a second,", "come to 6.283,"),
@@ -135,6 +158,18 @@ mod tests {
     }
 
     #[test]
+    fn of_several_files_the_one_is_named_whose_column_is_to_be_looked_at() {
+        let of = |path: &str, map: &str| Record { path: path.into(), ..record(map) };
+        let told = of("told.csv", "time=t:s,voltage=u:V,angle=position_deg:deg");
+        let open = of("logs/open.csv", "time=t:s,voltage=u:V,angle=position:deg");
+        let records = [told, open];
+        let rig = rig(&records, &MotorFile::default());
+        let supposed = |effects: &[Kind]| Supposed::by(effects, &records, &MotorFile::default(), &rig);
+        assert_eq!(supposed(&[Kind::Gravity]).place.as_deref(), Some("logs/open.csv, column position"));
+        assert_eq!(supposed(&[Kind::Coulomb]), Supposed::default());
+    }
+
+    #[test]
     fn what_depends_on_the_duty_names_a_supply_that_nothing_tells() {
         let volts = Record {
             voltage_v: vec![0.0, 6.0],
@@ -143,7 +178,7 @@ mod tests {
         };
         let said = |effects: &[Kind], record: &Record, motor: &MotorFile| {
             let rig = rig(std::slice::from_ref(record), motor);
-            supply(effects, &[record], motor, &rig)
+            supply(effects, &[record], motor, &rig).map(|(text, _)| text)
         };
         let unknown = MotorFile::default();
         let text = said(&[Kind::Coulomb, Kind::Coast], &volts, &unknown).unwrap();

@@ -10,7 +10,7 @@ use super::session::Doubt;
 use super::view::View;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::{Doubted, Facts, Mend, Standing, errors_of, named};
+use crate::findings::{Doubted, Facts, Mend, Standing, Supposed, errors_of, named};
 use crate::log::Warning;
 use crate::model_file::Model;
 use crate::report::{Story, Suspect, missing, shown_by_fit};
@@ -44,8 +44,8 @@ pub struct Scene {
     pub(super) title: String,
     /// Whether a person looked once more at the columns of all files.
     pub(super) confirmed: bool,
-    /// What the model supposes that no file tells, behind its headline.
-    pub(super) supposes: String,
+    /// What the model supposes that no file tells.
+    pub(super) supposed: Supposed,
 }
 
 impl Scene {
@@ -87,9 +87,9 @@ impl Scene {
         });
         // Before anything was found there is no answer.
         if diagnosis.is_some() || !self.effects().is_empty() {
-            standing.headline += &self.supposes;
+            standing.headline += &self.supposed.text;
             if !self.confirmed {
-                standing.next = standing.next.once_told(&self.supposes);
+                standing.next = standing.next.once_told(&self.supposed);
             }
         }
         standing
@@ -180,7 +180,8 @@ mod tests {
     fn a_unit_that_only_the_mapping_says_is_told_on_the_page_once_there_is_an_answer() {
         let mut session = Session::of_a_swing();
         let told = |session: &Session| {
-            Scene { supposes: " It is in degrees.".into(), ..session.scene() }.standing().headline
+            let supposed = Supposed { text: " It is in degrees.".into(), place: None };
+            Scene { supposed, ..session.scene() }.standing().headline
         };
         assert!(!told(&session).contains("degrees"));
         session.diagnosis = Some(Arc::new(Diagnosis::default()));

@@ -14,7 +14,7 @@ use crate::diagnose::discover::{self, prepare};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
-use crate::findings::{Yardstick, supposes};
+use crate::findings::{Supposed, Yardstick};
 use crate::fit::layout::Values;
 use crate::log::{Loaded, ReadArgs, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
@@ -226,9 +226,9 @@ impl Session {
         let view = self.view();
         let fitted = self.data.entries.iter().filter(|entry| entry.role == Role::Fit);
         let (motor, rig) = (&self.data.motor, &self.evidence.whole.rig);
-        let supposes = supposes(&view.model.kinds(), fitted.map(|entry| &*entry.record), motor, rig);
+        let records = fitted.map(|entry| &*entry.record);
         Scene {
-            supposes,
+            supposed: Supposed::by(&view.model.kinds(), records, motor, rig),
             view,
             ladder: self.ladder.clone(),
             rises: self.rises.clone(),

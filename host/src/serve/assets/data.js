@@ -19,11 +19,12 @@ async function changed(change) {
   try { await ask("/api/data", change); } catch (error) { showData(state.data); throw error; }
 }
 
-// The record that is shown is an entry, or a piece of the one whose name it has before its part.
-function entryShown() {
-  const { name } = state.records[chosen()], whole = state.data.entries.findIndex((e) => e.name === name);
+// A record is an entry, or a piece of the one whose name it has before its part.
+function entryOf(name) {
+  const whole = state.data.entries.findIndex((e) => e.name === name);
   return whole >= 0 ? whole : state.data.entries.findIndex((e) => e.name === name.replace(/ \(part \d+\)$/, ""));
 }
+const entryShown = () => entryOf(state.records[chosen()].name);
 function offerCut() {
   $("cut-from").value = part ? part[0].toFixed(3) : "";
   $("cut-to").value = part ? part[1].toFixed(3) : "";

@@ -54,7 +54,7 @@ function onPage(remedy) {
   if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
   const again = state && state.data.entries.some((e) => e.file !== null);
   return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/g, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
-    .replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)")
+    .replace("with --supply-volts,", again ? 'under "columns" beside the record,' : "where the log is opened,").replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)")
     .replace("--skip and --judge-by take the records by their names", "each of them has its role in the table above")
     .replace(/motorlens fit LOG\.\.\. -e ([\w,]+)/, (_, names) => `have ${listed(names.split(","))} and nothing else in the model (4 Add)`);
 }

@@ -199,11 +199,12 @@ const NEXT = {
 // A data problem is mended where it is: the columns of its record, its bad seconds, or what is said of it.
 async function mendData({ mend, where }) {
   const { entries } = state.data, place = (where || "").split(", column ")[0].split(/[\\/]/).pop();
-  const by = entries.findIndex((e) => e.file === place), at = by < 0 ? entries.findIndex((e) => e.name === place) : by;
+  const by = entries.findIndex((e) => e.file === place), at = by < 0 ? entryOf(place) : by;
   const file = entries[Math.max(at, 0)].file;
   if (mend === "columns" && file !== null) return openAgain(Math.max(at, 0));
   if (mend === "range" && at >= 0) {
-    const record = state.records.findIndex((r) => r.name.replace(/ \(part \d+\)$/, "") === entries[at].name);
+    const own = state.records.findIndex((r) => r.name === place);
+    const record = own < 0 ? state.records.findIndex((r) => entryOf(r.name) === at) : own;
     if (record >= 0 && record !== chosen()) { $("record").value = record; part = null; await showRecord(); }
     if ($("brush").getAttribute("aria-pressed") !== "true") $("brush").click();
     $("compare").scrollIntoView();
@@ -215,7 +216,7 @@ function showStanding({ verdict, badge, headline, next, also }) {
   $("verdict").dataset.verdict = badge === "Data problem" ? "bad_data" : verdict || next.action;
   $("badge").textContent = badge;
   // No line begins with the unit of the number before it.
-  $("headline").textContent = headline.replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
+  $("headline").textContent = onPage(headline).replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
   $("next").textContent = next.action === "export" ? "Save the model" : next.label;
   $("next").title = next.command;
   $("next").hidden = false;

@@ -109,6 +109,11 @@ fn a_range_is_brushed_out_and_comes_back_with_undo() {
     assert_eq!(browser.number("state.records.length"), records + 1.0);
     assert!(browser.text("#entries tr:nth-child(1) td:last-child").contains('…'));
     browser.screenshot("#data", "light-0-brushed");
+    // A data problem of a piece is mended in that piece.
+    browser.value("mendData({ mend: 'range', where: state.records[1].name + ', column angle_rad' })");
+    assert_eq!(browser.number("chosen()"), 1.0);
+    assert_eq!(browser.value("$('brush').getAttribute('aria-pressed')"), "true");
+    browser.value("$('brush').click()");
     browser.click("#undo");
     browser.wait(&format!("state.data.entries[0].cuts.length == 0 && {FRESH}"));
     assert_eq!(browser.number("state.records.length"), records);
@@ -120,6 +125,20 @@ fn a_range_is_brushed_out_and_comes_back_with_undo() {
     browser.value("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'z', ctrlKey: true, bubbles: true }))");
     browser.wait(&format!("state.data.entries[0].cuts.length == 0 && {FRESH}"));
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
+fn a_headline_tells_no_option_of_the_command_line() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    let headline =
+        "The size of coast supposes a supply of 6 V: give the supply with --supply-volts, or log it.";
+    browser.value(&format!(
+        "showStanding({{ verdict: null, badge: '', headline: '{headline}', next: {{ action: 'look', label: '', command: '' }} }})"
+    ));
+    let told = browser.text("#headline");
+    assert!(told.contains("give the supply") && !told.contains("--"), "{told}");
 }
 
 #[test]
