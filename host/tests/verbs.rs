@@ -162,6 +162,34 @@ fn discover_finds_what_simulate_put_in_and_diagnose_and_add_agree() {
     assert_eq!(run(directory.path(), &format!("add c.json coulomb {logs}")).status, 2);
 }
 
+#[test]
+fn fit_and_add_tell_what_the_size_of_an_effect_rests_on() {
+    let directory = tempfile::tempdir().unwrap();
+    let (mut angle, mut speed) = (0.0_f64, 0.0_f64);
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        let u = 6.0 * (1.3 * t).sin() + 2.0 * (7.0 * t).sin();
+        let row = format!("{t:.2},{u:.4},{:.2}\n", angle.to_degrees());
+        speed += 0.01 * (0.9 * u - 0.5 * angle.sin() - speed) / 0.06;
+        angle += 0.01 * speed;
+        row
+    };
+    let rows: String = (0..800).map(row).collect();
+    std::fs::write(directory.path().join("log.csv"), format!("t,u,position\n{rows}")).unwrap();
+    let done = |verb: &str| {
+        let how = "log.csv --map time=t:s,voltage=u:V,angle=position:deg --json";
+        run(directory.path(), &format!("{verb} {how}")).ends(0).json()
+    };
+    let said = "gravity supposes that \"position\" is in degrees";
+    let fitted = done("fit --effects gravity");
+    for place in ["headline", "supposes"] {
+        assert!(fitted[place].as_str().unwrap().contains(said), "{fitted}");
+    }
+    assert_eq!(done("fit --out base.json")["supposes"], Value::Null);
+    let added = done("add base.json gravity");
+    assert!(added["supposes"].as_str().unwrap().contains(said), "{added}");
+}
+
 /// The first seconds are cut off, so that the shaft turns when the record begins.
 fn begun_in_motion(folder: &Path, from: &str, to: &str) {
     let text = std::fs::read_to_string(folder.join(from)).unwrap();

@@ -78,7 +78,7 @@ fn fit(
         "schema": 1, "method": method, "effects": fitted.model.values().kinds(), "parameters": fitted.parameters,
         "combinations": fitted.combinations, "train": fitted.train, "validation": fitted.validation,
         "objective_history": fitted.objective_history, "seed": seed, "evaluations": fitted.evaluations,
-        "seconds": fitted.seconds,
+        "seconds": fitted.seconds, "supposes": fitted.supposed.sentences(),
     });
     Ok((text(&document)?, NativeModel(fitted.model)))
 }
@@ -104,7 +104,7 @@ fn add(
     let document = json!({
         "schema": 1, "effect": effect, "worth_adding": done.worth, "why": done.why,
         "effects": done.model.values().kinds(), "given": done.given, "before": done.before, "after": done.after,
-        "moved": done.moved, "parameters": done.parameters,
+        "moved": done.moved, "parameters": done.parameters, "supposes": done.supposed.sentences(),
     });
     Ok((text(&document)?, NativeModel(done.model)))
 }

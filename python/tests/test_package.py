@@ -172,6 +172,8 @@ def test_an_effect_is_added_to_a_fit_and_found_worth_it(logs):
     added = motorlens.add(plain.model, "coulomb", logs["training"], validate=logs["held_out"], motor=logs["motor"])
     assert added.worth_adding and added.model.effects == ["coulomb"]
     fit = motorlens.fit(logs["training"], effects=["coulomb"], motor=logs["motor"])
+    # Friction rests on no unit of the angle and on no supply.
+    assert fit.supposes is None and added.supposes is None
     assert fit.train["rmse"] < 0.1 * plain.train["rmse"]
     assert list(fit.parameters) == ["name", "value", "unit", "low", "high", "identifiable"]
 

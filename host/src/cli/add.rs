@@ -46,6 +46,7 @@ struct Document<'a> {
     after: &'a Errors,
     moved: &'a [Moved],
     parameters: &'a [Estimate],
+    supposes: Option<&'a str>,
 }
 
 /// Adds, writes, tells.
@@ -70,6 +71,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         after: &done.after,
         moved: &done.moved,
         parameters: &done.parameters,
+        supposes: done.supposed.sentences(),
     };
     console.answer(&document, || story(&done, unit(&logs.records)));
     if let Some(path) = &args.out {
@@ -95,6 +97,7 @@ fn story(done: &Addition, unit: &str) -> String {
         }
     }
     text += &format!("\n{}\n\n", done.why);
+    text += &done.supposed.sentences().map_or_else(String::new, |sentences| format!("{sentences}\n\n"));
     text += &moved(&done.moved, wrap::width());
     let new = &done.parameters[done.moved.len()..];
     text + &prose::parameters(new)

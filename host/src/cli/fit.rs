@@ -63,6 +63,7 @@ struct Document<'a> {
     evaluations: u64,
     seconds: f64,
     noise_level: f64,
+    supposes: Option<&'a str>,
     headline: &'a str,
     next_step: &'a NextStep,
 }
@@ -118,6 +119,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         evaluations: fitted.evaluations,
         seconds: fitted.seconds,
         noise_level: fitted.noise_level,
+        supposes: fitted.supposed.sentences(),
         headline: &standing.headline,
         next_step: &standing.next,
     };
@@ -131,10 +133,11 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// Whether the model is enough, and what to do next.
+/// Whether the model is enough, what its effects suppose, and what to do next.
 fn standing(fit: &Fit) -> Standing {
     let effects = named(&fit.model.values().kinds(), &fit.parameters);
-    Standing::simulated(&fit.validation.unwrap_or(fit.train), fit.noise_level, &effects)
+    let standing = Standing::simulated(&fit.validation.unwrap_or(fit.train), fit.noise_level, &effects);
+    Standing { headline: standing.headline + &fit.supposed.text, ..standing }
 }
 
 fn story(fit: &Fit, unit: &str) -> String {

@@ -10,6 +10,7 @@ use crate::compare::problem_of;
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
 use crate::error::{Error, Result};
+use crate::findings::Supposed;
 use crate::fit::layout::Values;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, check_all_usable};
@@ -59,6 +60,8 @@ pub struct Addition {
     pub moved: Vec<Moved>,
     /// All parameters of the new model.
     pub parameters: Vec<Estimate>,
+    /// What the sizes of its effects rest on that no record tells.
+    pub supposed: Supposed,
     /// The new model.
     pub model: Model,
 }
@@ -123,6 +126,7 @@ pub fn add(
         after: errors(&new_values),
         moved,
         parameters,
+        supposed: Supposed::by(&new_values.kinds(), records, motor, &whole.rig),
         model: Model::fitted(&new_values, whole, origin),
     })
 }

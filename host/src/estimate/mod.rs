@@ -24,6 +24,7 @@ use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::diagnose::discover::noise_floor;
 use crate::error::{Error, Result};
+use crate::findings::Supposed;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -95,6 +96,8 @@ pub struct Fit {
     pub no_usual: Option<String>,
     /// The noise level, rms in the measured unit.
     pub noise_level: f64,
+    /// What the sizes of its effects rest on that no record tells.
+    pub supposed: Supposed,
     /// Best IAE of every generation; one number for methods without generations.
     pub objective_history: Vec<f64>,
     /// Candidates simulated over all records.
@@ -141,6 +144,7 @@ pub fn fit(
     fit.usual = feedforward::errors(&problem, records, kept_out.as_ref());
     fit.no_usual = feedforward::why_not(&problem, records);
     fit.noise_level = noise_floor(records, validation, &problem);
+    fit.supposed = Supposed::by(&searched.values.kinds(), records, motor, &problem.rig);
     (fit.seconds, fit.evaluations) = (seconds, searched.evaluations);
     fit.objective_history = if searched.history.is_empty() { vec![fit.train.iae] } else { searched.history };
     Ok(fit)
@@ -191,6 +195,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         usual: None,
         no_usual: None,
         noise_level: 0.0,
+        supposed: Supposed::default(),
         objective_history: Vec::new(),
         evaluations: 0,
         seconds: 0.0,

@@ -25,17 +25,28 @@ pub struct Supposed {
 
 impl Supposed {
     /// By an answer with `effects` that was found on `records` of a `motor` on `rig`.
-    pub fn by<'a>(
+    pub fn by(effects: &[Kind], records: &[Record], motor: &MotorFile, rig: &Rig) -> Self {
+        Self::by_parts(effects, records, motor, rig, highest_voltage(records))
+    }
+
+    /// The same where only parts of the `records` were used, whose highest voltage is `peak_v`.
+    pub(crate) fn by_parts<'a>(
         effects: &[Kind],
         records: impl IntoIterator<Item = &'a Record>,
         motor: &MotorFile,
         rig: &Rig,
+        peak_v: f64,
     ) -> Self {
         let records: Vec<&Record> = records.into_iter().collect();
-        let all = [unit_of_motion(effects, &records), supply(effects, &records, motor, rig)];
+        let all = [unit_of_motion(effects, &records), supply(effects, &records, motor, rig, peak_v)];
         let (texts, places): (Vec<String>, Vec<String>) = all.into_iter().flatten().unzip();
         let text = texts.into_iter().map(|text| format!(" {text}.")).collect();
         Self { text, place: places.into_iter().next() }
+    }
+
+    /// The sentences by themselves, if there are any.
+    pub fn sentences(&self) -> Option<&str> {
+        Some(self.text.trim_start()).filter(|text| !text.is_empty())
     }
 }
 
@@ -91,14 +102,21 @@ fn unit_of_motion(effects: &[Kind], records: &[&Record]) -> Option<(String, Stri
     })
 }
 
-/// What is said, and of which column, of `effects` that depend on the duty, found on `records` in volts, where the supply on `rig` is only the
-/// highest voltage in them.
-fn supply(effects: &[Kind], records: &[&Record], motor: &MotorFile, rig: &Rig) -> Option<(String, String)> {
+/// What is said, and of which column, of `effects` that depend on the duty, found on `records` in volts, where the supply on `rig` is only `peak_v`,
+/// the highest voltage in them.
+fn supply(
+    effects: &[Kind],
+    records: &[&Record],
+    motor: &MotorFile,
+    rig: &Rig,
+    peak_v: f64,
+) -> Option<(String, String)> {
     let resting = resting(effects, |spec| spec.by_duty)?;
-    let is_told =
-        motor.nameplate.voltage_v.is_some() || records.iter().any(|record| record.mean_supply_v().is_some());
-    // A model that was fitted before has the supply of its own records.
-    let is_assumed = !is_told && rig.supply_v <= highest_voltage(records.iter().copied());
+    // A name plate below the peak is not what the supply had.
+    let on_plate = motor.nameplate.voltage_v.is_some_and(|plate| plate >= peak_v);
+    let is_told = on_plate || records.iter().any(|record| record.mean_supply_v().is_some());
+    // A model that was fitted before tells a supply of its own, by another figure than that of these records.
+    let is_assumed = !is_told && rig.supply_v == peak_v;
     let record = records.first().filter(|_| is_assumed)?;
     let column = record.map.as_ref().and_then(|map| map.source(Quantity::Voltage));
     let text = format!(
@@ -178,7 +196,7 @@ mod tests {
         };
         let said = |effects: &[Kind], record: &Record, motor: &MotorFile| {
             let rig = rig(std::slice::from_ref(record), motor);
-            supply(effects, &[record], motor, &rig).map(|(text, _)| text)
+            supply(effects, &[record], motor, &rig, 6.0).map(|(text, _)| text)
         };
         let unknown = MotorFile::default();
         let text = said(&[Kind::Coulomb, Kind::Coast], &volts, &unknown).unwrap();
@@ -187,13 +205,17 @@ mod tests {
         let mut plate = unknown.clone();
         plate.nameplate.voltage_v = Some(6.0);
         assert_eq!(said(&[Kind::Coast], &volts, &plate), None);
+        plate.nameplate.voltage_v = Some(5.0);
+        assert!(said(&[Kind::Coast], &volts, &plate).is_some(), "the supply was above the name plate's");
         let logged = Record { supply_v: Some(vec![12.0; 2]), ..volts.clone() };
         assert_eq!(said(&[Kind::Coast], &logged, &unknown), None);
         let mut stated = volts.clone();
         stated.meta.insert("supply_volts", "12").unwrap();
         assert_eq!(said(&[Kind::Coast], &stated, &unknown), None);
         let mut of_model = rig(std::slice::from_ref(&volts), &unknown);
-        of_model.supply_v = 12.0;
-        assert_eq!(supply(&[Kind::Coast], &[&volts], &unknown, &of_model), None);
+        for of_its_own in [12.0, 5.8] {
+            of_model.supply_v = of_its_own;
+            assert_eq!(supply(&[Kind::Coast], &[&volts], &unknown, &of_model, 6.0), None);
+        }
     }
 }

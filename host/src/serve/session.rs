@@ -16,6 +16,7 @@ use crate::diagnose::ladder::{self, Rung};
 use crate::error::Result;
 use crate::findings::{Supposed, Yardstick};
 use crate::fit::layout::Values;
+use crate::fit::rig::highest_voltage;
 use crate::log::{Loaded, ReadArgs, Record, Warning, data_faults};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
@@ -87,6 +88,8 @@ pub struct Session {
     /// Problems of the data.
     pub faults: Vec<Warning>,
     title: String,
+    /// The highest voltage in what is fitted.
+    peak_v: f64,
     view: Arc<View>,
 }
 
@@ -129,6 +132,7 @@ impl Session {
         Ok(Self {
             faults: data_faults(records.iter().chain(&validation)),
             title: title(&records),
+            peak_v: highest_voltage(&records),
             ladder: vec![rung(&evidence, &current)],
             baseline: ladder::baseline(&evidence),
             view: Arc::new(View::new(tracks, passed[passed.len() - 1].clone(), values)),
@@ -228,7 +232,7 @@ impl Session {
         let (motor, rig) = (&self.data.motor, &self.evidence.whole.rig);
         let records = fitted.map(|entry| &*entry.record);
         Scene {
-            supposed: Supposed::by(&view.model.kinds(), records, motor, rig),
+            supposed: Supposed::by_parts(&view.model.kinds(), records, motor, rig, self.peak_v),
             view,
             ladder: self.ladder.clone(),
             rises: self.rises.clone(),

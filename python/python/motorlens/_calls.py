@@ -78,7 +78,7 @@ def fit(
         document, native = _native.fit(given, judges, path, text, how, list(effect_files), told)
     found = json.loads(document)
     parameters = as_frame(found["parameters"])
-    return Fit(Model(native), parameters, found["train"], found["validation"], found)
+    return Fit(Model(native), parameters, found["train"], found["validation"], found["supposes"], found)
 
 
 def add(
@@ -95,7 +95,8 @@ def add(
     document, native = _native.add(model._native, effect, given, judges, path, text, list(effect_files))
     found = json.loads(document)
     parameters = as_frame(found["parameters"])
-    return Addition(effect, found["worth_adding"], found["why"], Model(native), parameters, found)
+    worth, why, supposes = found["worth_adding"], found["why"], found["supposes"]
+    return Addition(effect, worth, why, Model(native), parameters, supposes, found)
 
 
 def compare(model: Model, records: Iterable[Record], motor: KnownMotor = None) -> Comparison:

@@ -74,6 +74,8 @@ class Fit:
     parameters: Any
     train: dict[str, float]
     validation: Optional[dict[str, float]]
+    #: What the sizes of the effects rest on that no record tells, in sentences; None where there is nothing of the kind.
+    supposes: Optional[str]
     document: dict[str, Any] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -82,7 +84,8 @@ class Fit:
 
     def _repr_html_(self) -> str:
         effects = ", ".join(self.model.effects) or "no effects"
-        return as_page(f"Model with {effects}: rmse {self.train['rmse']:.4g}", self.parameters)
+        head = f"Model with {effects}: rmse {self.train['rmse']:.4g}"
+        return as_page(head, *filter(None, [self.supposes]), self.parameters)
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,8 @@ class Addition:
     why: str
     model: Model
     parameters: Any
+    #: What the sizes of the effects rest on that no record tells, in sentences; None where there is nothing of the kind.
+    supposes: Optional[str]
     document: dict[str, Any] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -101,7 +106,7 @@ class Addition:
         return self.document
 
     def _repr_html_(self) -> str:
-        return as_page(self.why, self.parameters)
+        return as_page(self.why, *filter(None, [self.supposes]), self.parameters)
 
 
 @dataclass(frozen=True)
