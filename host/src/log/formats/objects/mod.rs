@@ -2,7 +2,8 @@
 //!
 //! What is inside an object is named by its way there (`motor.volts`), the members of an array by their number (`q[0]`).
 
-use std::collections::HashMap;
+mod rows;
+
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -11,6 +12,7 @@ use serde_json::Value;
 use super::Fault;
 use super::python;
 use super::table::{Column, Table, Values};
+use rows::Rows;
 
 /// More JSON than this is larger than any log of a motor, B.
 pub const LARGEST: u64 = 1 << 28;
@@ -20,121 +22,18 @@ const MOST_NUMBERS: usize = 1 << 25;
 
 const CSV: &str = "convert it to CSV with a column per quantity, or name its layout with --format";
 
-/// Rows of named values on their way to columns.
-#[derive(Default)]
-struct Rows {
-    places: HashMap<String, usize>,
-    columns: Vec<(String, Cells)>,
-    rows: usize,
-    too_large: bool,
-}
-
-/// The values of a column so far; it is shorter than the table where nothing came any more.
-enum Cells {
-    Numbers(Vec<f64>),
-    Texts(Vec<String>),
-}
-
-impl Rows {
-    /// Takes the object of one row; whatever is no object is none.
-    fn take(&mut self, value: &Value) {
-        if value.is_object() && !self.too_large {
-            self.put("", value);
-            self.rows += 1;
-            self.too_large |= self.rows.saturating_mul(self.columns.len()) > MOST_NUMBERS;
-        }
-    }
-
-    /// Takes the array of one row, whose values have these names; whatever is no array is none.
-    fn take_array(&mut self, names: &[String], value: &Value) {
-        let Some(all) = value.as_array().filter(|_| !self.too_large) else { return };
-        for (k, value) in all.iter().enumerate() {
-            match names.get(k) {
-                Some(name) => self.put(name, value),
-                None => self.put(&format!("column{k}"), value),
-            }
-        }
-        self.rows += 1;
-        self.too_large |= self.rows.saturating_mul(self.columns.len()) > MOST_NUMBERS;
-    }
-
-    fn put(&mut self, name: &str, value: &Value) {
-        let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
-        match value {
-            Value::Object(all) => all.iter().for_each(|(key, value)| self.put(&below(key), value)),
-            Value::Array(all) => {
-                all.iter().enumerate().for_each(|(k, value)| self.put(&format!("{name}[{k}]"), value));
-            }
-            Value::Null => {}
-            Value::Bool(truth) => self.number(name, f64::from(u8::from(*truth))),
-            Value::Number(number) => self.number(name, number.as_f64().unwrap_or(f64::NAN)),
-            Value::String(text) => match text.trim().parse() {
-                Ok(number) => self.number(name, number),
-                Err(_) => self.text(name, text),
-            },
-        }
-    }
-
-    fn cells(&mut self, name: &str, new: Cells) -> Option<&mut Cells> {
-        let place = match self.places.get(name) {
-            Some(place) => *place,
-            None if self.columns.len() >= MOST_COLUMNS || self.too_large => return None,
-            None => {
-                self.columns.push((name.to_owned(), new));
-                self.too_large |= self.rows.saturating_mul(self.columns.len()) > MOST_NUMBERS;
-                self.places.insert(name.to_owned(), self.columns.len() - 1);
-                self.columns.len() - 1
-            }
-        };
-        Some(&mut self.columns[place].1)
-    }
-
-    fn number(&mut self, name: &str, number: f64) {
-        let row = self.rows;
-        if let Some(Cells::Numbers(numbers)) = self.cells(name, Cells::Numbers(Vec::new())) {
-            numbers.resize(row, f64::NAN);
-            numbers.push(number);
-        }
-    }
-
-    fn text(&mut self, name: &str, text: &str) {
-        let row = self.rows;
-        if let Some(Cells::Texts(texts)) = self.cells(name, Cells::Texts(Vec::new())) {
-            texts.resize(row, String::new());
-            texts.push(text.to_owned());
-        }
-    }
-
-    fn columns(self) -> Result<Vec<Column>, Fault> {
-        if self.too_large {
-            return Err(Fault::new("it holds more numbers than any log of a motor", CSV));
-        }
-        let rows = self.rows;
-        let whole = |(name, cells)| {
-            let values = match cells {
-                Cells::Numbers(mut numbers) => {
-                    numbers.resize(rows, f64::NAN);
-                    Values::Numbers(numbers)
-                }
-                Cells::Texts(mut texts) => {
-                    texts.resize(rows, String::new());
-                    Values::Texts(texts)
-                }
-            };
-            Column { name, values }
-        };
-        Ok(self.columns.into_iter().map(whole).collect())
-    }
-}
-
 /// What a document holds: rows, or columns.
 #[derive(Default)]
 struct Document {
     rows: Rows,
     columns: Vec<Column>,
+    /// Numbers beside them.
+    numbers: Vec<Column>,
     /// Names, and rows without names, as pandas writes them apart: `{"columns": [...], "data": [[...], ...]}`.
     names: Vec<String>,
     arrays: Vec<Value>,
+    /// What is none of these, for messages.
+    left_out: Vec<String>,
 }
 
 impl<'de> DeserializeSeed<'de> for &mut Document {
@@ -155,10 +54,7 @@ impl<'de> Visitor<'de> for &mut Document {
     fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<(), A::Error> {
         let Some(first) = all.next_element::<Value>()? else { return Ok(()) };
         let mut next = all.next_element::<Value>()?;
-        if next.is_none()
-            && let Some(rows) = rows_of_columns(std::slice::from_ref(&first))
-        {
-            rows.iter().for_each(|row| self.rows.take(row));
+        if next.is_none() && self.take_runs(std::slice::from_ref(&first)) {
             return Ok(());
         }
         self.take(&first);
@@ -181,24 +77,14 @@ impl<'de> Visitor<'de> for &mut Document {
 const LONGER: usize = 10;
 const FEWEST_ROWS: usize = 20;
 
-/// The rows of a list of objects that are columns each: two arrays of one length or more, far longer than the list. None where the objects
-/// are rows themselves.
-fn rows_of_columns(list: &[Value]) -> Option<Vec<Value>> {
-    let mut rows = Vec::new();
-    for object in list {
-        let object = object.as_object()?;
-        let arrays = || object.iter().filter_map(|(name, value)| Some((name, value.as_array()?)));
-        let alike = |length: usize| arrays().filter(|(_, all)| all.len() == length).count();
-        let length = arrays().map(|(_, all)| all.len()).filter(|length| alike(*length) >= 2).max()?;
-        if length < FEWEST_ROWS.max(LONGER * list.len()) {
-            return None;
-        }
-        rows.extend((0..length).map(|k| {
-            let columns = arrays().filter(|(_, all)| all.len() == length);
-            Value::Object(columns.map(|(name, all)| (name.clone(), all[k].clone())).collect())
-        }));
-    }
-    Some(rows)
+/// How many rows the columns have that an object of a list of so many holds: two arrays of one length or more, far longer than the list.
+/// None where the object is a row itself.
+fn rows_in(object: &Value, objects: usize) -> Option<usize> {
+    let lengths: Vec<usize> =
+        object.as_object()?.values().filter_map(Value::as_array).map(Vec::len).collect();
+    let alike = |rows: usize| lengths.iter().filter(|length| **length == rows).count();
+    let rows = lengths.iter().copied().filter(|rows| alike(*rows) >= 2).max()?;
+    (rows >= FEWEST_ROWS.max(LONGER * objects)).then_some(rows)
 }
 
 impl Document {
@@ -211,7 +97,30 @@ impl Document {
         }
     }
 
-    /// Takes an entry of the outermost object: a column, or the rows themselves.
+    /// Takes a list of objects that are columns each, one below the other; false where they are rows themselves. A number beside the columns
+    /// of the only object is one of the table; one that differs between several is one of each of their rows.
+    fn take_runs(&mut self, list: &[Value]) -> bool {
+        let rows: Option<Vec<usize>> = list.iter().map(|object| rows_in(object, list.len())).collect();
+        let Some(rows) = rows else { return false };
+        for (run, (object, rows)) in list.iter().filter_map(Value::as_object).zip(rows).enumerate() {
+            for (name, value) in object {
+                match value {
+                    Value::Array(all) if all.len() == rows => self.rows.put_column(name, all.iter()),
+                    Value::Number(_) if list.iter().any(|other| other.get(name) != Some(value)) => {
+                        self.rows.put_column(name, std::iter::repeat_n(value, rows));
+                    }
+                    _ if run > 0 => {}
+                    // Between the rows of several there is no interval that one number could tell.
+                    Value::Number(_) if list.len() == 1 => self.put(name.clone(), value),
+                    _ => self.left_out.push(name.clone()),
+                }
+            }
+            self.rows.count(rows);
+        }
+        true
+    }
+
+    /// Takes an entry of the outermost object: a column, a number beside the columns, or the rows themselves.
     fn put(&mut self, name: String, value: &Value) {
         match value {
             // What pandas tells of the columns of the rows beside.
@@ -223,8 +132,13 @@ impl Document {
                 self.arrays.clone_from(all);
             }
             Value::Array(all) if all.iter().any(Value::is_object) => {
-                let unfolded = rows_of_columns(all);
-                unfolded.as_ref().unwrap_or(all).iter().for_each(|row| self.rows.take(row));
+                if !self.take_runs(all) {
+                    all.iter().for_each(|row| self.rows.take(row));
+                }
+            }
+            Value::Number(number) if self.numbers.len() < MOST_COLUMNS => {
+                let values = Values::Numbers(vec![number.as_f64().unwrap_or(f64::NAN)]);
+                self.numbers.push(Column { name, values });
             }
             Value::Array(all) if self.columns.len() < MOST_COLUMNS => {
                 let number =
@@ -246,11 +160,15 @@ impl Document {
                 self.put(name, &Value::Array(rows.into_iter().map(|(_, value)| value.clone()).collect()));
             }
             Value::Object(all) => {
-                for (key, value) in all.iter().filter(|(_, value)| value.is_array()) {
-                    self.put(format!("{name}.{key}"), value);
+                for (key, value) in all {
+                    let name = format!("{name}.{key}");
+                    match value {
+                        Value::Array(_) | Value::Number(_) => self.put(name, value),
+                        _ => self.left_out.push(name),
+                    }
                 }
             }
-            _ => {}
+            _ => self.left_out.push(name),
         }
     }
 }
@@ -262,14 +180,19 @@ impl Document {
 pub fn read(bytes: &[u8]) -> Result<Table, Fault> {
     let from_python = python::is(bytes).then(|| python::as_json(&String::from_utf8_lossy(bytes)));
     let bytes = from_python.as_ref().map_or(bytes, String::as_bytes);
-    let (mut lines, mut bad) = (Rows::default(), 0);
+    let (mut lines, mut first, mut bad) = (Rows::default(), None, 0);
     for line in bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()) {
         match serde_json::from_slice(line) {
-            Ok(value @ Value::Object(_)) => lines.take(&value),
+            // One object alone is a document, whose arrays are no cells of a row.
+            Ok(value @ Value::Object(_)) if lines.rows == 0 && first.is_none() => first = Some(value),
+            Ok(value @ Value::Object(_)) => {
+                first.take().iter().for_each(|row| lines.take(row));
+                lines.take(&value);
+            }
             _ => bad += 1,
         }
         // Half a first line and a remark are none of the log; a document over many lines is.
-        if bad > 2 + lines.rows {
+        if bad > 2 + lines.rows + usize::from(first.is_some()) {
             break;
         }
     }
@@ -284,10 +207,11 @@ pub fn read(bytes: &[u8]) -> Result<Table, Fault> {
             "check that the file was copied in full and is complete",
         )
     })?;
-    let Document { mut rows, mut columns, names, arrays } = document;
+    let Document { mut rows, mut columns, numbers, names, arrays, left_out } = document;
     arrays.iter().for_each(|row| rows.take_array(&names, row));
     columns.extend(rows.columns()?);
-    Table::of(columns, Vec::new()).map_err(|_| Fault::new("this is JSON, not a table", CSV))
+    columns.extend(numbers);
+    Table::of(columns, left_out).map_err(|_| Fault::new("this is JSON, not a table", CSV))
 }
 
 #[cfg(test)]
@@ -357,5 +281,47 @@ mod tests {
         let (_directory, path) = file(lines.as_bytes());
         let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
         assert!(refused.contains("motor.u") && refused.contains("--map"), "{refused}");
+    }
+
+    #[test]
+    fn numbers_beside_the_columns_tell_the_time_or_are_named_and_texts_are_named() {
+        let columns = |of: &dyn Fn(u32) -> f64| (0..200).map(of).collect::<Vec<_>>();
+        let run = |volts: f64| {
+            serde_json::json!({
+                "dt": 0.01, "inertia": 0.2, "operator": "Ada", "volts": volts,
+                "u": columns(&|k| f64::from(k).sin()), "x": columns(&|k| f64::from(k).cos()),
+            })
+        };
+        let map = |map: &str| ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
+        let nested =
+            serde_json::json!({"about": {"dt": 0.01}, "motor": {"u": run(6.0)["u"], "x": run(6.0)["x"]}});
+        for (document, names) in [
+            (run(6.0), "voltage=u,angle=x"),
+            (serde_json::json!([run(6.0)]), "voltage=u,angle=x"),
+            (nested, "voltage=motor.u,angle=motor.x"),
+        ] {
+            let (_directory, path) = file(document.to_string().as_bytes());
+            let record = read(&path, &map(names)).unwrap().remove(0);
+            assert!((record.time_s[100] - 1.0).abs() < 1e-9);
+            assert!(record.warnings.iter().any(|warning| warning.what.contains("dt = 0.01 makes 100 rows")));
+        }
+        let (_directory, path) = file(run(6.0).to_string().as_bytes());
+        let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(refused.contains("inertia (one value)") && refused.contains("operator"), "{refused}");
+    }
+
+    #[test]
+    fn a_number_that_is_another_in_every_run_of_a_list_is_a_column_of_its_rows() {
+        let run = |k: u32, volts: f64| {
+            let rows = |of: &dyn Fn(f64) -> f64| (0..60).map(|row| of(f64::from(row))).collect::<Vec<_>>();
+            serde_json::json!({
+                "time_s": rows(&|row| 0.6 * f64::from(k) + 0.01 * row), "voltage_v": volts,
+                "speed_rad_s": rows(&|row| volts - 3.0 * (-0.1 * row).exp()),
+            })
+        };
+        let text = serde_json::json!({"runs": [run(0, 3.0), run(1, 6.0)]}).to_string();
+        let (_directory, path) = file(text.as_bytes());
+        let record = read(&path, &ReadOptions::default()).unwrap().remove(0);
+        assert_eq!((record.len(), record.voltage_v[59], record.voltage_v[60]), (120, 3.0, 6.0));
     }
 }
