@@ -31,7 +31,7 @@ pub fn beside(grid: &Grid, rig: &Rig) -> Option<f64> {
 }
 
 impl Begun {
-    /// Takes what a first speed may make up for out of the neighbours along the axes in `blocks` (lanes as [`super::cost::accumulate`] has
+    /// Takes what a first speed may make up for out of the neighbours along the axes in `blocks` (lanes as [`super::normal::accumulate`] has
     /// them, `inverse` distances). The lane behind theirs is the neighbour along the speed, `apart` from the centre.
     pub fn project_out(blocks: &mut [Vec<Block>], inverse: &[f64], apart: f64) -> Self {
         let speed = (inverse.len() / LANES, inverse.len() % LANES);

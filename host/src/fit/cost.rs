@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "compiled for vector units that are asked for before they are used")]
 
 use super::grid::{Grid, Quantity};
+use super::loss::{MOST, bounded, loss, robust};
 use super::scales::{append_coefficients, levels};
 use super::simulate::{Block, LANES};
 use motorlens_shared::lanes::Lanes;
@@ -22,22 +23,9 @@ pub enum Objective {
 }
 
 /// Time that an increment takes, s.
-pub const SPAN_S: f64 = 0.05;
+const SPAN_S: f64 = 0.05;
 /// Samples nearer than this repeat each other's differences.
 const STRIDE_S: f64 = 0.002;
-/// Beyond this many times the noise the loss grows linearly.
-pub const HUBER: f64 = 6.0;
-
-/// An error beyond this is counted as this, in the measured unit or in that of the noise.
-pub const MOST: f64 = 1e12;
-
-/// `error`, at most so large. A run that is lost, whose error is no number, is as wrong as can be: as a gradient it would spoil
-/// a search.
-#[inline(always)]
-pub fn bounded(error: f64, most: f64) -> f64 {
-    // Unlike a clamp, both let a number win over none.
-    error.max(-most).min(most)
-}
 
 /// Every so many samples an increment begins, where samples come every `interval_s` seconds.
 pub(super) fn stride(interval_s: f64) -> usize {
@@ -45,14 +33,8 @@ pub(super) fn stride(interval_s: f64) -> usize {
 }
 
 /// Samples between the two of an increment, where they come every `interval_s` seconds.
-pub fn span(interval_s: f64) -> usize {
+fn span(interval_s: f64) -> usize {
     ((SPAN_S / interval_s).round() as usize).max(1)
-}
-
-/// What `series` (rad) adds in the time of an increment, at every sample of `grid`, in units of its noise.
-pub fn increments(grid: &Grid, series: &[f64]) -> Vec<f64> {
-    let span = span(grid.interval_s);
-    series.windows(span + 1).map(|w| (w[span] - w[0]) / grid.sigma).collect()
 }
 
 /// What a record's predictions are wrong by, as an objective counts it.
@@ -256,98 +238,11 @@ fn squares_body(grid: &Grid, objective: Objective, predictions: &mut Vec<Block>)
     (sums, n)
 }
 
-/// Square root of the pseudo-Huber loss, with the sign of `d`: its square is d^2 for small d, linear for large.
-///
-/// d sqrt(2 / (1 + sqrt(1 + (d/D)^2))) is the same number without cancellation.
-#[inline(always)]
-pub fn robust(d: f64) -> f64 {
-    let (limited, share) = limit(d);
-    limited * share.sqrt()
-}
-
-/// Its square: the pseudo-Huber loss.
-#[inline(always)]
-fn loss(d: f64) -> f64 {
-    let (limited, share) = limit(d);
-    limited * limited * share
-}
-
-/// An error that can be squared, and the share of its square that counts.
-#[inline(always)]
-fn limit(d: f64) -> (f64, f64) {
-    let limited = bounded(d, 1e7);
-    let x = limited * (1.0 / HUBER);
-    (limited, 2.0 / (1.0 + (1.0 + x * x).sqrt()))
-}
-
-/// Sums over a record's residuals of centre (lane 0 of the first block) and neighbours.
-///
-/// `blocks[b]` holds lanes 8 b ..; lane f > 0 is the neighbour along axis f - 1, `inverse_delta[f]` apart. The
-/// result is the upper part of M = sum c c^T with c = (r, J): `M[0][0]` the cost, `M[0][k]` the gradient.
-pub fn accumulate(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec<f64>]) {
-    #[cfg(target_arch = "x86_64")]
-    if motorlens_kernel::has_wide() {
-        // SAFETY: the processor has the features that the function was compiled for.
-        unsafe { accumulate_avx2(blocks, inverse_delta, sums) };
-        return;
-    }
-    accumulate_body(blocks, inverse_delta, sums);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn accumulate_avx2(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec<f64>]) {
-    accumulate_body(blocks, inverse_delta, sums);
-}
-
-/// Most blocks that a Jacobian takes: 23 axes.
-pub const MOST_BLOCKS: usize = 3;
-
-#[inline(always)]
-fn accumulate_body(blocks: &[Vec<Block>], inverse_delta: &[f64], sums: &mut [Vec<f64>]) {
-    let used = inverse_delta.len();
-    let mut total = [[[0.0; LANES]; MOST_BLOCKS]; LANES * MOST_BLOCKS];
-    let mut inverse = [[0.0; LANES]; MOST_BLOCKS];
-    for (f, d) in inverse_delta.iter().enumerate() {
-        inverse[f / LANES][f % LANES] = *d;
-    }
-    for k in 0..blocks[0].len() {
-        let centre = blocks[0][k].0[0];
-        let mut c = [[0.0; LANES]; MOST_BLOCKS];
-        for (b, block) in blocks.iter().enumerate() {
-            for l in 0..LANES {
-                c[b][l] = (block[k].0[l] - centre) * inverse[b][l];
-            }
-        }
-        c[0][0] = centre;
-        for f in 0..used {
-            let x = c[f / LANES][f % LANES];
-            for b in 0..blocks.len() {
-                for l in 0..LANES {
-                    total[f][b][l] += x * c[b][l];
-                }
-            }
-        }
-    }
-    for f in 0..used {
-        for g in 0..used {
-            sums[f][g] += total[f][g / LANES][g % LANES];
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fit::grid::tests::record;
-
-    #[test]
-    fn small_errors_count_squared_and_large_ones_linearly() {
-        assert!((robust(0.1) / 0.1 - 1.0).abs() < 1e-3);
-        let (a, b) = (robust(1e3).powi(2), robust(2e3).powi(2));
-        assert!((b / a - 2.0).abs() < 0.02);
-        assert_eq!(robust(-3.0), -robust(3.0));
-    }
+    use crate::fit::normal::accumulate;
 
     /// A simulation that runs away ends in infinities and then in no number at all.
     #[test]

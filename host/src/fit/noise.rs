@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use super::cost::{MOST, bounded};
 use super::grid::Grid;
 use super::layout::Layout;
+use super::loss::{MOST, bounded};
 use super::scales::{KEEPING, append_coefficients, levels};
 use super::search::Problem;
 use super::simulate::predict_one;

@@ -11,10 +11,11 @@ use motorlens_shared::effects::Rig;
 use nalgebra::{DMatrix, DVector};
 
 use super::begun::Begun;
-use super::cost::{Objective, accumulate};
+use super::cost::Objective;
 use super::fixed::Fixed;
 use super::grid::Grid;
 use super::layout::{Layout, Prior};
+use super::normal::accumulate;
 use super::simulate::LANES;
 use crate::stop;
 

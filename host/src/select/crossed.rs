@@ -8,9 +8,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::diagnose::evidence::Evidence;
-use crate::fit::cost::{Objective, bounded};
+use crate::fit::cost::Objective;
 use crate::fit::grid::{Grid, Quantity};
 use crate::fit::layout::Layout;
+use crate::fit::loss::bounded;
 use crate::fit::noise::Noise;
 use crate::fit::scales::CHOOSING;
 use crate::fit::search::{Beginning, Problem};
