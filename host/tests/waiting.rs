@@ -71,6 +71,28 @@ fn a_shaft_that_never_rests_is_not_driven_by_a_board_that_would_begin_all_the_sa
 }
 
 #[test]
+fn who_stops_the_run_while_the_board_is_stopped_for_the_shaft_waits_no_longer() {
+    let (mut board, mut capture) = (Board::new(*BEGINS_TURNING.end(), Duration::MAX), capture().patient());
+    let (mut now, mut send, mut asked) = (Duration::ZERO, Vec::new(), false);
+    let captured = loop {
+        now += TURN;
+        assert!(now < END, "a run that has no end");
+        let said = board.turn(now, &send);
+        send.clear();
+        if board.stops == 1 && !std::mem::replace(&mut asked, true) {
+            capture.stop(now);
+        }
+        capture.receive(&said, now);
+        capture.poll(now, &mut send);
+        if let Some(outcome) = capture.take_outcome() {
+            break outcome.expect("it ends as it was asked to");
+        }
+    };
+    assert_eq!((captured.cause, captured.samples.len(), board.starts), (Cause::Asked, 0, 1));
+    assert!(!board.begun_turning);
+}
+
+#[test]
 fn no_board_is_stopped_in_a_run_that_has_begun_nor_one_that_ends_its_wait_by_itself() {
     let (swings, takes) = (Duration::from_secs(3), Duration::from_secs(20));
     let mut old = Board::new(*BEGINS_TURNING.end(), swings).running_for(takes);

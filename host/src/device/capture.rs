@@ -22,10 +22,12 @@ const BEFORE_IT_BEGINS: Duration = Duration::from_secs(5);
 enum Stage {
     /// The board is told what is to be run.
     SettingUp,
-    /// It was told to begin, for the first time at `since`.
-    Starting { since: Duration },
+    /// It was told to begin, for the first time at `since` and for the last at `asked`.
+    Starting { since: Duration, asked: Duration },
     /// It has said that it began: from then on another run's number tells that it no longer has this one.
-    Running { since: Duration },
+    Running { since: Duration, asked: Duration },
+    /// It has waited for a shaft that turns, and was told to stop before it would begin the run in spite of it.
+    Withheld { since: Duration },
     /// It was told to stop a run of which it had told.
     Stopping,
     /// It was told to stop before it had told anything of the run, which may never have begun.
@@ -50,11 +52,8 @@ pub struct Capture {
     /// How long a shaft that turns is waited for, and whether the run was begun again for it.
     roll_out: Duration,
     again: bool,
-    /// Whether this board begins a run although the shaft still turns; when it was last asked to begin, and whether it has been stopped since
-    /// because it has waited for so long.
+    /// Whether this board begins a run although the shaft still turns.
     begins_turning: bool,
-    asked: Duration,
-    withheld: bool,
     outcome: Option<Result<Captured, Fault>>,
 }
 
@@ -90,8 +89,6 @@ impl Capture {
             roll_out: Duration::ZERO,
             again: false,
             begins_turning: false,
-            asked: Duration::ZERO,
-            withheld: false,
             outcome: None,
         }
     }
@@ -197,8 +194,8 @@ impl Capture {
     /// Lets time pass, and hands over what is to be sent.
     pub fn poll(&mut self, now: Duration, out: &mut Vec<u8>) {
         let answer = self.exchange.take_answer();
-        if let (Stage::Starting { since }, Some(Ok(FromBoard::Done))) = (self.stage, &answer) {
-            self.stage = Stage::Running { since };
+        if let (Stage::Starting { since, asked }, Some(Ok(FromBoard::Done))) = (self.stage, &answer) {
+            self.stage = Stage::Running { since, asked };
         }
         match answer {
             Some(Err(fault)) => self.refuse(fault),
@@ -223,10 +220,8 @@ impl Capture {
                 Some(message) => {
                     self.heard = now;
                     if matches!(message, ToBoard::Start { .. }) {
-                        (self.asked, self.withheld) = (now, false);
-                        if self.stage == Stage::SettingUp {
-                            self.stage = Stage::Starting { since: now };
-                        }
+                        let since = if let Stage::Starting { since, .. } = self.stage { since } else { now };
+                        self.stage = Stage::Starting { since, asked: now };
                     }
                     self.exchange.ask(message, now);
                 }
@@ -243,18 +238,19 @@ impl Capture {
     }
 
     /// Has the run, waited for `since` then, begun under another number: under its own the board would take it for begun.
-    fn begin_again(&mut self, since: Duration) {
+    fn begin_again(&mut self, since: Duration, now: Duration) {
         self.run = self.run.wrapping_add(1);
         self.again = true;
         (self.collector, self.status) = (Collector::new(self.run), None);
-        self.stage = Stage::Starting { since };
+        self.stage = Stage::Starting { since, asked: now };
         self.script.push_back(ToBoard::Start { run: self.run, segments: self.segments });
     }
 
     /// Whether the board has waited for the shaft for so long that it would soon begin the run in spite of it.
     fn must_withhold(&self, status: &Status, now: Duration) -> bool {
+        let (Stage::Starting { asked, .. } | Stage::Running { asked, .. }) = self.stage else { return false };
         let waits = status.next == 0 && self.collector.is_empty();
-        self.begins_turning && waits && !self.withheld && now.saturating_sub(self.asked) >= BEFORE_IT_BEGINS
+        self.begins_turning && waits && now.saturating_sub(asked) >= BEFORE_IT_BEGINS
     }
 
     /// The run goes on, or is over and its log still comes.
@@ -269,27 +265,29 @@ impl Capture {
         }
         let (is_stopped, since) = match self.stage {
             Stage::SettingUp => (false, now),
-            Stage::Starting { since } | Stage::Running { since } => (false, since),
+            Stage::Starting { since, .. } | Stage::Running { since, .. } | Stage::Withheld { since } => {
+                (false, since)
+            }
             Stage::Stopping | Stage::Cancelling => (true, now),
         };
         let ended = match self.status.map(|status| (status.state, status)) {
             Some((RunState::Stopped(cause), status)) => {
-                // Stopped from here, before it would have begun.
-                let cause = if self.withheld && cause == Cause::Asked { Cause::Turning } else { cause };
+                let is_withheld = matches!(self.stage, Stage::Withheld { .. });
+                let cause = if is_withheld && cause == Cause::Asked { Cause::Turning } else { cause };
                 if cause == Cause::Turning && is_stopped {
                     // It would not have begun again in any case.
                     self.outcome = Some(Err(Fault::Stopped));
                     return;
                 }
                 if cause == Cause::Turning && now.saturating_sub(since) < self.roll_out {
-                    self.begin_again(since);
+                    self.begin_again(since, now);
                     return;
                 }
                 self.collector.expect(status.next);
                 Some((cause, status))
             }
-            Some((RunState::Running, status)) if !is_stopped && self.must_withhold(&status, now) => {
-                self.withheld = true;
+            Some((RunState::Running, status)) if self.must_withhold(&status, now) => {
+                self.stage = Stage::Withheld { since };
                 self.exchange.ask(ToBoard::Stop, now);
                 return;
             }
