@@ -178,3 +178,22 @@ fn a_counter_goes_on_over_the_end_of_its_bits_however_seldom_it_gets_there() {
         assert!(record.warnings.iter().any(|w| w.what.starts_with("wrapped_angle")), "{:?}", record.warnings);
     }
 }
+
+#[test]
+fn thousands_may_stand_apart() {
+    let apart = |x: f64| {
+        let text = format!("{:.1}", x.abs());
+        let (whole, part) = text.split_once('.').unwrap();
+        let sign = if x < 0.0 { "-" } else { "" };
+        let at = whole.len().saturating_sub(3);
+        if at == 0 {
+            format!("{sign}{text}")
+        } else {
+            format!("{sign}{}'{}.{part}", &whole[..at], &whole[at..])
+        }
+    };
+    let text = lines("t,u,pos\n", |_, t, u, x| format!("{t:.2},{},{}", apart(1e3 * u), apart(1e4 * x)));
+    assert!(text.contains("'"));
+    let record = read_bytes(text.as_bytes(), &mapped("time=t:s,voltage=u:mV,angle=pos:rad*1e-4")).unwrap();
+    assert_same(&record, "thousands", 0);
+}

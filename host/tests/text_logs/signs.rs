@@ -127,3 +127,28 @@ fn a_single_infinite_reading_is_left_out_and_named() {
         record.warnings
     );
 }
+
+#[test]
+fn a_direction_in_a_column_of_its_own_gives_the_duty_its_sign() {
+    for (forth, back) in [("1", "-1"), ("1", "0"), ("1", "2"), ("FWD", "REV"), ("cw", "ccw"), ("HIGH", "LOW")]
+    {
+        let text = lines("t_ms,dir,pwm,theta\n", |_, t, u, x| {
+            format!("{:.0},{},{:.4},{x}", 1e3 * t, if u < 0.0 { back } else { forth }, 20.0 * u.abs())
+        });
+        let proposal = refusal(&text).proposal.unwrap();
+        assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:100,direction=dir:sign,angle=theta:rad", "{forth}");
+        let options = ReadOptions { supply_volts: Some(5.0), ..mapped(&proposal.map) };
+        assert_same(&read_bytes(text.as_bytes(), &options).unwrap(), forth, 0);
+        let turned = mapped("time=t_ms:ms,duty=pwm:100,direction=dir:*-1,angle=theta:rad");
+        let turned = read_bytes(text.as_bytes(), &ReadOptions { supply_volts: Some(5.0), ..turned }).unwrap();
+        assert!((turned.voltage_v[50] + row(50).1).abs() < 1e-9, "{forth}");
+    }
+    // A duty with a sign of its own needs none.
+    let text =
+        lines("t,dir,pwm,theta\n", |_, t, u, x| format!("{t},{},{},{x}", i32::from(u > 0.0), 20.0 * u));
+    assert!(!refusal(&text).proposal.unwrap().map.contains("direction"));
+    let text = lines("t,dir,u,theta\n", |k, t, u, x| format!("{t},{k},{},{x}", u.abs()));
+    let options = mapped("time=t,voltage=u,direction=dir,angle=theta");
+    let error = read_bytes(text.as_bytes(), &options).unwrap_err().to_string();
+    assert!(error.contains("is no direction") && error.contains("FWD and REV"), "{error}");
+}
