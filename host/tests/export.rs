@@ -3,6 +3,7 @@
 mod exported;
 
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -174,7 +175,8 @@ fn what_a_target_lacks_is_priced_by_simulating_with_and_without() {
     let model = model(&[(Kind::DeadZone, &[0.5, 0.0]), (Kind::Coulomb, &[0.2])]);
     let options = Options { torque_per_volt: Some(0.1), ..OPTIONS };
     let exported = export(&model, Format::Bam, &options).unwrap();
-    let price = cost(&model, &exported, &[], &MotorFile::default(), None).unwrap();
+    let price = cost(&model, &exported, &[], &MotorFile::default(), None, &mut |_| ControlFlow::Continue(()))
+        .unwrap();
     assert_eq!(price.each.len(), 1);
     assert_eq!(price.each[0].effect, Kind::DeadZone);
     // Half a volt at 0.9 rad/(s V) for most of 8 s, forwards and backwards.

@@ -3,11 +3,13 @@
 //! motion where the record is.
 
 mod exported;
+mod program;
 #[path = "exported/tools.rs"]
 mod tools;
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use exported::{OPTIONS, model, truth};
 use motorlens::compare::free_run::{free_runs, within_a_count};
@@ -18,6 +20,7 @@ use motorlens::export::{Format, Options, export};
 use motorlens::log::{self, ReadOptions, Record};
 use motorlens::model_file::Model;
 use motorlens::motor_file::{self, MotorFile};
+use motorlens::{Error, Event};
 use motorlens_shared::effects::Kind;
 use tools::{Begin, HELD_MODELICA, MUJOCO, TARGETS, Target, python, run, volts};
 
@@ -89,7 +92,9 @@ fn targets_that_take(
         let options = Options { step_s, torque_per_volt: Some(0.1), ..OPTIONS };
         let exported = export(model, *format, &options).unwrap();
         let records = std::slice::from_ref(&measured.record);
-        let price = cost(model, &exported, records, &measured.motor, None).unwrap();
+        let price =
+            cost(model, &exported, records, &measured.motor, None, &mut |_| ControlFlow::Continue(()));
+        let price = price.unwrap();
         if !exported.lost.is_empty() || price.is_too_high() {
             println!("{name:<10} {format:?}: refused");
             continue;
@@ -180,8 +185,16 @@ fn an_export_to_mujoco_is_judged_by_mujocos_own_run() {
         let price = |fitted: &Model, step_s| {
             let exported = export(fitted, Format::Mujoco, &Options { step_s, ..OPTIONS }).unwrap();
             let records = std::slice::from_ref(&record);
-            let price = cost(fitted, &exported, records, &measured.motor, Some(Path::new(&python))).unwrap();
-            assert_eq!((price.tool, price.not_run.as_deref()), (Some("MuJoCo"), None));
+            let mut told = 0.0;
+            let python = Some(Path::new(&python));
+            let price = cost(fitted, &exported, records, &measured.motor, python, &mut |event| {
+                if let Event::Running { share } = event {
+                    told = *share;
+                }
+                ControlFlow::Continue(())
+            });
+            let price = price.unwrap();
+            assert_eq!((price.tool, price.not_run.as_deref(), told), (Some("MuJoCo"), None, 1.0));
             (exported, price)
         };
         let (exported, usual) = price(&fitted, None);
@@ -200,6 +213,64 @@ fn an_export_to_mujoco_is_judged_by_mujocos_own_run() {
         let (_, long) = price(&exact, Some(2e-3));
         assert!(long.is_too_high() && long.better_step_s().is_none(), "{long:?}");
     }
+}
+
+/// A minute of a motor, which MuJoCo takes seconds for.
+#[test]
+fn a_run_in_mujoco_ends_when_whoever_watches_it_stops_it() {
+    let Some(python) = python() else { return };
+    let fitted = model(&[(Kind::Coulomb, &[0.2]), (Kind::DeadZone, &[0.4, 0.0])]);
+    let volts = volts().repeat(15);
+    let time: Vec<f64> = (0..volts.len()).map(|k| k as f64 * 1e-3).collect();
+    let angles = vec![0.0; volts.len()];
+    let record = motorlens::record("record", &time, &volts, motorlens::Measured::Angle(&angles)).unwrap();
+    let exported = export(&fitted, Format::Mujoco, &Options { step_s: None, ..OPTIONS }).unwrap();
+    let mut asked = None;
+    let python = Some(Path::new(&python));
+    let stopped =
+        cost(&fitted, &exported, &[record], &MotorFile::default(), python, &mut |event| match event {
+            Event::Running { share } => {
+                assert!(*share < 1.0, "it ended before it could be stopped");
+                asked = Some(Instant::now());
+                ControlFlow::Break(())
+            }
+            _ => ControlFlow::Continue(()),
+        });
+    assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
+    assert!(asked.is_some_and(|asked| asked.elapsed().as_secs_f64() < 2.0));
+}
+
+/// Ctrl-C ends the program; what it has begun in MuJoCo ends with it and leaves no file.
+#[test]
+fn mujocos_run_ends_with_the_program_that_began_it() {
+    let Some(python) = python() else { return };
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    program::run(here, "simulate --effect coulomb=0.4 --rate 100 --seconds 60 --out s --quiet").ends(0);
+    program::model(here, "m.json", 0.9, program::DEAD);
+    let made = here.join("made");
+    std::fs::create_dir(&made).unwrap();
+    let words = "export m.json -f mujoco -o m.xml --on s/prbs.csv --motor s/motor.toml --quiet";
+    let mut started =
+        program::command(here, words).env("PYTHON", python).env("TMPDIR", &made).spawn().unwrap();
+    let until = |what: &str, holds: &dyn Fn() -> bool| {
+        let begun = Instant::now();
+        while !holds() {
+            assert!(begun.elapsed().as_secs() < 60, "{what}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    };
+    // One directory for each run.
+    let has_begun = || {
+        let runs = std::fs::read_dir(&made).unwrap().flatten();
+        runs.into_iter().any(|run| run.path().join("motor.volts").exists())
+    };
+    until("MuJoCo is not begun", &has_begun);
+    // Python is begun right after its files are written.
+    std::thread::sleep(Duration::from_millis(500));
+    started.kill().unwrap();
+    assert!(!started.wait().unwrap().success(), "it ended before it was stopped");
+    until("its files are left", &|| std::fs::read_dir(&made).unwrap().next().is_none());
 }
 
 /// The same where the record begins in motion: friction, a late voltage and a filtered reading have a past there.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use motorlens::export;
 use motorlens::tune::{self, tune};
-use motorlens::{Error, Model, Running};
+use motorlens::{Model, Running};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
@@ -12,6 +12,7 @@ use serde_json::json;
 use crate::fault::{failed, refused};
 use crate::records::{Given, bytes, motor, numbers, records};
 use crate::text;
+use crate::watch::watched;
 
 /// A fitted motor.
 #[pyclass(frozen, name = "NativeModel")]
@@ -82,6 +83,7 @@ impl NativeModel {
         on: Vec<Given>,
         motor_path: Option<PathBuf>,
         motor_text: Option<&str>,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Exported<'py>> {
         let format = <export::Format as clap::ValueEnum>::from_str(format, false).map_err(|_| {
             refused(format!("there is no format \"{format}\""), "motorlens export --help lists them")
@@ -101,14 +103,12 @@ impl NativeModel {
         // The Python that asks is the one whose MuJoCo the file is for.
         let python: Option<PathBuf> = py.import("sys")?.getattr("executable")?.extract()?;
         let options = export::Options { step_s, torque_per_volt, name, bam_model };
-        let (done, told, cost) = py
-            .detach(|| {
-                let done = export::export(&self.0, format, &options)?;
-                let cost = export::cost::cost(&self.0, &done, &on, &motor, python.as_deref())?;
-                let told = export::told::told(&done, &self.0, format, &options, Some(&cost));
-                Ok((done, told, cost))
-            })
-            .map_err(|e: Error| failed(&e))?;
+        let (done, told, cost) = watched(py, progress, |observer| {
+            let done = export::export(&self.0, format, &options)?;
+            let cost = export::cost::cost(&self.0, &done, &on, &motor, python.as_deref(), observer)?;
+            let told = export::told::told(&done, &self.0, format, &options, Some(&cost));
+            Ok((done, told, cost))
+        })?;
         // What is simplified is a reason to refuse only where a record tells that it is too much.
         let refuses = !done.lost.is_empty() || cost.is_too_high();
         let (lost, simplified) =

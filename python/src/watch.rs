@@ -47,6 +47,7 @@ pub(crate) fn told(event: &Event) -> Option<Value> {
         Event::Waiting => None,
         Event::Trying { depth, effect } => Some(json!({ "trying": effect, "depth": depth })),
         Event::Model { effects, rmse } => Some(json!({ "effects": effects, "rmse": rmse })),
+        Event::Running { share } => Some(json!({ "share": share })),
         Event::Generation { number, iae } => Some(json!({ "generation": number, "iae": iae })),
     }
 }

@@ -43,6 +43,15 @@ def test_progress_is_a_bar_that_leaves_a_line_for_each_model_and_nothing_else(lo
     assert "[##########..........] trying" in said.getvalue(), said.getvalue()
 
 
+def test_a_tools_run_through_the_records_moves_the_bar():
+    from motorlens._progress import watching
+
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), watching(True) as told:
+        told('{"share": 0.25}')
+    assert "[#####...............] MuJoCo" in said.getvalue() and said.getvalue().endswith("\r"), said.getvalue()
+
+
 def test_progress_shows_in_a_notebook(logs):
     import nbclient
     import nbformat

@@ -39,6 +39,7 @@ pub use crate::error::{Error, Result};
 pub use crate::model_file::Model;
 pub use discovery::{Discovered, discover, discover_records, plan};
 pub use fits::{add, fit, same};
+pub(crate) use observed::watched;
 pub use observed::{Event, Observer};
 pub use slices::{Measured, record};
 pub(crate) use slices::{check, laid_out};

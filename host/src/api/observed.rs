@@ -36,6 +36,11 @@ pub enum Event {
         /// Its best integral of the absolute error.
         iae: f64,
     },
+    /// A tool that an export is for runs through the records.
+    Running {
+        /// How much of them it has run through, 0 to 1.
+        share: f64,
+    },
 }
 
 /// Sees every event; stops the call by returning [`ControlFlow::Break`].
@@ -51,7 +56,7 @@ pub(super) fn told(tell: &dyn Fn(Event)) -> impl FnMut(Progress) {
 }
 
 /// Runs `work` on a thread of its own, and the observer here.
-pub(super) fn watched<T: Send>(
+pub(crate) fn watched<T: Send>(
     observer: Observer,
     work: impl FnOnce(&dyn Fn(Event)) -> Result<T> + Send,
 ) -> Result<T> {

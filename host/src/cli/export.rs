@@ -1,19 +1,22 @@
 //! `export`: the model for other tools.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Console, next};
+use super::{Console, next, watch};
+use crate::api::Event;
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::export::cost::{Cost, cost};
 use crate::export::told::{Told, is_simplified, longer_step_s, told};
-use crate::export::{Format, Lost, Options, Stepper, export};
+use crate::export::{Exported, Format, Lost, Options, Stepper, export};
 use crate::log::mapping::Mapping;
 use crate::log::roles::Range;
-use crate::log::{self, Hold, ReadArgs};
+use crate::log::{self, Hold, ReadArgs, Record};
 use crate::model_file::Model;
+use crate::motor_file::MotorFile;
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -132,10 +135,7 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     } else {
         let reading = args.reading.arguments();
         let records = log::load(&args.on, &reading)?.records;
-        if !records.is_empty() && matches!(exported.stepper, Stepper::Mujoco(_)) {
-            console.say("Running MuJoCo on the records ...");
-        }
-        Some(cost(&model, &exported, &records, &reading.motor_file()?, Some(&python()))?)
+        Some(watched_cost(&model, &exported, &records, &reading.motor_file()?, console)?)
     };
     let Told { lacking, mut to_know } = told(&exported, &model, format, &options, price.as_ref());
     if price.is_some() && args.on.is_empty() {
@@ -194,6 +194,29 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     });
     console.next("get gains for a controller", &format!("motorlens tune {}", next::shell(&args.model)));
     Ok(())
+}
+
+/// What it costs, with a bar while MuJoCo runs.
+fn watched_cost(
+    model: &Model,
+    exported: &Exported,
+    records: &[Record],
+    motor: &MotorFile,
+    console: &Console,
+) -> Result<Cost> {
+    if records.is_empty() || !matches!(exported.stepper, Stepper::Mujoco(_)) {
+        return cost(model, exported, records, motor, None, &mut |_| ControlFlow::Continue(()));
+    }
+    console.say("Running MuJoCo on the records ...");
+    let bar = watch::bar(console, 100, "% of their steps");
+    let price = cost(model, exported, records, motor, Some(&python()), &mut |event| {
+        if let Event::Running { share } = event {
+            bar.set_position((100.0 * share) as u64);
+        }
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    price
 }
 
 /// The Python that is asked for MuJoCo, as CC names the compiler of an FMU.

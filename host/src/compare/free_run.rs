@@ -102,7 +102,7 @@ pub(crate) fn runs_elsewhere<E>(
     begun: &[Grid],
     records: &[Record],
     step_s: f64,
-    run: impl Fn(&[f64], [f64; 2]) -> Result<Vec<Reading<f64>>, E>,
+    mut run: impl FnMut(&[f64], [f64; 2]) -> Result<Vec<Reading<f64>>, E>,
 ) -> Result<Vec<FreeRun>, E> {
     let one = |(grid, record): (&Grid, &Record)| {
         let grid = grid.in_steps_of(record, step_s);

@@ -10,6 +10,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::{Exported, Stepper, in_mujoco};
+use crate::api::{Event, Observer, watched};
 use crate::compare::free_run::{FreeRun, begun_runs, free_runs, pooled, runs_elsewhere, runs_in_steps};
 use crate::compare::problem_of;
 use crate::error::Result;
@@ -88,16 +89,29 @@ impl Cost {
 }
 
 /// What `exported` costs beside `model` on `records`, or on a standard programme where there are none. A target that is MuJoCo's is run there by
-/// `python`, if one is given that has MuJoCo, else simulated as what it has of the model.
+/// `python`, if one is given that has MuJoCo, else simulated as what it has of the model. That may take minutes: the observer is told how far it
+/// is ([`Event::Running`]).
 ///
 /// # Errors
-/// Records that cannot be simulated.
+/// Records that cannot be simulated; [`Error::Cancelled`](crate::Error::Cancelled) where the observer stopped it.
 pub fn cost(
     model: &Model,
     exported: &Exported,
     records: &[Record],
     motor: &MotorFile,
     python: Option<&Path>,
+    observer: Observer,
+) -> Result<Cost> {
+    watched(observer, move |tell| priced(model, exported, records, motor, python, tell))
+}
+
+fn priced(
+    model: &Model,
+    exported: &Exported,
+    records: &[Record],
+    motor: &MotorFile,
+    python: Option<&Path>,
+    tell: &dyn Fn(Event),
 ) -> Result<Cost> {
     if records.is_empty() {
         let (time, volts) = standard(model.rig.nominal_v);
@@ -128,7 +142,14 @@ pub fn cost(
             runs_in_steps(&problem, &exported.carried, &begun, records, own_s)
         }
         (Stepper::Mujoco(own_s), Some(python)) => {
-            let run = |volts: &[f64], begin| in_mujoco::run(model, exported, python, volts, begin);
+            let mut ended = 0.0;
+            let run = |volts: &[f64], begin| {
+                let share = |of_this: f64| (ended + of_this) / records.len() as f64;
+                let tell = |of_this: f64| tell(Event::Running { share: share(of_this) });
+                let shown = in_mujoco::run(model, exported, python, volts, begin, &tell);
+                ended += 1.0;
+                shown
+            };
             match runs_elsewhere(&begun, records, own_s, run) {
                 Ok(runs) => {
                     (tool, step_s) = (Some("MuJoCo"), Some(own_s));

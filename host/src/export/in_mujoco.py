@@ -1,13 +1,15 @@
 """Runs an MJCF that motorlens wrote, and the program beside it where there is one, under a voltage for each step of MuJoCo.
 
 Arguments: the file, and the first angle (rad) and speed (rad/s). Beside it: motor.volts. Writes motor.shown: after each step the reading (rad),
-and the speed (rad/s) of the shaft on which the encoder sits. Numbers are 64-bit ones in the machine's order.
+and the speed (rad/s) of the shaft on which the encoder sits. Numbers are 64-bit ones in the machine's order. Prints how many steps are done.
 """
 
 import os
 import pathlib
 import runpy
+import shutil
 import sys
+import time
 
 try:
     import mujoco
@@ -39,12 +41,21 @@ joint = model.sensor("encoder").objid[0]
 place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
 volts = numpy.fromfile(file.with_suffix(".volts"))
 shown = numpy.empty((len(volts), 2))
-for step, volt in enumerate(volts.tolist()):
-    if motor:
-        reading = motor.step(data, volt)
-    else:
-        data.ctrl[0] = volt
-        mujoco.mj_step(model, data)
-        reading = data.qpos[place]
-    shown[step] = reading, data.qvel[dof]
+told_s = time.monotonic()
+try:
+    for step, volt in enumerate(volts.tolist()):
+        if motor:
+            reading = motor.step(data, volt)
+        else:
+            data.ctrl[0] = volt
+            mujoco.mj_step(model, data)
+            reading = data.qpos[place]
+        shown[step] = reading, data.qvel[dof]
+        if step + 1 == len(volts) or time.monotonic() - told_s > 0.1:
+            told_s = time.monotonic()
+            print(step + 1, flush=True)
+except (BrokenPipeError, KeyboardInterrupt):
+    # Whoever asked has gone, and cannot take these files away any more.
+    shutil.rmtree(file.parent, ignore_errors=True)
+    os._exit(1)
 shown.tofile(file.with_suffix(".shown"))

@@ -100,7 +100,7 @@ def add(
 
 
 def compare(model: Model, records: Iterable[Record], motor: KnownMotor = None) -> Comparison:
-    """Runs ``model`` freely over every record; nothing is fitted."""
+    """Simulates ``model`` over every record, in an open loop; nothing is fitted."""
     path, text = as_motor(motor)
     document, runs = _native.compare(model._native, as_records(records), path, text)
     found = json.loads(document)

@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _native
 from ._native import MotorlensError
+from ._progress import Progress, watching
 from ._records import KnownMotor, Record, as_array, as_motor, as_records
 from ._tune import Tuned, tune
 
@@ -116,9 +117,12 @@ class Model:
         bam_model: Optional[int] = None,
         on: Iterable[Record] = (),
         motor: KnownMotor = None,
+        progress: Progress = None,
     ) -> list[str]:
         """Writes the model for another tool; see :func:`export`."""
-        return export(self, format, out, step_s, torque_per_volt, name, allow_missing, bam_model, on, motor)
+        return export(
+            self, format, out, step_s, torque_per_volt, name, allow_missing, bam_model, on, motor, progress
+        )
 
     def __repr__(self) -> str:
         base = self.to_dict()["base"]
@@ -148,19 +152,22 @@ def export(
     bam_model: Optional[int] = None,
     on: Iterable[Record] = (),
     motor: KnownMotor = None,
+    progress: Progress = None,
 ) -> list[str]:
     """Writes ``model`` for another tool into ``out``, and a second file beside it where the tool needs one.
 
     ``format`` is one that ``motorlens export --help`` lists. ``step_s`` is the step of a generated program or of MuJoCo's
     simulation, s; ``torque_per_volt`` the stall torque at the output shaft per volt, N m/V; ``name`` the joint's; ``bam_model`` 1 to 6.
     What the tool lacks costs is told on the records ``on`` (and ``motor``, as in :func:`discover`), or on a standard programme; a program
-    (C, Python, Modelica, FMU) is run on those records in its own steps.
+    (C, Python, Modelica, FMU) is run on those records in its own steps, and an MJCF by this Python where it has MuJoCo 4. ``progress`` is as in
+    :func:`discover`; Ctrl-C ends MuJoCo's run too.
     Returns what to know of the files, and what the tool lacks, in sentences; raises :class:`MotorlensError` where it lacks an effect
     of the model, or errs on the records by more than a hundredth above the model, unless ``allow_missing``.
     """
     how = (step_s, torque_per_volt, name, bam_model)
     path, text = as_motor(motor)
-    content, beside, notes, lost = model._native.export(format, how, as_records(on), path, text)
+    with watching(progress) as told:
+        content, beside, notes, lost = model._native.export(format, how, as_records(on), path, text, told)
     if lost and not allow_missing:
         raise MotorlensError(" ".join(lost) + "\n  do: give allow_missing=True to write it all the same")
     _native.write_file(os.fspath(out), content)

@@ -68,6 +68,7 @@ class NativeModel:
         on: list[_Given],
         motor_path: Optional[_Path],
         motor_text: Optional[str],
+        progress: _Told,
     ) -> tuple[bytes, Optional[tuple[str, str]], list[str], list[str]]: ...
 
 def read(words: list[str]) -> list[NativeRecord]: ...

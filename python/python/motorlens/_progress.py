@@ -17,7 +17,7 @@ _WIDTH = 20
 
 
 class _Bar:
-    """Effects tried on the model so far, or generations; a line stays for each model that was fitted."""
+    """Effects tried on the model so far, generations, or steps run; a line stays for each model that was fitted."""
 
     def __init__(self, generations: int) -> None:
         self.generations = generations
@@ -32,6 +32,8 @@ class _Bar:
             self._bar(self.tried, self.library - self.depth, f"trying {event['trying']}")
         elif "generation" in event:
             self._bar(event["generation"], self.generations, f"IAE {event['iae']:.4g}")
+        elif "share" in event:
+            self._bar(round(100 * event["share"]), 100, "MuJoCo runs through the records")
         else:
             self._line(f"{', '.join(event['effects']) or 'base model'}: rmse {event['rmse']:.4g}")
 

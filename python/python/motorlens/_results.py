@@ -13,14 +13,14 @@ from ._model import Model
 
 @dataclass(frozen=True)
 class Run:
-    """A record and the model's free run beside it; arrays of one length."""
+    """A record and the model's open-loop simulation beside it; arrays of one length."""
 
     record: str
     unit: str
     time_s: np.ndarray
     measured: np.ndarray
     simulated: np.ndarray
-    #: The speed at which the free run begins, rad/s: 0 from rest, else found for the model.
+    #: The speed at which the simulation begins, rad/s: 0 from rest, else found for the model.
     first_speed_rad_s: float
 
     def plot(self, axes: Any = None) -> Any:
@@ -48,7 +48,7 @@ def _plotted(runs: list[Run]) -> Any:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Free runs of a model over records, and how far they are off."""
+    """Open-loop simulations of a model over records, and how far they are off."""
 
     #: rmse, ae, me, iae, nrmse_fit_percent and samples over all records.
     pooled: dict[str, float]
@@ -58,7 +58,7 @@ class Comparison:
     unit: str
 
     def plot(self) -> Any:
-        """Each record with the model's free run, and returns the figure. Needs matplotlib."""
+        """Each record with the model's simulation, and returns the figure. Needs matplotlib."""
         return _plotted(self.runs)
 
     def _repr_html_(self) -> str:
@@ -163,7 +163,7 @@ class Findings:
         return self.document
 
     def plot(self) -> Any:
-        """Each record with the model's free run, and returns the figure. Needs matplotlib."""
+        """Each record with the model's simulation, and returns the figure. Needs matplotlib."""
         return _plotted(self.runs)
 
     def _repr_html_(self) -> str:
