@@ -21,15 +21,15 @@ const HELD: f64 = 10.0;
 pub(super) enum Profile {
     /// A minimum-jerk move of `way_rad` there and back in `length_s` each, with rests between.
     Move { way_rad: f64, length_s: f64 },
-    /// The place is another at once.
+    /// The place is another at once; what comes of that shows within `length_s`, and it is held for longer.
     Place { height_rad: f64, length_s: f64 },
     /// The speed is another at once.
     Speed { height_rad_s: f64, length_s: f64 },
 }
 
 impl Profile {
-    /// A move, a step of the place, the same held for longer, and a step of the speed, for a motor with a controller of at most `limit_v`.
-    pub fn of(base: &BaseValues, limit_v: f64) -> [Self; 4] {
+    /// A move, a step of the place, and a step of the speed, for a motor with a controller of at most `limit_v`.
+    pub fn of(base: &BaseValues, limit_v: f64) -> [Self; 3] {
         let length_s = LONG * base.tau_m.max(SHORTEST_S);
         let fastest = FASTEST * base.gain * limit_v;
         // A minimum-jerk move of D in T is fastest at 15/8 D/T.
@@ -38,7 +38,6 @@ impl Profile {
         [
             Self::Move { way_rad, length_s },
             Self::Place { height_rad, length_s },
-            Self::Place { height_rad, length_s: HELD * length_s },
             Self::Speed { height_rad_s: fastest, length_s },
         ]
     }
@@ -47,7 +46,16 @@ impl Profile {
     pub fn seconds(&self) -> f64 {
         match self {
             Self::Move { length_s, .. } => 3.5 * length_s,
-            Self::Place { length_s, .. } | Self::Speed { length_s, .. } => *length_s,
+            Self::Place { length_s, .. } => HELD * length_s,
+            Self::Speed { length_s, .. } => *length_s,
+        }
+    }
+
+    /// The part of it, s, from which rise, overshoot and settling are read: the rest shows whether what swings dies away.
+    pub fn answered_s(&self) -> f64 {
+        match self {
+            Self::Place { length_s, .. } => *length_s,
+            Self::Move { .. } | Self::Speed { .. } => self.seconds(),
         }
     }
 

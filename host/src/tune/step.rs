@@ -42,15 +42,10 @@ pub struct Step {
 }
 
 impl Step {
-    /// The answer of a `run` whose profile is a step, and of one in which the same step is `held` for longer.
-    pub(super) fn of(
-        run: &Run,
-        held: Option<&Run>,
-        of: &'static str,
-        compensation: &'static str,
-        without_effects: bool,
-    ) -> Self {
-        let (_, course) = run.follow();
+    /// The answer of a `run` whose profile is a step.
+    pub(super) fn of(run: &Run, of: &'static str, compensation: &'static str, without_effects: bool) -> Self {
+        let [course, held] = run.answer();
+        let is_held_on = held.time_s.len() > course.time_s.len();
         let height = course.wanted.last().copied().unwrap_or_default();
         let share: Vec<f64> = course.reached.iter().map(|reached| reached / height).collect();
         let first = |least: f64| share.iter().position(|x| *x >= least).map(|k| course.time_s[k]);
@@ -66,7 +61,7 @@ impl Step {
             rise_s: low.zip(high).map(|(low, high)| high - low),
             overshoot: share.iter().fold(0.0, |most: f64, x| most.max(x - 1.0)),
             settling_s: settled.map(|k| course.time_s[k]),
-            limit_cycle: held.and_then(|held| LimitCycle::of(&held.follow().1, held.count_rad())),
+            limit_cycle: is_held_on.then(|| LimitCycle::of(&held, run.count_rad())).flatten(),
             left: height * (1.0 - last.iter().sum::<f64>() / last.len() as f64),
             course,
         }

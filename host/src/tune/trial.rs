@@ -51,6 +51,16 @@ pub struct Course {
     pub reached: Vec<f64>,
 }
 
+impl Course {
+    /// What it is until `end_s`.
+    fn until(&self, end_s: f64) -> Self {
+        // A sum of periods is not exact.
+        let n = self.time_s.partition_point(|time_s| *time_s <= end_s * (1.0 + 1e-9));
+        let first = |column: &[f64]| column[..n].to_vec();
+        Self { time_s: first(&self.time_s), wanted: first(&self.wanted), reached: first(&self.reached) }
+    }
+}
+
 /// What is commanded beside the feedback.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Compensation {
@@ -78,7 +88,7 @@ pub(super) fn all(
     let plain = Model { effects: Vec::new(), ..model.clone() };
     let none = Compensation::default();
     let limit_v = options.limit_v.unwrap_or(model.rig.supply_v);
-    let [profile, place, held, speed] = Profile::of(&model.base, limit_v);
+    let [profile, place, speed] = Profile::of(&model.base, limit_v);
     let [velocity, position] = gains;
     let run_of = |without_effects: bool, with, profile, gains, is_velocity| Run {
         model: if without_effects { &plain } else { model },
@@ -129,17 +139,14 @@ pub(super) fn all(
         trials.push(run("with the dead zone's inverse too", false, best, Some(last)));
     }
     let mut steps = Vec::new();
-    for (of, profile, held, gains) in
-        [("position", place, Some(held), position), ("velocity", speed, None, velocity)]
-    {
+    for (of, profile, gains) in [("position", place, position), ("velocity", speed, velocity)] {
         for (compensation, without_effects, with) in [
             (trials[0].compensation, true, none),
             (trials[1].compensation, false, none),
             ("with all compensations", false, best),
         ] {
-            let run = |profile| run_of(without_effects, with, profile, gains, of == "velocity");
-            let held = held.map(run);
-            steps.push(Step::of(&run(profile), held.as_ref(), of, compensation, without_effects));
+            let run = run_of(without_effects, with, profile, gains, of == "velocity");
+            steps.push(Step::of(&run, of, compensation, without_effects));
         }
     }
     (trials, steps)
@@ -165,8 +172,14 @@ impl Run<'_> {
         self.model.rig.count_rad
     }
 
+    /// The answer to a step, and the same while it is held on.
+    pub(super) fn answer(&self) -> [Course; 2] {
+        let (_, held) = self.follow();
+        [held.until(self.profile.answered_s()), held]
+    }
+
     /// Feedback by what the encoder shows, updated once a period, and the profile's own command.
-    pub(super) fn follow(&self) -> (Tracking, Course) {
+    fn follow(&self) -> (Tracking, Course) {
         let (gains, velocity) = (self.gains, self.is_velocity);
         let period = self.options.period_s;
         let parts = (period / 1e-3).ceil().max(1.0);
