@@ -1,4 +1,5 @@
-//! The library with each cargo feature alone, and its tests on slices with none: who depends on a part pays for that part only.
+//! The library with each cargo feature alone, and its tests on slices with none: who depends on a part pays for that part only. The program
+//! with each part that gives it verbs.
 //! Compiled, not run: features choose which files are there, not what a line of them does.
 
 use anyhow::{Context, Result, bail};
@@ -6,7 +7,11 @@ use anyhow::{Context, Result, bail};
 use crate::process;
 use crate::report::Count;
 
-/// Checks the library's tests without any feature, then the library with each one that the crate's manifest names.
+/// Parts that have verbs of their own in the program.
+const WITH_VERBS: [&str; 2] = ["device", "serve"];
+
+/// Checks the library's tests without any feature, then the library with each one that the crate's manifest names, and the program with each
+/// of those that have verbs.
 pub fn tests() -> Result<Count> {
     let manifest = std::fs::read_to_string(process::root().join("host/Cargo.toml"))
         .context("cannot read the manifest of motorlens")?;
@@ -24,7 +29,11 @@ pub fn tests() -> Result<Count> {
         process::run(check().args(["--lib", "--features", name]))
             .with_context(|| format!("motorlens does not build with its feature {name} alone"))?;
     }
-    Ok(Count { passed: 1 + names.len() as u64, ..Count::default() })
+    for name in WITH_VERBS {
+        process::run(check().args(["--bin", "motorlens", "--features", "cli", "--features", name]))
+            .with_context(|| format!("the program does not build with {name} as its only part"))?;
+    }
+    Ok(Count { passed: (1 + names.len() + WITH_VERBS.len()) as u64, ..Count::default() })
 }
 
 /// The names under `[features]`, but for `default`.

@@ -26,14 +26,20 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 pub enum Action {
     /// Who is there, and what can it do?
+    #[command(after_help = "Example:
+  motorlens device hello --port /dev/ttyACM0")]
     Hello(At),
     /// Fit the samples that the board keeps of its last run, on the board
     Fit(FitArgs),
     /// Is everything wired right? Turns the motor slowly both ways for eight seconds
     Check(super::device_check::Args),
     /// Stop the motor
+    #[command(after_help = "Example:
+  motorlens device stop --port /dev/ttyACM0")]
     Stop(At),
     /// Leave the firmware for the chip's own boot loader, to flash over USB or serial without a debugger
+    #[command(after_help = "Example:
+  motorlens device bootloader --port /dev/ttyACM0")]
     Bootloader(At),
     /// Write a firmware image to the board, through its debugger
     Flash(FlashArgs),
@@ -49,6 +55,9 @@ pub struct At {
 
 /// Options of `device fit`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens device fit --port /dev/ttyACM0 --counts-per-rev 5000 --coulomb
+  motorlens device fit --port tcp://bench.local:4000 -m motor.toml --population 32")]
 pub struct FitArgs {
     #[command(flatten)]
     pub at: At,
@@ -74,6 +83,8 @@ pub struct FitArgs {
 
 /// Options of `device flash`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  motorlens device flash target/arm/thumbv7em-none-eabihf/release/motorlens-nucleo-f446re")]
 pub struct FlashArgs {
     /// The image, an ELF file; `cargo xtask sizes` builds each board's: target/arm/thumbv7em-none-eabihf/release/motorlens-*
     pub image: PathBuf,

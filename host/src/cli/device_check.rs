@@ -17,6 +17,9 @@ const SUPPLY_V: f32 = 12.0;
 
 /// Options of `device check`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  motorlens device check --port /dev/ttyACM0
+  motorlens device check --port /dev/ttyACM0 --supply 12 --amplitude 4")]
 pub struct Args {
     #[command(flatten)]
     pub at: At,

@@ -248,6 +248,20 @@ mod tests {
     }
 
     #[test]
+    fn every_verb_and_everything_that_a_verb_can_do_has_an_example_in_its_help() {
+        fn without(command: &clap::Command, path: &str) -> Vec<String> {
+            let of = |below: &clap::Command| {
+                let path = format!("{path} {}", below.get_name());
+                let help = below.get_after_help().map(ToString::to_string).unwrap_or_default();
+                let own = (!help.contains(&format!("\n  {path} "))).then(|| path.clone());
+                own.into_iter().chain(without(below, &path)).collect::<Vec<_>>()
+            };
+            command.get_subcommands().flat_map(of).collect()
+        }
+        assert_eq!(without(&super::command(), "motorlens"), Vec::<String>::new());
+    }
+
+    #[test]
     fn the_options_of_all_verbs_are_consistent() {
         super::command().debug_assert();
     }
