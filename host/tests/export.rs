@@ -210,38 +210,3 @@ fn bam_takes_the_smallest_model_that_holds_the_effects() {
     let unknown = export(&stribeck, Format::Bam, &OPTIONS).unwrap_err().to_string();
     assert!(unknown.contains("--torque-per-volt"), "{unknown}");
 }
-
-/// In a class that imports what their comment says, beside classes with the constructors of WPILib's documentation.
-#[test]
-fn the_lines_for_java_compile() {
-    if !there_is("javac") {
-        return;
-    }
-    for (class, arguments, effects) in [
-        ("SimpleMotorFeedforward", 3, vec![(Kind::Coulomb, &[0.3][..])]),
-        ("ElevatorFeedforward", 4, vec![(Kind::ConstantLoad, &[0.4][..])]),
-        ("ArmFeedforward", 4, vec![(Kind::Gravity, &[0.8, 0.5][..])]),
-        ("SimpleMotorFeedforward", 3, vec![(Kind::Delay, &[0.0061][..])]),
-    ] {
-        let directory = tempfile::tempdir().unwrap();
-        let package = directory.path().join("edu/wpi/first/math/controller");
-        std::fs::create_dir_all(&package).unwrap();
-        let parameters: Vec<String> = (0..arguments).map(|k| format!("double k{k}")).collect();
-        let stub = format!(
-            "package edu.wpi.first.math.controller;\npublic class {class} {{\n  public {class}({}) {{ }}\n}}\n",
-            parameters.join(", ")
-        );
-        std::fs::write(package.join(format!("{class}.java")), stub).unwrap();
-        let text = export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().text();
-        let lines = text.split("--- Java (radians)\n").nth(1).and_then(|rest| rest.split("--- C++").next());
-        let (imports, lines): (Vec<&str>, Vec<&str>) =
-            lines.expect("lines for Java").lines().partition(|line| line.contains("// import "));
-        let imports = imports.join("\n").replace("// ", "");
-        let robot = directory.path().join("Robot.java");
-        std::fs::write(&robot, format!("{imports}\nclass Robot {{\n{}\n}}\n", lines.join("\n"))).unwrap();
-        let mut javac = Command::new("javac");
-        javac.arg("-sourcepath").arg(directory.path()).arg("-d").arg(directory.path()).arg(&robot);
-        let done = javac.output().unwrap();
-        assert!(done.status.success(), "{class}: {}", String::from_utf8_lossy(&done.stderr));
-    }
-}

@@ -1,7 +1,8 @@
 //! Exported models run in the tools that they are for, beside motorlens' own simulation.
 //!
 //! The tools come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has MuJoCo, a Modelica compiler, FMPy,
-//! WPILib's mathematics and a URDF reader, and `cargo xtask test` sets one up. Where it is not set, each test says so and ends.
+//! WPILib's mathematics and a URDF reader, and `cargo xtask test` sets one up, with compilers for the lines in C++ and in Java. Where it is
+//! not set, each test says so and ends.
 
 mod exported;
 #[path = "exported/tools.rs"]
@@ -198,6 +199,41 @@ subprocess.check_call(['c++', '-std=c++20', '-fsyntax-only', *include, str(sourc
         std::fs::write(&file, export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().content).unwrap();
         let ran = Command::new(&python).args(["-c", script]).arg(&file).output().unwrap();
         assert!(ran.status.success(), "{name}: {}", String::from_utf8_lossy(&ran.stderr));
+    }
+}
+
+/// In a class that imports what their comment says, beside classes with the constructors of WPILib's documentation.
+#[test]
+fn the_lines_for_java_compile() {
+    if python().is_none() {
+        return;
+    }
+    for (class, arguments, effects) in [
+        ("SimpleMotorFeedforward", 3, vec![(Kind::Coulomb, &[0.3][..])]),
+        ("ElevatorFeedforward", 4, vec![(Kind::ConstantLoad, &[0.4][..])]),
+        ("ArmFeedforward", 4, vec![(Kind::Gravity, &[0.8, 0.5][..])]),
+        ("SimpleMotorFeedforward", 3, vec![(Kind::Delay, &[0.0061][..])]),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        let package = directory.path().join("edu/wpi/first/math/controller");
+        std::fs::create_dir_all(&package).unwrap();
+        let parameters: Vec<String> = (0..arguments).map(|k| format!("double k{k}")).collect();
+        let stub = format!(
+            "package edu.wpi.first.math.controller;\npublic class {class} {{\n  public {class}({}) {{ }}\n}}\n",
+            parameters.join(", ")
+        );
+        std::fs::write(package.join(format!("{class}.java")), stub).unwrap();
+        let text = export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().text();
+        let lines = text.split("--- Java (radians)\n").nth(1).and_then(|rest| rest.split("--- C++").next());
+        let (imports, lines): (Vec<&str>, Vec<&str>) =
+            lines.expect("lines for Java").lines().partition(|line| line.contains("// import "));
+        let imports = imports.join("\n").replace("// ", "");
+        let robot = directory.path().join("Robot.java");
+        std::fs::write(&robot, format!("{imports}\nclass Robot {{\n{}\n}}\n", lines.join("\n"))).unwrap();
+        let mut javac = Command::new("javac");
+        javac.arg("-sourcepath").arg(directory.path()).arg("-d").arg(directory.path()).arg(&robot);
+        let done = javac.output().unwrap();
+        assert!(done.status.success(), "{class}: {}", String::from_utf8_lossy(&done.stderr));
     }
 }
 

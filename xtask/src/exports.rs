@@ -23,6 +23,10 @@ const PYTHON: [(&str, &str); 5] = [
 /// Runs the tests that need the tools.
 pub fn tests() -> Result<Count> {
     apt::ensure_apt(&["python3-venv", "gcc", "g++"])?;
+    // Not everybody's Java is Debian's.
+    if Command::new("javac").arg("-version").output().is_err() {
+        apt::ensure_apt(&["default-jdk-headless"])?;
+    }
     let python = environment(&process::root().join("target/exports/venv"), &PYTHON)?;
     let there = Command::new(&python).args(["-c", "import bam.simulate"]).output();
     if !there.is_ok_and(|output| output.status.success()) {

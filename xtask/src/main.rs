@@ -25,6 +25,7 @@ mod process;
 mod python;
 mod real_logs;
 mod report;
+mod shells;
 mod sizes;
 mod test;
 mod uf2;

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::report::{Count, Report};
 use crate::{
     added_effect, arm, avr, bench, book, browser, cortex_m0, examples, exports, features, fuzz, instructions,
-    licences, pico, process, python, sizes,
+    licences, pico, process, python, shells, sizes,
 };
 
 /// What to run.
@@ -23,7 +23,7 @@ pub struct Options {
 type Part = (&'static str, fn() -> Result<Count>);
 
 /// Every part, cheap ones first so that a slip shows early.
-const PARTS: [Part; 20] = [
+const PARTS: [Part; 21] = [
     ("format", || one(format())),
     ("licences", || one(licences::check_all())),
     ("lints", || {
@@ -45,6 +45,7 @@ const PARTS: [Part; 20] = [
     ("library with each feature alone, and with none", features::tests),
     ("an effect is added by its file and its row", || one(added_effect::check())),
     ("exports in their tools", exports::tests),
+    ("completions in their shells, manual pages in man", shells::tests),
     ("Python package", python::tests),
     ("instructions of the kernels", || one(instructions::check(&instructions::Options::default()))),
     ("decoders of host and board on ten million inputs each", || {

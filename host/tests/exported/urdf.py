@@ -1,4 +1,7 @@
-"""A URDF in MuJoCo: the joint's friction and damping are MuJoCo's, and the motor is the line from its effort to its velocity."""
+"""A URDF in MuJoCo: the joint's friction and damping are MuJoCo's, and the motor is the line from its effort to its velocity.
+
+Its ros2_control block is read as hardware_interface reads it: ROS itself is no package of Python's registry.
+"""
 import math, pathlib, re, sys
 import mujoco
 import xml.etree.ElementTree as tree
@@ -6,6 +9,26 @@ import xml.etree.ElementTree as tree
 limit = next(tree.parse(sys.argv[1]).getroot().iter("limit"))
 dynamics = next(tree.parse(sys.argv[1]).getroot().iter("dynamics"))
 text = open(sys.argv[1]).read()
+
+
+def controlled(robot):
+    """Holds the block to component_parser.cpp and resource_manager.cpp of hardware_interface; its limits are the joint's own."""
+    joint = robot.find("joint")
+    block = robot.find("ros2_control")
+    assert block.get("name") and block.get("type") in ("system", "actuator", "sensor")
+    assert block.find("hardware/plugin").text.count("/") == 1
+    (own,) = block.findall("joint")
+    assert own.get("name") == joint.get("name"), "a joint that the description does not have is refused"
+    commands = {c.get("name"): c for c in own.findall("command_interface")}
+    states = {s.get("name") for s in own.findall("state_interface")}
+    assert set(commands) == {"effort", "velocity"} and states == {"position", "velocity"}
+    for name, command in commands.items():
+        values = {p.get("name"): float(p.text) for p in command.findall("param")}
+        most = float(limit.get(name))
+        assert values == {"min": -most, "max": most}, (name, values)
+
+
+controlled(tree.parse(sys.argv[1]).getroot())
 nominal = float(re.search(r"shaft at (\S+) V;", text).group(1))
 armature = float(re.search(r"seen there: (\S+) kg", text).group(1))
 stall = float(limit.get("effort"))
