@@ -10,14 +10,25 @@
 //! the readers that need a crate: `log-xlsx` (spreadsheets), `log-parquet`, `log-mat` (MATLAB, HDF5), `log-mcap` and `log-npz`, each by
 //! its own name too. Without any (`default-features = false`) the library reads text logs, fits, diagnoses, simulates and exports.
 //!
-//! ```no_run
+//! ```
 //! use std::ops::ControlFlow;
 //! use motorlens::{Options, discover_records, log};
+//! # // The log of the example's model, which has 0.4 V of dry friction.
+//! # let directory = tempfile::tempdir().expect("a directory");
+//! # let (steps_csv, model_json) = (directory.path().join("steps.csv"), directory.path().join("model.json"));
+//! # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
+//! # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
+//! # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+//! # let angle = motorlens::Model::read(path.as_ref())?.simulate(&time, &volts, 0.0)?;
+//! # let row = |k: usize| format!("{:.3},{},{:.3}\n", time[k], volts[k], angle[k]);
+//! # let rows: String = (0..time.len()).map(row).collect();
+//! # std::fs::write(&steps_csv, format!("time_s,voltage_v,angle_rad\n{rows}")).expect("a file");
 //!
-//! let records = log::read("steps.csv".as_ref(), &log::ReadOptions::default())?;
+//! let records = log::read(&steps_csv, &log::ReadOptions::default())?;
 //! let found = discover_records(&records, &Options::default(), &mut |_| ControlFlow::Continue(()))?;
 //! println!("{}", found.findings.headline);
-//! found.model.write("model.json".as_ref())?;
+//! found.model.write(&model_json)?;
+//! # assert!(found.model.values().kinds().iter().any(|effect| effect.name() == "coulomb"));
 //! # Ok::<(), motorlens::Error>(())
 //! ```
 mod api;

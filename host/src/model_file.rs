@@ -198,6 +198,16 @@ impl Model {
     ///
     /// # Errors
     /// No such file, not JSON, another schema, or parameters that do not fit their effect.
+    ///
+    /// ```
+    /// # let directory = tempfile::tempdir().expect("a directory");
+    /// # let (path, copy) = (concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json"), directory.path().join("copy.json"));
+    /// let model = motorlens::Model::read(path.as_ref())?;
+    /// println!("{} rad/s per volt", model.base.gain);
+    /// model.write(&copy)?;
+    /// assert_eq!(motorlens::Model::read(&copy)?, model);
+    /// # Ok::<(), motorlens::Error>(())
+    /// ```
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| crate::log::cannot_read(path, &e))?;
         Self::of(path, &text)

@@ -94,6 +94,21 @@ impl Cost {
 ///
 /// # Errors
 /// Records that cannot be simulated; [`Error::Cancelled`](crate::Error::Cancelled) where the observer stopped it.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use motorlens::export::cost::cost;
+/// use motorlens::export::{Format, Options, export};
+/// use motorlens::motor_file::MotorFile;
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// let model = motorlens::Model::read(path.as_ref())?;
+/// let options = Options { torque_per_volt: Some(0.1), ..Options::default() };
+/// let exported = export(&model, Format::Urdf, &options)?;
+/// let price = cost(&model, &exported, &[], &MotorFile::default(), None, &mut |_| ControlFlow::Continue(()))?;
+/// println!("without the winding's inductance: {}", price.clause());
+/// assert!(price.all.rms > 0.0 && !price.is_too_high());
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn cost(
     model: &Model,
     exported: &Exported,

@@ -65,6 +65,28 @@ impl Library {
     ///
     /// # Errors
     /// As [`Library::read`].
+    ///
+    /// ```
+    /// use motorlens::formula::Library;
+    /// # let directory = tempfile::tempdir().expect("a directory");
+    /// # let path = directory.path().join("fan.toml");
+    /// let fan = r#"
+    /// name = "fan"
+    /// port = "torque"
+    /// formula = "-drag * speed * abs(speed)"
+    ///
+    /// [[parameter]]
+    /// name = "drag"
+    /// unit = "V s^2/rad^2"
+    /// low = 0.0
+    /// typical = 0.02
+    /// high = 1.0
+    /// "#;
+    /// # std::fs::write(&path, fan).expect("a file");
+    /// let library = Library::default().with_file(&path)?;
+    /// assert!(library.by_name("fan").is_some());
+    /// # Ok::<(), motorlens::Error>(())
+    /// ```
     pub fn with_file(self, path: &Path) -> Result<Self> {
         let kind = self.read(path)?;
         self.with(kind)

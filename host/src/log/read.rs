@@ -79,6 +79,20 @@ impl ReadOptions {
 ///
 /// # Errors
 /// Bad input with file, line, column, cause and remedy; wrong usage where an option is missing.
+///
+/// ```
+/// use motorlens::log::{ReadOptions, read};
+/// # let directory = tempfile::tempdir().expect("a directory");
+/// # let path = directory.path().join("steps.csv");
+/// # let row = |k: u32| format!("{:.3},{},{:.4}\n", f64::from(k) * 0.01, k / 100 * 3, f64::from(k) * 0.02);
+/// # let rows: String = (0..300).map(row).collect();
+/// # std::fs::write(&path, format!("time_s,voltage_v,angle_rad\n{rows}")).expect("a file");
+/// // Canonical columns; the map of ReadOptions names those of other logs.
+/// let records = read(&path, &ReadOptions::default())?;
+/// println!("{}: {} samples", records[0].name, records[0].time_s.len());
+/// assert_eq!(records[0].time_s.len(), 300);
+/// # Ok::<(), motorlens::Error>(())
+/// ```
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     let tests = tests(path, options).map_err(|error| other_than_refused(error, options.map.as_ref()))?;
     let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
