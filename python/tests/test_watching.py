@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import pathlib
 import signal
 import subprocess
@@ -89,6 +90,44 @@ def test_ctrl_c_ends_a_search_soon(logs, call):
     _, said = child.communicate(timeout=20)
     assert time.monotonic() - asked < 5
     assert child.returncode != 0 and "KeyboardInterrupt" in said and "panicked" not in said, said
+
+
+def test_an_export_to_mujoco_is_run_there_and_tells_how_far_it_is(logs, found, tmp_path):
+    record, events = [path for path in logs["training"] if "prbs" in path], []
+    # How good it is there is asked where the other tools are.
+    said = found.model.export(
+        "mujoco", tmp_path / "motor.xml", allow_missing=True, on=record, motor=logs["motor"], progress=events.append
+    )
+    assert events[-1] == {"share": 1.0} and not any("did not run" in line for line in said), said
+
+
+def test_ctrl_c_ends_mujocos_run_too_and_leaves_no_file(found, tmp_path):
+    model, out, made = tmp_path / "model.json", tmp_path / "motor.xml", tmp_path / "made"
+    found.model.save(model)
+    made.mkdir()
+    words = [
+        "import motorlens, numpy",
+        f"model = motorlens.load_model({str(model)!r})",
+        "time = numpy.arange(0.0, 120.0, 0.01)",
+        "volts = 6 * numpy.sign(numpy.sin(3 * time))",
+        "log = {'time_s': time, 'voltage_v': volts, 'angle_rad': model.simulate(time, volts)}",
+        "told = lambda event: print(event, flush=True)",
+        f"model.export('mujoco', {str(out)!r}, on=[log], progress=told)",
+    ]
+    child = subprocess.Popen(
+        [sys.executable, "-c", "\n".join(words)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(made)},
+    )
+    assert "share" in child.stdout.readline(), child.communicate()
+    child.send_signal(signal.SIGINT)
+    asked = time.monotonic()
+    _, said = child.communicate(timeout=20)
+    assert time.monotonic() - asked < 5
+    assert child.returncode != 0 and "KeyboardInterrupt" in said and "panicked" not in said, said
+    assert not any(made.iterdir()) and not out.exists()
 
 
 def test_other_threads_run_meanwhile(logs):

@@ -100,7 +100,11 @@ def add(
 
 
 def compare(model: Model, records: Iterable[Record], motor: KnownMotor = None) -> Comparison:
-    """Simulates ``model`` over every record, in an open loop; nothing is fitted."""
+    """Simulates ``model`` over every record, in an open loop; nothing is fitted.
+
+    ``records`` and ``motor`` are as in :func:`discover`. The answer has the errors over all records and for each, in rad or rad/s as its
+    ``unit`` tells, and in ``runs`` the arrays (n,) of each record's n samples.
+    """
     path, text = as_motor(motor)
     document, runs = _native.compare(model._native, as_records(records), path, text)
     found = json.loads(document)

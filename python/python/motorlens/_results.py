@@ -13,12 +13,16 @@ from ._model import Model
 
 @dataclass(frozen=True)
 class Run:
-    """A record and the model's open-loop simulation beside it; arrays of one length."""
+    """A record and the model's open-loop simulation beside it, for each of its n samples."""
 
     record: str
+    #: rad, or rad/s where only the speed is measured.
     unit: str
+    #: (n,), s.
     time_s: np.ndarray
+    #: (n,), in ``unit``.
     measured: np.ndarray
+    #: (n,), in ``unit``.
     simulated: np.ndarray
     #: The speed at which the simulation begins, rad/s: 0 from rest, else found for the model.
     first_speed_rad_s: float
@@ -55,6 +59,7 @@ class Comparison:
     #: The same for each record, and first_speed_rad_s: a DataFrame.
     records: Any
     runs: list[Run]
+    #: Of the errors: rad, or rad/s where only the speed is measured.
     unit: str
 
     def plot(self) -> Any:
@@ -72,7 +77,9 @@ class Fit:
     model: Model
     #: name, value, unit, low, high (95 %), identifiable: a DataFrame.
     parameters: Any
+    #: rmse, ae, me, iae, nrmse_fit_percent and samples on the records fitted, in rad or rad/s.
     train: dict[str, float]
+    #: The same on the records of ``validate``; None without any.
     validation: Optional[dict[str, float]]
     #: What the sizes of the effects rest on that no record tells, in sentences; None where there is nothing of the kind.
     supposes: Optional[str]
@@ -93,9 +100,13 @@ class Addition:
     """What adding an effect did."""
 
     effect: str
+    #: Whether blocks that are held out of the records fitted confirm it.
     worth_adding: bool
+    #: Why, in a sentence.
     why: str
+    #: The model with it.
     model: Model
+    #: name, value, unit, low, high (95 %), identifiable: a DataFrame.
     parameters: Any
     #: What the sizes of the effects rest on that no record tells, in sentences; None where there is nothing of the kind.
     supposes: Optional[str]
@@ -152,7 +163,7 @@ class Findings:
     rivals: list[list[str]]
     #: For each effect the smallest size that these records would show.
     detection_limits: list[dict[str, Any]]
-    #: What is odd about the records.
+    #: Data quality problems: fault, where and fix, a sentence each.
     data_faults: list[dict[str, str]]
     model: Model
     runs: list[Run] = field(repr=False)

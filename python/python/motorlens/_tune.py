@@ -16,11 +16,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Course:
-    """A move there and back under one compensation; arrays of one length."""
+    """A move there and back under one compensation, at each of n periods of the controller."""
 
     compensation: str
+    #: (n,), s.
     time_s: np.ndarray
+    #: (n,), rad of the output shaft.
     wanted_rad: np.ndarray
+    #: (n,), rad of the output shaft.
     reached_rad: np.ndarray
 
 
