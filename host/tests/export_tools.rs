@@ -1,7 +1,7 @@
 //! Exported models run in the tools that they are for, beside motorlens' own simulation.
 //!
 //! The tools come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has MuJoCo, a Modelica compiler, FMPy,
-//! WPILib's mathematics and a URDF reader, and `cargo xtask test` sets one up, with compilers for the lines in C++ and in Java. Where it is
+//! WPILib's mathematics, a URDF reader and Isaac Lab's sources, and `cargo xtask test` sets one up, with compilers for the lines in C++ and in Java. Where it is
 //! not set, each test says so and ends.
 
 mod exported;
@@ -237,28 +237,24 @@ fn the_lines_for_java_compile() {
     }
 }
 
-/// Isaac Lab comes with a simulator that needs a graphics card: its configuration is run beside a class of the same fields.
+/// Isaac Lab makes an actuator of its own of the configuration: a field that it does not know is refused.
 #[test]
 fn isaac_labs_configuration_and_the_urdf_hold_the_motors_numbers() {
     let Some(python) = python() else { return };
-    let script = "
-import sys, types, yourdfpy
-class DCMotorCfg(types.SimpleNamespace):
-    fields = {'joint_names_expr', 'saturation_effort', 'effort_limit', 'velocity_limit', 'stiffness', 'damping', 'armature',
-              'friction', 'dynamic_friction', 'viscous_friction'}
-    def __init__(self, **values):
-        assert set(values) == self.fields, set(values) ^ self.fields
-        super().__init__(**values)
-lab, actuators = types.ModuleType('isaaclab'), types.ModuleType('isaaclab.actuators')
-actuators.DCMotorCfg = DCMotorCfg
-sys.modules.update({'isaaclab': lab, 'isaaclab.actuators': actuators})
+    let script = concat!(
+        include_str!("exported/isaac_lab.py"),
+        "
+import yourdfpy
 scope = {}
 exec(open(sys.argv[1] + '.py').read(), scope)
 motor = scope['MOTOR']
+motor.validate()
+assert isinstance(actuator(motor, 'output'), isaaclab.actuators.DCMotor)
 joint = yourdfpy.URDF.load(sys.argv[1] + '.urdf', load_meshes=False).joint_map['output']
 print(motor.saturation_effort, motor.velocity_limit, motor.armature, motor.friction)
 print(joint.limit.effort, joint.limit.velocity, joint.dynamics.damping, joint.dynamics.friction)
-";
+"
+    );
     let directory = tempfile::tempdir().unwrap();
     let stem = directory.path().join("motor");
     let options = Options { torque_per_volt: Some(0.1), ..OPTIONS };

@@ -1,4 +1,5 @@
-//! Exported models in the tools that they are for: MuJoCo, a Modelica compiler, FMPy, WPILib's mathematics, a URDF reader, BAM.
+//! Exported models in the tools that they are for: MuJoCo, a Modelica compiler, FMPy, WPILib's mathematics, a URDF reader, BAM, and the
+//! actuators of Isaac Lab.
 //!
 //! None is in Debian's archive (OpenModelica has one of its own), so all come from Python's registry into a virtual
 //! environment; rumoca is the one that compiles and simulates Modelica.
@@ -20,6 +21,18 @@ const PYTHON: [(&str, &str); 5] = [
     ("yourdfpy", "yourdfpy"),
 ];
 
+/// Isaac Lab's sources alone: its simulator needs a graphics card, and what it asks for is gigabytes. The package is marked for one version of
+/// Python on Linux; its actuators run on others too.
+const ISAAC_LAB: [&str; 7] = [
+    "--no-deps",
+    "--python-version",
+    "3.11",
+    "--platform",
+    "manylinux_2_35_x86_64",
+    "--only-binary=:all:",
+    "isaaclab==2.3.2",
+];
+
 /// Runs the tests that need the tools.
 pub fn tests() -> Result<Count> {
     apt::ensure_apt(&["python3-venv", "gcc", "g++"])?;
@@ -27,12 +40,19 @@ pub fn tests() -> Result<Count> {
     if Command::new("javac").arg("-version").output().is_err() {
         apt::ensure_apt(&["default-jdk-headless"])?;
     }
-    let python = environment(&process::root().join("target/exports/venv"), &PYTHON)?;
+    let home = process::root().join("target/exports/venv");
+    let python = environment(&home, &PYTHON)?;
     let there = Command::new(&python).args(["-c", "import bam.simulate"]).output();
     if !there.is_ok_and(|output| output.status.success()) {
         // BAM asks for Python 3.12, and its simulator runs on older ones; what else it asks for talks to servos.
         let words = ["-m", "pip", "install", "--quiet", "--no-deps", "--ignore-requires-python"];
         process::run(Command::new(&python).args(words).args(["better-actuator-models>=1", "colorama"]))?;
+    }
+    // Where `host/tests/exported/isaac_lab.py` looks for it.
+    let lab = home.join("isaaclab");
+    if !lab.join("isaaclab").is_dir() {
+        let words = ["-m", "pip", "install", "--quiet", "--target"];
+        process::run(Command::new(&python).args(words).arg(&lab).args(ISAAC_LAB))?;
     }
     process::run_tests(
         process::cargo()

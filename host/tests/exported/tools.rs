@@ -143,8 +143,8 @@ pub fn run(python: &str, script: &str, file: &Path, volts: &[f64], begin: Begin)
 /// A format, the file that it is written to, the program that runs it, and the tool in which.
 pub type Target = (Format, &'static str, &'static str, &'static str);
 
-/// What each target is run by, in the order of the table below: the tool itself, or for Isaac Lab, whose simulator needs a graphics
-/// card, the equations of its documentation. Its arguments are the file and how the run begins; volts a line a millisecond in, the
+/// What each target is run by, in the order of the table below: the tool itself, or of Isaac Lab, whose simulator needs a graphics card, its
+/// actuator. Its arguments are the file and how the run begins; volts a line a millisecond in, the
 /// reading after each out.
 pub const TARGETS: [Target; 9] = [
     (
@@ -168,5 +168,5 @@ sys.exit(subprocess.call([binary, *sys.argv[2:4]]))",
     (Format::Urdf, "motor.urdf", include_str!("urdf.py"), "MuJoCo"),
     (Format::Wpilib, "motor.txt", include_str!("wpilib.py"), "WPILib"),
     (Format::Bam, "motor.json", include_str!("bam.py"), "BAM"),
-    (Format::Isaac, "isaac.py", include_str!("isaac.py"), "its equations"),
+    (Format::Isaac, "isaac.py", concat!(include_str!("isaac_lab.py"), include_str!("isaac.py")), "Isaac Lab"),
 ];
