@@ -1,8 +1,8 @@
 //! Fits a geared DC motor's model to logs, and names the missing physical effect.
 //!
 //! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
-//! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts, and [`same()`] compares
-//! two sets of records. An effect is a [`Kind`]. A [`Model`] simulates ([`Model::simulate`]), runs step by step ([`Model::start`]), is
+//! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts. [`compare()`] holds a model
+//! against records, and [`same()`] two sets of records against each other. An effect is a [`Kind`]. A [`Model`] simulates ([`Model::simulate`]), runs step by step ([`Model::start`]), is
 //! written for other tools ([`export`]) and gets its gains ([`tune`]). All quantities are SI and of the output shaft; torques are
 //! volts, as voltage and motion tell no more.
 //!
@@ -66,8 +66,8 @@ mod stop;
 pub mod tune;
 
 pub use api::{
-    Discovered, Error, Event, Measured, Model, Observer, Options, Result, add, discover, discover_records,
-    fit, plan, record, same,
+    Discovered, Error, Event, Measured, Model, Observer, Options, Result, add, compare, discover,
+    discover_records, fit, plan, record, same,
 };
 pub use motorlens_shared::effects::Kind;
 pub use run::Running;

@@ -222,7 +222,7 @@ fn a_run_in_mujoco_ends_when_whoever_watches_it_stops_it() {
     let fitted = model(&[(Kind::Coulomb, &[0.2]), (Kind::DeadZone, &[0.4, 0.0])]);
     let volts = volts().repeat(15);
     let time: Vec<f64> = (0..volts.len()).map(|k| k as f64 * 1e-3).collect();
-    let angles = vec![0.0; volts.len()];
+    let angles = truth(&fitted, &volts);
     let record = motorlens::record("record", &time, &volts, motorlens::Measured::Angle(&angles)).unwrap();
     let exported = export(&fitted, Format::Mujoco, &Options { step_s: None, ..OPTIONS }).unwrap();
     let mut asked = None;

@@ -1,8 +1,8 @@
 //! Exported models run in the tools that they are for, beside motorlens' own simulation.
 //!
-//! The tools come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has MuJoCo, a Modelica compiler, FMPy,
-//! WPILib's mathematics, a URDF reader and Isaac Lab's sources, and `cargo xtask test` sets one up, with compilers for the lines in C++ and in Java. Where it is
-//! not set, each test says so and ends.
+//! The tools come from Python's registry: `MOTORLENS_EXPORT_PYTHON` names a Python that has MuJoCo, a Modelica compiler, FMPy, WPILib's
+//! mathematics, a URDF reader and Isaac Lab's sources, and `cargo xtask test` sets one up, with compilers for the lines in C++ and in Java.
+//! Where it is not set, each test says so and ends.
 
 mod exported;
 #[path = "exported/tools.rs"]

@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use motorlens::formula::{Library, Written, WrittenParameter, define};
 use motorlens::{
-    Discovered, Error, Event, Kind, Measured, Options, discover, discover_records, estimate, fit, plan,
-    record, same,
+    Discovered, Error, Event, Kind, Measured, Model, Options, compare, discover, discover_records, estimate,
+    fit, plan, record, same,
 };
 
 /// A second-order motor with dry friction, by semi-implicit Euler at 0.1 ms: 6 s of steps at 500 Hz.
@@ -156,10 +156,12 @@ fn no_record_at_all_is_refused_and_no_panic() {
     let go = &mut |_: &Event| ControlFlow::Continue(());
     let (time, volts, angle) = measured(0.6);
     let one = [record("run", &time, &volts, Measured::Angle(&angle)).unwrap()];
+    let model = Model::from_json(include_str!("../examples/model.json")).unwrap();
     for refused in [
         discover_records(&[], &options, go).err(),
         fit(&[], &options, &how, go).err(),
         plan(&[], &options, None, 4.0, go).err(),
+        compare(&model, &[], &options, go).err(),
         same(&[], &one, &options, None, go).err(),
         same(&one, &[], &options, Some(&[]), go).err(),
     ] {
@@ -183,10 +185,10 @@ fn a_comparison_of_two_sets_is_stopped_in_its_fits_too() {
 #[test]
 fn a_model_is_read_from_its_own_text() {
     let text = include_str!("../examples/model.json");
-    let model = motorlens::Model::from_json(text).unwrap();
+    let model = Model::from_json(text).unwrap();
     assert_eq!(
         serde_json::to_value(&model).unwrap(),
         serde_json::from_str::<serde_json::Value>(text).unwrap()
     );
-    assert!(motorlens::Model::from_json("{}").is_err());
+    assert!(Model::from_json("{}").is_err());
 }

@@ -2,14 +2,12 @@
 
 use std::path::PathBuf;
 
-use motorlens::compare::free_run::{FreeRun, free_runs, pooled};
-use motorlens::compare::problem_of;
-use motorlens::{Error, Options};
+use motorlens::Options;
+use motorlens::compare::free_run::{FreeRun, pooled};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
 
-use crate::fault::failed;
 use crate::model::NativeModel;
 use crate::records::{Given, bytes, kinds, library, motor, records};
 use crate::text;
@@ -28,14 +26,8 @@ pub(crate) fn compare<'py>(
 ) -> PyResult<(String, Vec<Run<'py>>)> {
     let motor = motor(motor_path, motor_text)?;
     let (records, _) = records(given, Vec::new(), &motor)?;
-    let model = model.0.clone();
-    let runs = py
-        .detach(|| {
-            let mut problem = problem_of(&model, &records, &motor)?;
-            problem.fixed.clear();
-            Ok(free_runs(&problem, &model.values()))
-        })
-        .map_err(|e: Error| failed(&e))?;
+    let (model, options) = (model.0.clone(), Options { motor, ..Options::default() });
+    let runs = watched(py, None, |observer| motorlens::compare(&model, &records, &options, observer))?;
     let of = |run: &FreeRun| {
         let mut row = json!(run.measures());
         row["record"] = json!(run.record);

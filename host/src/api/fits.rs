@@ -1,9 +1,11 @@
-//! Models whose effects are given: fitted, with one effect more, and to two sets of records.
+//! Models whose effects are given: fitted, held against records, with one effect more, and fitted to two sets of records.
 
 use motorlens_shared::effects::Kind;
 
 use super::observed::{told, watched};
 use super::{Event, Observer, Options, search};
+use crate::compare::free_run::{FreeRun, free_runs};
+use crate::compare::problem_of;
 use crate::error::Result;
 use crate::estimate;
 use crate::log::Record;
@@ -43,6 +45,44 @@ pub fn fit(
         estimate::fit(records, &options.validation, &options.motor, how, &mut |number, iae| {
             tell(Event::Generation { number, iae });
         })
+    })
+}
+
+/// Simulates a model over each of `records` in an open loop, beside what was measured there. Nothing is fitted but the speeds at which records
+/// in motion begin.
+///
+/// # Errors
+/// Records that say nothing about a motor, [`Error::Cancelled`](crate::Error::Cancelled).
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use motorlens::compare::free_run::pooled;
+/// use motorlens::{Measured, Model, Options, compare, record};
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
+/// let model = Model::read(path.as_ref())?;
+/// # // What the model itself turns, read by an encoder.
+/// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
+/// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
+/// # let angle = model.simulate(&time, &volts, 0.0)?;
+/// # let angle: Vec<f64> = angle.iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
+/// let run = record("run", &time, &volts, Measured::Angle(&angle))?;
+/// let runs = compare(&model, &[run], &Options::default(), &mut |_| ControlFlow::Continue(()))?;
+/// let errors = pooled(&runs).expect("a record has samples");
+/// println!("rms error {} rad, largest {} rad", errors.rmse, errors.me);
+/// assert!(errors.rmse < 1e-3 && runs[0].simulated.len() == time.len());
+/// # Ok::<(), motorlens::Error>(())
+/// ```
+pub fn compare(
+    model: &Model,
+    records: &[Record],
+    options: &Options,
+    observer: Observer,
+) -> Result<Vec<FreeRun>> {
+    watched(observer, move |_| {
+        let mut problem = problem_of(model, records, &options.motor)?;
+        // What is known is for fits: the model has its own values.
+        problem.fixed.clear();
+        Ok(free_runs(&problem, &model.values()))
     })
 }
 

@@ -38,7 +38,7 @@ use motorlens_shared::effects::Kind;
 pub use crate::error::{Error, Result};
 pub use crate::model_file::Model;
 pub use discovery::{Discovered, discover, discover_records, plan};
-pub use fits::{add, fit, same};
+pub use fits::{add, compare, fit, same};
 pub(crate) use observed::watched;
 pub use observed::{Event, Observer};
 pub use slices::{Measured, record};

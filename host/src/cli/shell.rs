@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 #[command(after_help = "Examples:
   motorlens completions bash > ~/.local/share/bash-completion/completions/motorlens
   motorlens completions fish > ~/.config/fish/completions/motorlens.fish
-  motorlens completions zsh > \"${fpath[1]}/_motorlens\"")]
+  motorlens completions zsh > \"${fpath[1]}/_motorlens\"
+  motorlens completions powershell >> $PROFILE")]
 pub struct Completions {
     /// The shell
     #[arg(value_enum)]

@@ -12,26 +12,6 @@ use crate::motor_file::MotorFile;
 ///
 /// # Errors
 /// Records that say nothing about a motor; see [`check_all_usable`].
-///
-/// ```
-/// use motorlens::compare::free_run::{free_runs, pooled};
-/// use motorlens::compare::problem_of;
-/// use motorlens::motor_file::MotorFile;
-/// use motorlens::{Measured, Model, record};
-/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/model.json");
-/// let model = Model::read(path.as_ref())?;
-/// # // What the model itself turns, read by an encoder.
-/// # let time: Vec<f64> = (0..1500).map(|k| f64::from(k) * 2e-3).collect();
-/// # let volts: Vec<f64> = (0..1500).map(|k| [6.0, 0.0, -4.0, 2.0, 9.0][k / 200 % 5]).collect();
-/// # let angle = model.simulate(&time, &volts, 0.0)?;
-/// # let angle: Vec<f64> = angle.iter().map(|x| (x / 1e-3).round() * 1e-3).collect();
-/// let run = record("run", &time, &volts, Measured::Angle(&angle))?;
-/// let problem = problem_of(&model, &[run], &MotorFile::default())?;
-/// let errors = pooled(&free_runs(&problem, &model.values())).expect("a record has samples");
-/// println!("rms error {} rad, largest {} rad", errors.rmse, errors.me);
-/// assert!(errors.rmse < 1e-3);
-/// # Ok::<(), motorlens::Error>(())
-/// ```
 pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
     check_some(records)?;
     check_all_usable(records)?;

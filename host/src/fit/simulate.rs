@@ -148,8 +148,11 @@ fn predict<S: Shown<Plain = S, Element = f64>>(
     kernel::run(&simulator, &course, &mut Sampler::new(grid, out));
 }
 
-/// One set of plain parameters.
+/// One set of plain parameters; a shaft that stands still where the search is to stop, as in [`predict_from`].
 pub fn predict_one(kinds: &[Kind], parameters: &[f64], rig: &Rig, grid: &Grid) -> Vec<f64> {
+    if stop::asked() {
+        return vec![0.0; grid.len()];
+    }
     let mut out = Vec::with_capacity(grid.len());
     predict(kinds, parameters, rig, grid, grid.start_speed, &mut out);
     out
