@@ -13,7 +13,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use crate::compare::free_run::simulated;
-use crate::compare::problem_of;
+use crate::compare::problem_as_it_is;
 use crate::error::Result;
 use crate::estimate::{self, Fit};
 use crate::fit::uncertainty::Estimate;
@@ -163,8 +163,7 @@ pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[K
 }
 
 fn rmse(records: &[Record], model: &Model, motor: &MotorFile) -> Result<f64> {
-    let mut problem = problem_of(model, records, motor)?;
-    problem.fixed.clear();
+    let problem = problem_as_it_is(model, records, motor)?;
     Ok(simulated(&problem, &model.values()).unwrap_or_default().rmse)
 }
 

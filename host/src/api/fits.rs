@@ -5,7 +5,7 @@ use motorlens_shared::effects::Kind;
 use super::observed::{told, watched};
 use super::{Event, Observer, Options, search};
 use crate::compare::free_run::{FreeRun, free_runs};
-use crate::compare::problem_of;
+use crate::compare::problem_as_it_is;
 use crate::error::Result;
 use crate::estimate;
 use crate::log::Record;
@@ -79,9 +79,7 @@ pub fn compare(
     observer: Observer,
 ) -> Result<Vec<FreeRun>> {
     watched(observer, move |_| {
-        let mut problem = problem_of(model, records, &options.motor)?;
-        // What is known is for fits: the model has its own values.
-        problem.fixed.clear();
+        let problem = problem_as_it_is(model, records, &options.motor)?;
         Ok(free_runs(&problem, &model.values()))
     })
 }

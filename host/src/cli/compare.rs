@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::input::{LogArgs, problem_as_it_is};
+use super::input::LogArgs;
 use super::{Console, next, prose};
 use crate::compare::free_run::{FreeRun, free_runs, pooled};
 use crate::compare::measures::Measures;
-use crate::compare::{FailureMap, Slice, failure_map, write_trace};
+use crate::compare::{FailureMap, Slice, failure_map, problem_as_it_is, write_trace};
 use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::feedforward;

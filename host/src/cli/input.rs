@@ -4,10 +4,8 @@ use std::cell::OnceCell;
 use std::path::PathBuf;
 
 use super::{Console, prose};
-use crate::compare::problem_of;
 use crate::error::Result;
 use crate::fit::fixed;
-use crate::fit::search::Problem;
 use crate::formula::Library;
 use crate::log::{self, Loaded, ReadArgs, Record, Warning};
 use crate::model_file::Model;
@@ -106,14 +104,6 @@ impl Logs {
             console.say(prose::fault(fault));
         }
     }
-}
-
-/// Records laid out for `model` as it is.
-pub fn problem_as_it_is(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
-    let mut problem = problem_of(model, records, motor)?;
-    // Nothing is fitted here: the model's own values stand.
-    problem.fixed.clear();
-    Ok(problem)
 }
 
 #[cfg(test)]

@@ -15,5 +15,6 @@ mod stage;
 mod trace;
 
 pub use failure::{Bin, FailureMap, Slice, failure_map};
+pub(crate) use stage::problem_as_it_is;
 pub use stage::{laid_out, problem_of};
 pub use trace::write_trace;

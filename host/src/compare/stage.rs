@@ -20,7 +20,17 @@ pub fn problem_of(model: &Model, records: &[Record], motor: &MotorFile) -> Resul
     Ok(problem)
 }
 
-/// The same with the first speeds of a rough base model, and that model: where a fit begins. Speeds are read as they were when `model` was fitted.
+/// The same for a simulation of `model` as it is: its own values stand, whatever is known of the motor.
+///
+/// # Errors
+/// As [`problem_of`].
+pub(crate) fn problem_as_it_is(model: &Model, records: &[Record], motor: &MotorFile) -> Result<Problem> {
+    let mut problem = problem_of(model, records, motor)?;
+    problem.fixed.clear();
+    Ok(problem)
+}
+
+/// The records with the first speeds of a rough base model, and that model: where a fit begins. Speeds are read as they were when `model` was fitted.
 pub fn laid_out(model: &Model, records: &[Record], motor: &MotorFile) -> (Problem, Values) {
     let (mut problem, start) = setup::problem_of(records, motor, model.rig.speed_reading);
     problem.rig = model.rig(problem.rig.step_s);

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::{Exported, Stepper, in_mujoco};
 use crate::api::{Event, Observer, watched};
 use crate::compare::free_run::{FreeRun, begun_runs, free_runs, pooled, runs_elsewhere, runs_in_steps};
-use crate::compare::problem_of;
+use crate::compare::problem_as_it_is;
 use crate::error::Result;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
@@ -147,8 +147,7 @@ fn priced(
             not_run: None,
         });
     }
-    let mut problem = problem_of(model, records, motor)?;
-    problem.fixed.clear();
+    let problem = problem_as_it_is(model, records, motor)?;
     let (whole, begun): (Vec<FreeRun>, Vec<Grid>) = begun_runs(&problem, &model.values()).into_iter().unzip();
     let (mut tool, mut step_s, mut not_run) = (None, None, None);
     let there = match (exported.stepper, python) {
