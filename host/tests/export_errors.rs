@@ -262,8 +262,8 @@ fn mujocos_run_ends_with_the_program_that_began_it() {
     };
     // One directory for each run.
     let has_begun = || {
-        let runs = std::fs::read_dir(&made).unwrap().flatten();
-        runs.into_iter().any(|run| run.path().join("motor.volts").exists())
+        let mut runs = std::fs::read_dir(&made).unwrap().flatten();
+        runs.any(|run| run.path().join("motor.volts").exists())
     };
     until("MuJoCo is not begun", &has_begun);
     // Python is begun right after its files are written.
