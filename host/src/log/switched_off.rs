@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::Record;
 use super::guess::quoted;
 use super::motion::{peak, span, speed};
+use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::timing::median;
 
@@ -22,11 +23,14 @@ const TURNS: f64 = 0.1;
 const FEWEST: usize = 10;
 const LONG: f64 = 0.03;
 const ALL_LONG: f64 = 0.1;
-/// It turns steadily within this share of its usual speed at a drive, in half of the samples in which it turns there, and so many.
+/// It turns steadily within this share of its usual speed at a drive, in half of the samples in which it turns there, and for so many readings
+/// before it stands.
 const EVEN: f64 = 0.25;
-const FEWEST_EVEN: usize = 8;
-/// What runs down passes a speed once and gets slower all the way: of a steady speed so many samples are no slower than the one before.
-const NO_SLOWER: f64 = 0.25;
+const FEWEST_EVEN: f64 = 8.0;
+/// What runs down would come to rest at about the rate at which it gets slower: at the rate of a steady motion less than this share of the
+/// speed would be gone by then. The rate is the highest that the scatter of the readings allows, in so many standard errors.
+const FALLS: f64 = 0.35;
+const SURE: f64 = 2.0;
 /// Rests of a motor at a stop or under a weight are nearer to each other than this share of the whole way.
 const APART: f64 = 0.05;
 
@@ -82,6 +86,10 @@ struct Seen {
     highest: f64,
     speed: Vec<f64>,
     fastest: f64,
+    /// Samples that repeat one reading of the speed, in the median.
+    repeats: f64,
+    /// The quantisation step of the speed, rad/s; 0 where it has none.
+    step: f64,
     /// Where the shaft is, in any unit.
     angle: Vec<f64>,
 }
@@ -109,18 +117,23 @@ impl Seen {
         let drive = share.unwrap_or_else(|| volts.clone());
         let angle = record.angle_rad.clone().unwrap_or_else(|| integral(&record.time_s, &speed));
         let (highest, fastest) = (peak(&drive), peak(&speed));
-        Some(Seen { drive, by_supply, highest, speed, fastest, angle })
+        let readings = speed.chunk_by(|one, next| one == next).filter(|same| same[0].abs() > TURNS * fastest);
+        let repeats = median(&mut readings.map(|same| same.len() as f64).collect::<Vec<f64>>()).max(1.0);
+        let step = quantum(&speed).unwrap_or(0.0);
+        Some(Seen { drive, by_supply, highest, speed, fastest, repeats, step, angle })
     }
 
     fn is_same(&self, one: f64, other: f64) -> bool {
         (one - other).abs() <= SAME * self.highest
     }
 
+    fn is_slow(&self, k: usize) -> bool {
+        self.speed[k].abs() <= STANDS * self.fastest
+    }
+
     /// The ranges of samples in which the motor stands at one drive.
     fn rests(&self) -> Vec<Range<usize>> {
-        let stands = |k: usize| {
-            self.speed[k].abs() <= STANDS * self.fastest && self.drive[k].abs() > DRIVEN * self.highest
-        };
+        let stands = |k: usize| self.is_slow(k) && self.drive[k].abs() > DRIVEN * self.highest;
         let fewest = FEWEST.max((LONG * self.speed.len() as f64) as usize);
         let (mut found, mut k) = (Vec::new(), 0);
         while k < self.speed.len() {
@@ -136,30 +149,42 @@ impl Seen {
         found
     }
 
-    /// The speed along the drive at which the motor turns steadily at `level`.
+    /// The speed along the drive at which the motor mostly turns at `level`.
     fn settled(&self, level: f64) -> Option<f64> {
-        let along = |k: usize| self.speed[k] * level.signum();
-        let turning: Vec<usize> = (0..self.drive.len())
-            .filter(|k| self.is_same(self.drive[*k], level) && along(*k) > TURNS * self.fastest)
-            .collect();
-        let usual = median(&mut turning.iter().map(|k| along(*k)).collect::<Vec<f64>>());
-        let even: Vec<usize> = turning.iter().copied().filter(|k| is_near(along(*k), usual)).collect();
-        let no_slower = even.iter().filter(|k| **k > 0 && along(**k) >= along(**k - 1)).count();
-        let is_steady = even.len() >= FEWEST_EVEN
-            && 2 * even.len() >= turning.len()
-            && no_slower as f64 >= NO_SLOWER * even.len() as f64;
-        is_steady.then_some(usual)
+        let at_level = self.drive.iter().zip(&self.speed).filter(|(drive, _)| self.is_same(**drive, level));
+        let along = at_level.map(|(_, speed)| speed * level.signum());
+        let mut turning: Vec<f64> = along.filter(|speed| *speed > TURNS * self.fastest).collect();
+        let usual = median(&mut turning);
+        let even = turning.iter().filter(|speed| is_near(**speed, usual)).count();
+        (even > 0 && 2 * even >= turning.len()).then_some(usual)
     }
 
     /// The last sample of steady motion, `settled`, that ended in `rest` without a change of the drive.
     fn before(&self, rest: &Range<usize>, settled: f64) -> Option<usize> {
         let level = self.drive[rest.start];
-        let is_steady = |k: usize| is_near(self.speed[k] * level.signum(), settled);
-        let last = (0..rest.start)
-            .rev()
-            .take_while(|k| self.is_same(self.drive[*k], level))
-            .find(|k| is_steady(*k))?;
-        (last > 0 && self.is_same(self.drive[last - 1], level) && is_steady(last - 1)).then_some(last)
+        let is_even = |k: &usize| is_near(self.speed[*k] * level.signum(), settled);
+        let driven = (0..rest.start).rev().take_while(|k| self.is_same(self.drive[*k], level));
+        let turned = driven.skip_while(|k| !is_even(k)).take_while(|k| !self.is_slow(*k));
+        let mut even: Vec<usize> = turned.filter(is_even).collect();
+        even.reverse();
+        let last = *even.last()?;
+        self.is_steady(&even, rest.start).then_some(last)
+    }
+
+    /// Whether the motor kept its speed in the samples `even` before it stood from `rest` on, rather than ran down to there.
+    fn is_steady(&self, even: &[usize], rest: usize) -> bool {
+        let readings = even.len() as f64 / self.repeats;
+        if readings < FEWEST_EVEN {
+            return false;
+        }
+        let speed = |k: usize| self.speed[k].abs();
+        let usual = mean(even, speed);
+        let scatter = mean(even, |k| (speed(k) - usual).powi(2)).sqrt();
+        let (early, late) = even.split_at(even.len() / 2);
+        let error = 2.0 * scatter / readings.sqrt();
+        let fell = mean(early, speed) - mean(late, speed) + SURE * error + 0.5 * self.step;
+        let passed = mean(late, |k| k as f64) - mean(early, |k| k as f64);
+        fell * (rest - late[0]) as f64 <= FALLS * usual * passed
     }
 
     /// Whether rests at one drive are long, and at different angles.
@@ -172,6 +197,11 @@ impl Seen {
 
 fn is_near(speed: f64, usual: f64) -> bool {
     (speed - usual).abs() <= EVEN * usual
+}
+
+/// The mean of a value over these samples.
+fn mean(samples: &[usize], value: impl Fn(usize) -> f64) -> f64 {
+    samples.iter().map(|k| value(*k)).sum::<f64>() / samples.len() as f64
 }
 
 /// The way that a speed goes.
@@ -188,8 +218,13 @@ fn integral(time_s: &[f64], speed: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A motor with dry friction of 1 V and a `load` (V) by angle, driven by `command`, on while `on`.
-    fn driven(command: impl Fn(f64) -> f64, on: impl Fn(f64) -> bool, load: impl Fn(f64) -> f64) -> Record {
+    /// A motor with a time constant, dry friction of 1 V and a `load` (V) by angle, driven by `command`, on while `on`.
+    fn motor(
+        tau_s: f64,
+        command: impl Fn(f64) -> f64,
+        on: impl Fn(f64) -> bool,
+        load: impl Fn(f64) -> f64,
+    ) -> Record {
         let time_s: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).collect();
         let voltage_v: Vec<f64> = time_s.iter().map(|t| command(*t)).collect();
         let (mut x, mut w) = (0.0, 0.0_f64);
@@ -197,7 +232,7 @@ mod tests {
             for _ in 0..10 {
                 let push = if on(*t) { *volts } else { 0.0 } - load(x);
                 let friction = if w == 0.0 { push.clamp(-1.0, 1.0) } else { w.signum() };
-                let next = w + 0.001 / 0.05 * (2.0 * (push - friction) - w);
+                let next = w + 0.001 / tau_s * (2.0 * (push - friction) - w);
                 w = if w * next < 0.0 { 0.0 } else { next };
                 x += 0.001 * w;
             }
@@ -207,13 +242,42 @@ mod tests {
         Record { name: "run".into(), time_s, voltage_v, speed_rad_s, ..Record::default() }
     }
 
+    fn driven(command: impl Fn(f64) -> f64, on: impl Fn(f64) -> bool, load: impl Fn(f64) -> f64) -> Record {
+        motor(0.05, command, on, load)
+    }
+
     fn levels(t: f64) -> f64 {
         [4.0, 8.0, 4.0, 6.0, 4.0][(t / 2.0) as usize % 5]
     }
 
+    fn on_at_times(t: f64) -> bool {
+        (1.0..5.0).contains(&t) || (6.0..9.0).contains(&t)
+    }
+
+    /// The same record as sensors tell it: with noise while it turns, quantised, and held for some rows.
+    fn measured(record: &Record) -> [(&'static str, Record); 5] {
+        let speed = record.speed_rad_s.clone().unwrap();
+        let with = |noise: f64, step: f64, held: usize| {
+            let noisy =
+                |(k, w): (usize, &f64)| if *w == 0.0 { 0.0 } else { w + noise * ((k * k) as f64).sin() };
+            let noisy: Vec<f64> = speed.iter().enumerate().map(noisy).collect();
+            let reading = |k: usize| noisy[k - k % held];
+            let rounded = |w: f64| if step > 0.0 { (w / step).round() * step } else { w };
+            let speed_rad_s = Some((0..noisy.len()).map(|k| rounded(reading(k))).collect());
+            Record { speed_rad_s, ..record.clone() }
+        };
+        [
+            ("exact", with(0.0, 0.0, 1)),
+            ("held", with(0.0, 0.0, 5)),
+            ("quantised", with(0.0, 0.5, 1)),
+            ("noisy", with(0.3, 0.0, 1)),
+            ("all of it", with(0.3, 0.5, 5)),
+        ]
+    }
+
     #[test]
     fn a_driver_that_is_off_while_its_command_stays_is_told_with_the_ranges_to_skip() {
-        let record = driven(levels, |t| (1.0..5.0).contains(&t) || (6.0..9.0).contains(&t), |_| 0.0);
+        let record = driven(levels, on_at_times, |_| 0.0);
         let (name, _, why, fix) = switched_off(&record).unwrap();
         assert_eq!(name, "switched_off");
         assert!(why.contains("4.000 V that turns it steadily at 6.00 rad/s"), "{why}");
@@ -223,6 +287,25 @@ mod tests {
         let voltage_v = record.voltage_v.iter().zip(&supply_v).map(|(v, s)| v / 12.0 * s).collect();
         let (.., why, _) = switched_off(&Record { voltage_v, supply_v: Some(supply_v), ..record }).unwrap();
         assert!(why.contains("0.333 of the supply"), "{why}");
+    }
+
+    #[test]
+    fn a_driver_that_is_off_is_told_by_readings_that_are_held_quantised_or_noisy() {
+        for (what, record) in measured(&driven(levels, on_at_times, |_| 0.0)) {
+            assert_eq!(switched_off(&record).unwrap().0, "switched_off", "{what}");
+        }
+    }
+
+    #[test]
+    fn a_motor_that_runs_down_to_rest_on_the_last_step_of_a_staircase_is_not_switched_off() {
+        for tau_s in [0.05, 0.2] {
+            for steps in [&[8.0, 6.0, 4.0, 2.0, 0.8][..], &[8.0, 4.0, 2.0, 0.8], &[8.0, 0.8]] {
+                let staircase = |t: f64| steps[t as usize % steps.len()];
+                for (what, record) in measured(&motor(tau_s, staircase, |_| true, |_| 0.0)) {
+                    assert_eq!(switched_off(&record), None, "{what} after {steps:?}, {tau_s} s");
+                }
+            }
+        }
     }
 
     #[test]
