@@ -33,6 +33,7 @@ mod hexadecimal;
 pub mod hold;
 mod json;
 mod layout;
+mod low_active;
 pub mod mapping;
 mod metadata;
 mod mistaken;

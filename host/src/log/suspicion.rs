@@ -6,6 +6,7 @@
 use super::clipped::clipped;
 use super::held_back::held_back;
 use super::hold::hold;
+use super::low_active::inverted;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
@@ -17,7 +18,7 @@ use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::usable::faults_of;
-use super::voltages::{antiphase, duty, inverted, is_level, one_level, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, together};
 

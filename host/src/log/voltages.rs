@@ -154,36 +154,6 @@ pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
     })
 }
 
-/// Whether the motor loses speed where `volts` are larger, at the same speed (the sign of a partial correlation). One that a controller drives is
-/// slow where its duty is large, too, and gains speed there.
-fn is_braked_by(volts: &[f64], speed: &[f64]) -> bool {
-    let gained: Vec<f64> = speed.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let (volts, speed) = (&volts[..gained.len()], &speed[..gained.len()]);
-    correlation(volts, &gained) < correlation(speed, &gained) * correlation(volts, speed)
-}
-
-/// The motor is the slower the larger a duty that is never negative, and goes one way: the drive is low-active, and full duty is none.
-pub(super) fn inverted(record: &Record) -> Option<Odd> {
-    let full: f64 = record.map.as_ref()?.source(Quantity::Duty)?.written.parse().ok()?;
-    let (volts, motion) = (&record.voltage_v, speed(record));
-    if volts.iter().any(|v| *v < 0.0) || goes_both_ways(&motion) {
-        return None;
-    }
-    let magnitude: Vec<f64> = motion.iter().map(|w| w.abs()).collect();
-    let smooth = low_pass(&record.time_s, volts, SMOOTHING_S);
-    (correlation(&smooth, &magnitude) < -FOLLOWS && is_braked_by(volts, &magnitude)).then(|| {
-        (
-            "inverted_duty",
-            "voltage_v",
-            format!("the motor is the slower the larger its duty, and fastest where that is least: {full} is off and 0 is full duty, as of a low-active drive"),
-            format!(
-                "say what is no duty and what is full: {}",
-                remapped(record, &[(Quantity::Duty, Quantity::Duty, &format!("{full}..0"))])
-            ),
-        )
-    })
-}
-
 /// A speed below this share of the fastest is none, whatever its sign.
 const NO_SPEED: f64 = 0.02;
 
@@ -255,41 +225,6 @@ mod tests {
         // A load that a motor holds at a third of its supply is a load.
         record.voltage_v.iter_mut().for_each(|v| *v -= 3.0);
         assert_eq!(antiphase(&Seen::of(&record)), None);
-    }
-
-    #[test]
-    fn a_drive_that_is_off_at_the_full_number_is_told_with_how_to_say_so() {
-        let mut record = motor();
-        record.map = Some("time=t:s,duty=pwm:255,speed=w:rad/s".parse().unwrap());
-        record.voltage_v = (0..record.len()).map(|k| [4.0, 12.0, 0.0, 8.0][k / 60 % 4]).collect();
-        let run = |drive: &mut dyn FnMut(usize, f64) -> f64, rows: usize| -> Vec<f64> {
-            let next = |w: &mut f64, k: usize| {
-                let before = *w;
-                *w += 0.2 * (2.0 * drive(k, *w) - *w);
-                Some(before)
-            };
-            (0..rows).scan(0.0, next).collect()
-        };
-        let volts = record.voltage_v.clone();
-        let follows = run(&mut |k, _| volts[k], record.len());
-        (record.angle_rad, record.speed_rad_s) = (None, Some(follows));
-        assert_eq!(inverted(&record), None);
-        record.voltage_v.iter_mut().for_each(|v| *v = 12.0 - *v);
-        let (name, _, _, fix) = inverted(&record).unwrap();
-        assert!(name == "inverted_duty" && fix.contains("duty=pwm:255..0"), "{fix}");
-        // An encoder that is turned round is another fault.
-        record.voltage_v.iter_mut().for_each(|v| *v = 12.0 - *v);
-        record.speed_rad_s.as_mut().unwrap().iter_mut().for_each(|w| *w = -*w);
-        assert_eq!(inverted(&record), None);
-        // A controller gives much while the motor is slow.
-        let mut given = Vec::new();
-        let mut controller = |k: usize, w: f64| {
-            given.push((1.2 * ([20.0, 6.0][k / 12 % 2] - w)).clamp(0.0, 12.0));
-            given[k]
-        };
-        let controlled = run(&mut controller, record.len());
-        (record.voltage_v, record.speed_rad_s) = (given, Some(controlled));
-        assert_eq!(inverted(&record), None);
     }
 
     #[test]
