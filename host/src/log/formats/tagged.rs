@@ -16,7 +16,7 @@ use crate::log::timing::median_interval;
 
 /// Share of the lines of a file's beginning that are such rows.
 const MOST: f64 = 0.9;
-/// Lines of each kind from which a file is told, and more kinds than a motor's log has.
+/// Lines of each kind from which a file is told, fewer are those of a garbled word; and more kinds than a motor's log has.
 const FEWEST: usize = 4;
 const MOST_KINDS: usize = 12;
 /// A word of more letters is none that stands before every line.
@@ -56,14 +56,17 @@ fn kinds<'a>(rows: &'a [Row<'a>]) -> Kinds<'a> {
     for (tag, values) in rows {
         kinds.entry(*tag).or_default().push(values.as_slice());
     }
+    kinds.retain(|_, lines| lines.len() >= FEWEST);
     kinds
 }
 
-/// Whether the first number of every line is a stamp.
+/// Whether the first number of the lines is a stamp; a line that was cut off has none.
 fn are_stamped(kinds: &Kinds<'_>) -> bool {
     kinds.values().all(|lines| {
-        let rises = lines.windows(2).filter(|pair| pair[1][0] > pair[0][0]).count();
-        lines.iter().all(|line| line.len() > 1) && rises as f64 >= RISE * (lines.len() - 1) as f64
+        let stamps: Vec<f64> = lines.iter().filter(|line| line.len() > 1).map(|line| line[0]).collect();
+        let rises = stamps.windows(2).filter(|pair| pair[1] > pair[0]).count();
+        stamps.len() as f64 >= MOST * lines.len() as f64
+            && rises as f64 >= RISE * stamps.len().saturating_sub(1) as f64
     })
 }
 
@@ -89,7 +92,8 @@ pub fn is(start: &[u8]) -> bool {
         whole.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).collect();
     let rows: Vec<Row> = lines.iter().filter_map(|line| row(line)).collect();
     let kinds = kinds(&rows);
-    let rarest = kinds.values().map(Vec::len).min().unwrap_or(0);
+    let counts = || kinds.values().map(Vec::len);
+    let (rarest, of_kinds) = (counts().min().unwrap_or(0), counts().sum::<usize>());
     let turns = rows.windows(2).filter(|pair| pair[0].0 != pair[1].0).count();
     let is_one = |lines: &Vec<&[f64]>| {
         let alike = lines.iter().filter(|line| line.len() == lines[0].len()).count();
@@ -107,8 +111,7 @@ pub fn is(start: &[u8]) -> bool {
         || lines.iter().all(|line| line.contains(':')) && rows.iter().all(|(_, values)| values.len() == 1);
     !is_headed
         && (2..=MOST_KINDS).contains(&kinds.len())
-        && rarest >= FEWEST
-        && rows.len() as f64 >= MOST * lines.len() as f64
+        && of_kinds as f64 >= MOST * lines.len() as f64
         && turns as f64 >= TURNS * rarest as f64
         && kinds.values().all(is_one)
         && (are_stamped(&kinds) || are_in_turn(&rows, &kinds) && !are_values())
@@ -124,11 +127,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
     lines.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
     let mut rows: Vec<Row> = text.lines().filter_map(row).collect();
-    let has_stamps = {
-        let kinds = kinds(&rows);
-        are_stamped(&kinds) || !are_in_turn(&rows, &kinds)
-    };
-    if !has_stamps {
+    if !are_stamped(&kinds(&rows)) {
         return Ok(Content::Table(turns(&rows)?));
     }
     rows.retain(|(_, values)| values.len() > 1);
@@ -170,11 +169,15 @@ fn events(kinds: &Kinds<'_>) -> Events {
     Events::new(all, BTreeSet::new()).with_stamps(second)
 }
 
-/// A row for every turn of the kinds, which ends where one of them comes again.
+/// A row for every turn of the kinds, which ends where one of them comes again, and before the kind that comes first: a lost line leaves one
+/// field blank, and the rows after it as they are.
 fn turns(rows: &[Row<'_>]) -> Result<Table, Fault> {
+    let kinds = kinds(rows);
+    let rows = || rows.iter().filter(|(tag, _)| kinds.contains_key(tag));
+    let first = rows().next().map(|(tag, _)| *tag);
     let mut turns: Vec<BTreeMap<&str, &[f64]>> = Vec::new();
-    for (tag, values) in rows {
-        if turns.last().is_none_or(|turn| turn.contains_key(tag)) {
+    for (tag, values) in rows() {
+        if first == Some(*tag) || turns.last().is_none_or(|turn| turn.contains_key(tag)) {
             turns.push(BTreeMap::new());
         }
         if let Some(turn) = turns.last_mut() {
@@ -187,7 +190,7 @@ fn turns(rows: &[Row<'_>]) -> Result<Table, Fault> {
         let numbers = turns.iter().map(|turn| number(turn).unwrap_or(f64::NAN)).collect();
         Column { name, values: Values::Numbers(numbers) }
     };
-    Table::of(columns(&kinds(rows), 0).into_iter().map(column).collect(), Vec::new())
+    Table::of(columns(&kinds, 0).into_iter().map(column).collect(), Vec::new())
 }
 
 /// What a second is in these stamps: seconds have fractions, and of whole numbers the large steps are microseconds.
@@ -280,7 +283,63 @@ mod tests {
         let records = read(&path, &options).unwrap();
         assert_eq!((records.len(), records[0].len()), (1, 400));
         assert!((records[0].time_s[399] - 399.0 / 200.0).abs() < 1e-9);
-        // Words that are values of a row come in no order.
+    }
+
+    #[test]
+    fn a_lost_line_leaves_the_rows_after_it_as_they_are() {
+        let duty = |k: usize| (200.0 * (0.03 * k as f64).sin()) as i64;
+        let text = lines(400, |k| match k {
+            100 => format!("ENC,{}\n", 7 * k),
+            200 => format!("PWM,{}\nNC,{}\n", duty(k), 7 * k),
+            _ => format!("PWM,{}\nENC,{}\n", duty(k), 7 * k),
+        });
+        let text = format!("WM,3\n{text}");
+        assert!(is(text.as_bytes()));
+        let (_directory, path) = file(text.as_bytes());
+        let options = ReadOptions {
+            map: Some("duty=PWM:255,angle=ENC:rev/1000".parse().unwrap()),
+            supply_volts: Some(255.0),
+            rate_hz: Some(200.0),
+            ..ReadOptions::default()
+        };
+        let records = read(&path, &options).unwrap();
+        let all: usize = records.iter().map(Record::len).sum();
+        assert!(all > 390, "{all}");
+        let volts = records.iter().flat_map(|record| record.voltage_v.iter());
+        let angles = records.iter().flat_map(|record| record.angle_rad.as_ref().unwrap().iter());
+        let row = |angle_rad: f64| (angle_rad / std::f64::consts::TAU * 1000.0 / 7.0).round() as usize;
+        let is_apart = |(v, x): &(&f64, &f64)| (**v - duty(row(**x)) as f64).abs() > 0.5;
+        // The line that is lost, and the reading that is.
+        let apart = volts.zip(angles).filter(is_apart).count();
+        assert!(apart <= 2, "{apart}");
+    }
+
+    #[test]
+    fn a_line_that_was_cut_off_and_a_garbled_word_take_no_stamps_from_the_others() {
+        let text = lines(400, |k| {
+            let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
+            let counts = match k {
+                100 => "E:10".to_owned(),
+                200 => format!("EE:{},{}", 1003 + 10 * k, 7 * k),
+                _ => format!("E:{},{}", 1003 + 10 * k, 7 * k),
+            };
+            format!("P:{},{duty}\n{counts}\n", 1000 + 10 * k)
+        });
+        let text = format!("0,55\n{text}");
+        assert!(is(text.as_bytes()));
+        let (_directory, path) = file(text.as_bytes());
+        let options = ReadOptions {
+            map: Some("time=stamp:ms,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
+            supply_volts: Some(12.0),
+            ..ReadOptions::default()
+        };
+        let records = read(&path, &options).unwrap();
+        let all: usize = records.iter().map(|record| record.len()).sum();
+        assert!(all > 390, "{all}");
+    }
+
+    #[test]
+    fn words_that_are_values_of_a_row_come_in_no_order() {
         let states = ["idle", "ramp", "hold", "ramp", "idle", "hold", "idle"];
         assert!(!is(lines(200, |k| format!("{},{k}\n", states[k * k % 7])).as_bytes()));
         assert!(!is(lines(200, |k| format!("{},{k}\n", states[k / 40])).as_bytes()));
