@@ -7,6 +7,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::Hold;
+use super::numbers::number;
 
 /// Where the encoder sits. Faults of its disc repeat once per turn of that shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -56,7 +57,7 @@ impl Metadata {
     /// Says why, where the key is one the program understands and the value does not fit it.
     pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
         match key {
-            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" | "supply_volts" => {
+            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" => {
                 match value.parse::<f64>() {
                     Ok(number) if number.is_finite() && number > 0.0 => {}
                     _ => return Err(format!("{key} \"{value}\" is not a positive number")),
@@ -105,9 +106,21 @@ impl Metadata {
         self.get("voltage")?.strip_prefix(BEHIND_DUTY)?.split(' ').next()?.parse().ok()
     }
 
-    /// The supply's voltage that was stated beside a log in volts, V.
+    /// The supply's voltage that was stated beside a log in volts, V. Loggers write such a remark too, in words of their own: with its unit it is
+    /// read, and what is no positive number of volts tells nothing.
     pub fn supply_volts(&self) -> Option<f64> {
-        self.typed("supply_volts")
+        let text = self.get("supply_volts")?;
+        let with_unit = || {
+            let (size, unit) = text.split_at(text.find(char::is_alphabetic)?);
+            let volts = match unit {
+                "V" | "v" | "volt" | "volts" | "Volt" | "Volts" => 1.0,
+                "mV" => 1e-3,
+                _ => return None,
+            };
+            number(size.trim_end()).map(|size| size * volts)
+        };
+        let stated = number(text).or_else(with_unit);
+        stated.filter(|volts| volts.is_finite() && *volts > 0.0)
     }
 
     /// Where the encoder sits, if the log says.
@@ -144,6 +157,22 @@ mod tests {
         assert_eq!(meta.hold(), Some(Hold::First));
         assert_eq!(meta.counts_per_rev(), None);
         assert_eq!(meta.get("operator"), Some("Ada"));
+    }
+
+    #[test]
+    fn a_supply_is_read_with_its_unit_and_a_remark_that_is_no_voltage_is_kept_as_text() {
+        let told = |value: &str| {
+            let mut meta = Metadata::default();
+            meta.insert("supply_volts", value).unwrap();
+            assert_eq!(meta.get("supply_volts"), Some(value));
+            meta.supply_volts()
+        };
+        for text in ["12", "12.0", "12 V", "12V", "12,0 volts", "12000 mV"] {
+            assert_eq!(told(text), Some(12.0), "{text}");
+        }
+        for text in ["", "-12", "0", "inf", "12 V nominal", "11 to 12", "3S LiPo", "battery"] {
+            assert_eq!(told(text), None, "{text}");
+        }
     }
 
     #[test]

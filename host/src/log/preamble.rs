@@ -296,6 +296,8 @@ mod tests {
     fn malformed_metadata_is_named_by_line() {
         let message = preamble("# a: b\n# gear_ratio: lots\nt,u\n").unwrap_err().to_string();
         assert!(message.starts_with("x.csv, line 2: gear_ratio \"lots\""), "{message}");
+        // The words of a logger, which no mapping asked for.
+        assert_eq!(preamble("# supply_volts: 12 V\nt,u\n1,2\n").unwrap().meta.supply_volts(), Some(12.0));
     }
 
     #[test]

@@ -255,10 +255,13 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
         (&record.supply_v, record.voltage_v.is_empty(), options.supply_volts)
     {
         // Effects of the bridge depend on the duty, which a voltage alone does not tell.
-        let stated = record.meta.insert("supply_volts", &volts.to_string());
-        stated.map_err(|why| {
-            Error::usage(why, "give the voltage of the supply, for example --supply-volts 12")
-        })?;
+        if !(volts.is_finite() && volts > 0.0) {
+            return Err(Error::usage(
+                format!("a supply of {volts} V drives nothing: its voltage is a positive number"),
+                "give the voltage of the supply, for example --supply-volts 12",
+            ));
+        }
+        record.meta.insert("supply_volts", &volts.to_string()).expect("this key takes any text");
     }
     if let Some(target_rad) = target.filter(|_| record.voltage_v.is_empty()) {
         let volts = options.supply_volts;
