@@ -20,7 +20,7 @@ impl OfFile {
         if !self.sign.allows(text) {
             return None;
         }
-        if let Some(sign) = self.thousands.filter(|sign| text.contains(*sign) && is_grouped(text, &[*sign])) {
+        if let Some(sign) = self.thousands.filter(|sign| is_thousands(text, *sign)) {
             return text.replace(sign, "").parse().ok();
         }
         self.columns.resize(self.columns.len().max(column + 1), Whole::default());
@@ -40,11 +40,8 @@ impl Thousands {
     pub fn see<'t>(&mut self, row: impl Iterator<Item = &'t str>) {
         for (column, text) in row.enumerate() {
             self.written.read(column, text);
-            let is_between = |sign: char| {
-                is_grouped(text, &[sign]) && !text.trim_start_matches(['-', '+']).starts_with('0')
-            };
-            self.decimal
-                .extend(['.', ','].iter().filter(|sign| text.contains(**sign) && !is_between(**sign)));
+            let is_decimal = |sign: &char| text.contains(*sign) && !is_thousands(text, *sign);
+            self.decimal.extend(['.', ','].into_iter().filter(is_decimal));
         }
     }
 
@@ -100,8 +97,7 @@ impl Whole {
             return number(text);
         }
         let grouped = |sign: char| {
-            let thousands = text.contains(sign) && !text.starts_with('0') && is_grouped(text, &[sign]);
-            thousands.then(|| text.replace(sign, "").parse::<f64>().ok()).flatten()
+            is_thousands(text, sign).then(|| text.replace(sign, "").parse::<f64>().ok()).flatten()
         };
         if let Some(value) = self.between.and_then(grouped) {
             self.last = Some(value);
@@ -185,6 +181,12 @@ fn twice_grouped(text: &str) -> Option<f64> {
     is_grouped(text, &[sign]).then(|| text.replace(sign, "").parse().ok()).flatten()
 }
 
+/// Whether the digits of a number are in threes by this sign: `1.000`, where `0.125` is a decimal fraction.
+fn is_thousands(text: &str, sign: char) -> bool {
+    let is_below_one = text.trim_start_matches(['-', '+']).starts_with('0');
+    text.contains(sign) && !is_below_one && is_grouped(text, &[sign])
+}
+
 /// Whether a whole number has its digits in threes, but for the first.
 fn is_grouped(whole: &str, between: &[char]) -> bool {
     let mut groups = whole.trim_start_matches(['-', '+']).split(between);
@@ -246,6 +248,9 @@ mod tests {
         assert_eq!(sign, Some('.'));
         assert_eq!(OfFile::with_thousands(sign).read(1, "-4.000"), Some(-4000.0));
         assert_eq!(OfFile::with_thousands(sign).read(1, "1.234.567"), Some(1_234_567.0));
+        // What begins with a zero is a fraction, whatever stands between thousands.
+        assert_eq!(OfFile::with_thousands(sign).read(1, "0.125"), Some(0.125));
+        assert_eq!(OfFile::with_thousands(Some(',')).read(1, "-0,125"), Some(-0.125));
         // A decimal sign anywhere, or nothing that goes on.
         let decimals = [["980", "0.125", "1"], ["990", "6.25", "1"], ["1.000", "7", "2"]];
         assert_eq!(told(&decimals), None);
@@ -273,5 +278,6 @@ mod tests {
         assert_eq!(read(&["5", "5", "4.926", "5"]), [5.0, 5.0, 4.926, 5.0]);
         assert_eq!(read(&["0", "1", "1.125", "1.25"]), [0.0, 1.0, 1.125, 1.25]);
         assert_eq!(read(&["0", "0", "0.125"]), [0.0, 0.0, 0.125]);
+        assert_eq!(read(&["-120", "-0.125", "-0,250"]), [-120.0, -0.125, -0.25]);
     }
 }
