@@ -4,10 +4,13 @@
 //! there and back are a garbled reading, steps that all have the size of one modulus a wrapped angle, and any other a
 //! counter that was reset. A record is cut at a reset and at a long pause: nothing tells what happened in between.
 
+use std::ops::Range;
+
 use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
+use super::sentinels::between_jumps;
 use super::slow_sensor::leave_out_held;
 use super::timing::median_interval;
 use super::wraps::unwrap_angle;
@@ -20,6 +23,8 @@ const RARE: f64 = 0.2;
 /// A record is cut at a pause of so many intervals and seconds.
 const PAUSE_INTERVALS: f64 = 10.0;
 const PAUSE_S: f64 = 0.25;
+/// What to do about records that were cut.
+const SEPARATE: &str = "log without pauses, and read the counter in full width; nothing is to be done if these are separate tests";
 /// Times named in a message.
 const NAMED: usize = 5;
 
@@ -40,7 +45,8 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     resets.sort_unstable();
     resets.dedup();
     resets.retain(|k| pauses.binary_search(k).is_err());
-    let mut parts = cut(record, &pauses, &resets);
+    let unread = record.angle_rad.as_deref().map(|angle| between_jumps(angle, &resets)).unwrap_or_default();
+    let mut parts = cut(record, &pauses, &resets, &unread);
     parts.iter_mut().for_each(leave_out_held);
     parts
 }
@@ -105,39 +111,50 @@ fn pauses(record: &Record) -> Vec<usize> {
     (0..record.len().saturating_sub(1)).filter(pause).collect()
 }
 
-/// Cuts behind the samples `pauses` and `resets`; parts too short to teach anything are left out.
-fn cut(record: Record, pauses: &[usize], resets: &[usize]) -> Vec<Record> {
+/// Cuts behind the samples `pauses` and `resets`; parts too short to teach anything are left out, and those `unread` between two resets.
+fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &[Range<usize>]) -> Vec<Record> {
     let mut ends: Vec<usize> = pauses.iter().chain(resets).map(|k| k + 1).chain([record.len()]).collect();
     ends.sort_unstable();
     ends.dedup();
     let begins = [0].into_iter().chain(ends.iter().copied());
     let all: Vec<(usize, usize)> = begins.zip(ends.iter().copied()).collect();
-    let kept: Vec<(usize, usize)> = all.iter().copied().filter(|(a, b)| b - a >= FEWEST_SAMPLES).collect();
+    let is_read = |(a, b): &(usize, usize)| !unread.iter().any(|run| run.start <= *a && *b <= run.end);
+    let read: Vec<(usize, usize)> = all.iter().copied().filter(is_read).collect();
+    let kept: Vec<(usize, usize)> = read.iter().copied().filter(|(a, b)| b - a >= FEWEST_SAMPLES).collect();
     if all.len() == 1 || kept.is_empty() {
         return vec![record];
     }
-    let time = &record.time_s;
+    let behind = |samples: &[usize]| samples.iter().map(|k| k + 1).collect::<Vec<usize>>();
+    let mut resets = behind(resets);
+    resets.retain(|k| !unread.iter().any(|run| run.start == *k || run.end == *k));
     let mut said = Vec::new();
-    for (name, samples, why) in [
-        ("pauses", pauses, "the log pauses"),
+    for (what, when, samples, fix) in [
+        ("pauses: the log pauses", "before", behind(pauses), SEPARATE),
         (
-            "lost_counts",
+            "lost_counts: the angle jumps, which no motion explains (the counter was reset or lost counts)",
+            "before",
             resets,
-            "the angle jumps, which no motion explains (the counter was reset or lost counts)",
+            SEPARATE,
+        ),
+        (
+            "garbled_readings: the angle jumps to one number, stands there and jumps back, where nothing was read, which is left out",
+            "from",
+            unread.iter().map(|run| run.start).collect(),
+            "check the sensor's cable and the transmission of the log",
         ),
     ] {
         if !samples.is_empty() {
-            let after: Vec<usize> = samples.iter().map(|k| k + 1).collect();
-            said.push(format!("{name}: {why} {} times, before {}", samples.len(), named(&after, time)));
+            let named = named(&samples, &record.time_s);
+            said.push((format!("{what} {} times, {when} {named}", samples.len()), fix));
         }
     }
-    let short: usize = all.iter().map(|(a, b)| b - a).filter(|n| *n < FEWEST_SAMPLES).sum();
+    let short: usize = read.iter().map(|(a, b)| b - a).filter(|n| *n < FEWEST_SAMPLES).sum();
     let short =
         if short > 0 { format!("; {short} samples of shorter parts are left out") } else { String::new() };
-    let warnings = said.into_iter().map(|what| Warning {
+    let warnings = said.into_iter().map(|(what, fix)| Warning {
         place: record.path.display().to_string(),
         what: format!("{what}; read as {} records{short}", kept.len()),
-        fix: "log without pauses, and read the counter in full width; nothing is to be done if these are separate tests".into(),
+        fix: fix.into(),
     });
     let mut before = record.warnings.clone();
     cut_already(&mut before);

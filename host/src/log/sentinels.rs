@@ -1,9 +1,10 @@
 //! Two numbers for what was not read in one column, 65535 and -1: each hides the other from the rules for one of them.
 //!
 //! Both stand at an end of the column. Without them its steps are those of the motion, which tell that neither is a reading, however
-//! seldom it comes; and once one of them is left out, the rest is looked at again.
+//! seldom it comes; and once one of them is left out, the rest is looked at again. A long run of one number lies between two jumps.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use super::dropouts::LONGEST_SPIKE;
 use super::motion::{ends, peak};
@@ -70,7 +71,7 @@ pub(super) fn at_the_ends(values: &[f64], beyond: f64) -> Vec<usize> {
         }
     }
     let (far, fastest) = (APART * furthest + FEW_COUNTS * smallest, beyond * peak(&others));
-    let is_none = |run: &std::ops::Range<usize>| {
+    let is_none = |run: &Range<usize>| {
         let (before, after) = (values[run.start - 1], values[run.end]);
         values[run.clone()]
             .iter()
@@ -80,8 +81,24 @@ pub(super) fn at_the_ends(values: &[f64], beyond: f64) -> Vec<usize> {
     if found.len() as f64 > MOST * values.len() as f64 { Vec::new() } else { found }
 }
 
+/// Of the jump to a number for nothing more than this share is undone by the jump back.
+const UNDONE: f64 = 0.5;
+
+/// The samples between two `jumps` (from sample k to k + 1, in order) at which an angle stands at one number, and goes on from about where it was:
+/// nothing was read there. A counter that was reset stays where it was set to.
+pub(super) fn between_jumps(angle: &[f64], jumps: &[usize]) -> Vec<Range<usize>> {
+    let is_none = |pair: &&[usize]| {
+        let run = &angle[pair[0] + 1..=pair[1]];
+        let (before, number, after) = (angle[pair[0]], run[0], angle[pair[1] + 1]);
+        run.iter().all(|value| *value == number)
+            && (after - before).abs() < (1.0 - UNDONE) * (number - before).abs()
+    };
+    jumps.windows(2).filter(is_none).map(|pair| pair[0] + 1..pair[1] + 1).collect()
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::Record;
     use super::super::repair::repaired;
     use super::super::repair::tests::{moving, swing};
     use super::*;
@@ -111,6 +128,29 @@ mod tests {
             out.iter().for_each(|k| angle[*k] = odd(*k).unwrap());
             let parts = repaired(record);
             assert_eq!((parts.len(), parts[0].len()), (1, 800 - out.len()), "{:?}", parts[0].warnings);
+        }
+    }
+
+    #[test]
+    fn long_runs_of_a_number_for_nothing_are_no_record_of_a_motor_that_stands() {
+        for number in [65_535.0, -1.0] {
+            let mut record = moving(|t| 30_000.0 + (50.0 * swing(t)).round());
+            let angle = record.angle_rad.as_mut().unwrap();
+            angle[300..350].fill(number);
+            angle[600..612].fill(number);
+            let parts = repaired(record.clone());
+            assert_eq!(parts.iter().map(Record::len).collect::<Vec<_>>(), [300, 250, 188], "{number}");
+            let said: Vec<&str> = parts[0].warnings.iter().map(|warning| warning.what.as_str()).collect();
+            assert!(said.len() == 1 && said[0].starts_with("garbled_readings: "), "{said:?}");
+            assert!(said[0].contains("2 times, from sample 301 (1.500 s), sample 601 (3.000 s)"), "{said:?}");
+            // A counter that is set to another number once, while the motor stands, is reset.
+            let stays = record.angle_rad.as_mut().unwrap();
+            stays[350..].iter_mut().for_each(|x| *x += 60_000.0);
+            assert!(
+                repaired(record)
+                    .iter()
+                    .any(|part| part.warnings.iter().any(|w| w.what.starts_with("lost_counts")))
+            );
         }
     }
 
