@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::Console;
 use super::capture::{Args, discover_next, shaft};
 use super::interrupt::interrupted;
+use super::strip::Strip;
 use crate::device::{End, Fault, Listen, Port, Shaft, to_record};
 use crate::error::{Error, Result};
 use crate::log::{Warning, faults, suspicions, write_canonical};
@@ -43,7 +43,9 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
     let (mut number, mut runs) = (0, 1);
     while number < runs {
         let mut listen = Listen::new(number);
-        let outcome = follow(&mut port, &mut listen, &interrupted, console);
+        // The board says the run's name and length itself.
+        let mut strip = Strip::new("", 0, Some(&shaft), console);
+        let outcome = follow(&mut port, &mut listen, f64::from(args.supply), &interrupted, &mut strip);
         let end = listen.end().cloned().unwrap_or(End::Silent);
         if let End::Nothing(bytes, trouble) = end {
             outcome?;
@@ -86,23 +88,23 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
 }
 
 /// Listens to one run, to its end in whatever way.
-fn follow(port: &mut Port, listen: &mut Listen, interrupted: &AtomicBool, console: &Console) -> Result<()> {
-    let bar = if console.shows_progress() { ProgressBar::new(0) } else { ProgressBar::hidden() };
-    let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} samples");
-    bar.set_style(style.expect("the template is sound"));
+fn follow(
+    port: &mut Port,
+    listen: &mut Listen,
+    supply_v: f64,
+    interrupted: &AtomicBool,
+    strip: &mut Strip,
+) -> Result<()> {
     let outcome = port.converse(|now, received, send| {
         listen.receive(received, now);
         if interrupted.swap(false, Ordering::Relaxed) {
             listen.stop();
         }
         listen.poll(now, send);
-        let run = listen.run();
-        bar.set_length(run.number("samples").map_or(run.len() as u64, |samples| samples as u64));
-        bar.set_position(run.len() as u64);
-        bar.set_message(run.pairs.get("programme").cloned().unwrap_or_default());
+        strip.show_lines(listen.run(), supply_v, now);
         listen.end().is_some().then_some(())
     });
-    bar.finish_and_clear();
+    strip.clear();
     outcome
 }
 

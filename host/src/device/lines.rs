@@ -15,6 +15,8 @@ use std::collections::BTreeMap;
 pub const HEADER: &str = "t_us,duty,count,supply_mv";
 /// The longest line. A longer one is damaged, or no line of this protocol.
 const LONGEST: usize = 120;
+/// The duty of full voltage where a board does not say it: that of Arduino's `analogWrite`.
+const DUTY_FULL: f64 = 255.0;
 
 /// One line of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -159,6 +161,30 @@ impl Run {
     /// What the board said under `key`, as a number.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.pairs.get(key)?.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+
+    /// The duty of full voltage.
+    pub fn duty_full(&self) -> f64 {
+        self.number("duty_full").filter(|full| *full > 0.0).unwrap_or(DUTY_FULL)
+    }
+
+    /// Whether the board measures its driver's supply.
+    pub fn measures_supply(&self) -> bool {
+        self.supply_mv.iter().all(|supply| *supply > 0)
+    }
+
+    /// The driver's supply at each sample, V; `stated_v` where the board measures none.
+    pub fn supply_v(&self, stated_v: f64) -> Vec<f64> {
+        let measured = self.measures_supply();
+        let volts = |supply: &u32| if measured { f64::from(*supply) * 1e-3 } else { stated_v };
+        self.supply_mv.iter().map(volts).collect()
+    }
+
+    /// What is applied from each sample on, V.
+    pub fn voltage_v(&self, stated_v: f64) -> Vec<f64> {
+        let full = self.duty_full();
+        let volts = |(duty, supply): (&i32, f64)| f64::from(*duty) / full * supply;
+        self.duty.iter().zip(self.supply_v(stated_v)).map(volts).collect()
     }
 }
 

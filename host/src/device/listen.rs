@@ -13,8 +13,6 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const SILENCE: Duration = Duration::from_secs(3);
 /// How often a board in a run hears that somebody listens.
 const KEEP_ALIVE: Duration = Duration::from_millis(100);
-/// The duty of full voltage where a board does not say it: that of Arduino's `analogWrite`.
-const DUTY_FULL: f64 = 255.0;
 /// Intervals longer than this many usual ones have samples missing.
 const GAP: f64 = 1.5;
 /// A measured supply is believed within these shares of the stated one.
@@ -198,13 +196,9 @@ pub fn to_record(run: &Run, end: &End, shaft: &Shaft, supply_v: f64, log: &Path)
     let mut warn = |what: String, fix: &str| {
         warnings.push(Warning { place: place.clone(), what, fix: fix.to_owned() });
     };
-    let full = run.number("duty_full").filter(|full| *full > 0.0).unwrap_or(DUTY_FULL);
-    let measured = run.supply_mv.iter().all(|supply| *supply > 0);
-    let supply: Vec<f64> = run
-        .supply_mv
-        .iter()
-        .map(|supply| if measured { f64::from(*supply) * 1e-3 } else { supply_v })
-        .collect();
+    let full = run.duty_full();
+    let measured = run.measures_supply();
+    let supply = run.supply_v(supply_v);
     if let Some(odd) = supply.iter().find(|supply| !SUPPLY.contains(&(*supply / supply_v))) {
         warn(
             format!("the board measures a supply of {odd:.2} V where --supply says {supply_v:.2} V"),
@@ -245,13 +239,11 @@ pub fn to_record(run: &Run, end: &End, shaft: &Shaft, supply_v: f64, log: &Path)
     if !holes.is_empty() {
         meta.insert("missing_samples", &holes.join(" "))?;
     }
-    let volts = |(duty, supply): (&i32, &f64)| f64::from(*duty) / full * supply;
-    let voltage_v = run.duty.iter().zip(&supply).map(volts).collect();
     Ok(Record {
         name: log.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
         path: log.to_path_buf(),
         time_s,
-        voltage_v,
+        voltage_v: run.voltage_v(supply_v),
         angle_rad: Some(run.count.iter().map(|count| *count as f64 * shaft.rad_per_count()).collect()),
         supply_v: measured.then_some(supply),
         meta,
