@@ -2,7 +2,8 @@
 // port: `node uno.js sketch.hex [fault]` prints the port. Time goes as fast as the emulator runs (but see patience.js).
 //
 // Faults: jam (the shaft sticks after 2 s of the first run), emergency (the contact opens there), fast (an encoder of
-// 14 times the lines, too fast for interrupts), tell (none; there it prints a line).
+// 14 times the lines, too fast for interrupts), tell (none; there it prints a line), crank:SECONDS (somebody turns the shaft for so long
+// after the host's first word; two seconds later it prints a line).
 "use strict";
 const fs = require("fs");
 const net = require("net");
@@ -11,7 +12,8 @@ const { Motor } = require("./motor.js");
 const { Patience } = require("./patience.js");
 
 const HZ = 16e6;
-const [hex, fault = "none"] = process.argv.slice(2);
+const [hex, injury = "none"] = process.argv.slice(2);
+const [fault, cranked] = injury.split(":");
 
 function program(text) {
   const bytes = new Uint8Array(0x8000);
@@ -55,6 +57,7 @@ function feed() {
 let count = 0;
 let driven = 0; // s since the motor was first driven
 let told = false;
+let asked = null; // the host's first word, s
 d.setPin(4, false); // the jumper of the emergency input
 function show() {
   const [aa, bb] = Motor.lines(count);
@@ -62,6 +65,12 @@ function show() {
   d.setPin(3, bb);
 }
 show();
+
+// Two rad/s, as long as it lasts.
+function crank(since) {
+  if (since < Number(cranked)) motor.angle += 50e-6;
+  else if (!told && since > Number(cranked) + 2) (told = true), console.log("rested for 2 s");
+}
 
 // Steps of 25 us: the encoder's edges within one are spread over it, so that they come one by one as on a shaft.
 const STEP = HZ * 25e-6;
@@ -73,6 +82,7 @@ function advance(end) {
     if (fault === "jam" && driven > 2) motor.jammed = true;
     if (fault === "emergency" && driven > 2) d.setPin(4, true);
     motor.advance(25e-6, applied);
+    if (fault === "crank" && asked !== null) crank(cpu.cycles / HZ - asked);
     const edges = Math.abs(motor.count() - count);
     const from = cpu.cycles;
     for (let i = 1; i <= Math.max(edges, 1); i++) {
@@ -101,7 +111,7 @@ function turn() {
 const server = net.createServer((client) => {
   socket = client;
   client.setNoDelay(true);
-  client.on("data", (bytes) => (receiving.push(...bytes), patience.heard(), feed()));
+  client.on("data", (bytes) => ((asked ??= cpu.cycles / HZ), receiving.push(...bytes), patience.heard(), feed()));
   client.on("error", () => {});
   client.on("close", () => {
     console.log(`closed: driver ${volts() === null ? "off" : "driven"}`);

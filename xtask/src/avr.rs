@@ -1,11 +1,13 @@
 //! The Arduino sketch, compiled for an Uno with Debian's tool chain and run on an emulated one.
 
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::emulated::{self, Ended};
+use crate::emulated::{self, Board, Ended};
 use crate::report::Count;
 use crate::{apt, documented, process};
 
@@ -151,5 +153,32 @@ pub fn tests() -> Result<Count> {
         ensure!(faults.contains("missed"), "lost steps are not told: {ended:?}");
         Ok(())
     });
+    // Without the host's program, which asks once a second.
+    let first_run = |turned: &str, ask: &dyn Fn(&mut TcpStream, &mut Board) -> Result<()>, name: &str| {
+        let fault = format!("crank:{turned}");
+        emulated::speak("uno.js", &[hex.as_os_str(), fault.as_ref()], |mut line, board| {
+            ask(&mut line, board)?;
+            let mut said = String::new();
+            BufReader::new(line).read_line(&mut said)?;
+            ensure!(said.starts_with(&format!("# programme: {name}")), "the board said {said:?}");
+            Ok(())
+        })
+    };
+    emulated::case(&mut count, "a run asked for while the shaft turns begins once it rests", || {
+        first_run("3", &|line, _| Ok(line.write_all(b"start 0\n")?), "staircase")
+    });
+    emulated::case(
+        &mut count,
+        "a request is forgotten where the shaft turns for more than five seconds",
+        || {
+            let ask = |line: &mut TcpStream, board: &mut Board| -> Result<()> {
+                line.write_all(b"start 0\n")?;
+                let told = board.line()?;
+                ensure!(told == "rested for 2 s", "{told:?}");
+                Ok(line.write_all(b"start 1\n")?)
+            };
+            first_run("7", &ask, "triangle")
+        },
+    );
     Ok(count)
 }

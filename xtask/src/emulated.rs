@@ -2,14 +2,19 @@
 
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
 use crate::report::Count;
 use crate::{apt, process};
+
+/// A board's answer may take so long.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// What a conversation with an emulated board came to.
 #[derive(Debug)]
@@ -49,6 +54,27 @@ pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Resul
     board.end(told)
 }
 
+/// Has `speak` talk with the board in `script` over its line, in the place of the host's program.
+pub fn speak(
+    script: &str,
+    arguments: &[&OsStr],
+    speak: impl FnOnce(TcpStream, &mut Board) -> Result<()>,
+) -> Result<()> {
+    let mut board = Board::start(script, arguments)?;
+    let spoken = TcpStream::connect(board.port.trim_start_matches("tcp://"))
+        .context("cannot reach the emulated board")
+        .and_then(|line| {
+            line.set_read_timeout(Some(PATIENCE))?;
+            speak(line, &mut board)
+        });
+    // With its line closed the board ends by itself.
+    if spoken.is_err() {
+        board.process.kill()?;
+    }
+    board.process.wait()?;
+    spoken
+}
+
 fn capturing(port: &str, options: &[&str], out: &Path) -> Command {
     let mut capture = Command::new(program());
     capture.args(["--json", "capture", "--port", port]).args(options).arg("--out").arg(out);
@@ -56,7 +82,7 @@ fn capturing(port: &str, options: &[&str], out: &Path) -> Command {
 }
 
 /// An emulated board that runs until the host's program closes its line.
-struct Board {
+pub struct Board {
     process: Child,
     lines: BufReader<ChildStdout>,
     port: String,
@@ -82,7 +108,7 @@ impl Board {
     }
 
     /// The next line that the board prints.
-    fn line(&mut self) -> Result<String> {
+    pub fn line(&mut self) -> Result<String> {
         let mut line = String::new();
         self.lines.read_line(&mut line)?;
         Ok(line.trim().to_owned())
