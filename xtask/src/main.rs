@@ -7,7 +7,7 @@ mod avr;
 mod bench;
 mod book;
 mod browser;
-mod cortex_m0;
+mod cores;
 #[path = "../../tests/documented.rs"]
 mod documented;
 mod emulated;

@@ -1,7 +1,8 @@
 //! The Pico's unmodified image on an emulated RP2040, with the host's program at the other end of its USB line.
 //!
-//! The Pico 2's image is built, measured and proved ([`crate::sizes`]), and run nowhere: `rp2350-emu` 0.2.6 has the core, PIO, timers
-//! and watchdog of its chip, but neither the USB that the host talks through nor the masks that send an interrupt to the NMI.
+//! The Pico 2's image is built, measured and proved ([`crate::sizes`]), and not run: `rp2350-emu` 0.2.6 has the core, PIO, timers
+//! and watchdog of its chip, but of the USB that the host talks through the registers alone, which never tell of a host, and not the masks
+//! that send an interrupt to the NMI. What the image's logic does on such a core is run on an emulated Cortex-M33 ([`crate::cores`]).
 
 use std::ffi::OsStr;
 use std::ops::RangeInclusive;

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    added_effect, arm, avr, bench, book, browser, cortex_m0, examples, exports, features, fuzz, instructions,
+    added_effect, arm, avr, bench, book, browser, cores, examples, exports, features, fuzz, instructions,
     licences, pico, process, python, shells, sizes,
 };
 
@@ -53,7 +53,8 @@ const PARTS: [Part; 21] = [
         process::run_tests(process::cargo().args(test))
     }),
     // These also show that what runs on boards needs neither std nor, here, an FPU.
-    ("quick fit on an emulated Cortex-M0", || one(cortex_m0::run())),
+    ("quick fit on an emulated Cortex-M0", || one(cores::cortex_m0())),
+    ("a run and its fit on an emulated Cortex-M33, the Pico 2's core", || one(cores::cortex_m33())),
     ("images of all boards: sizes, stack, no panic in interrupts", || one(sizes::print())),
     ("instructions on the board", || {
         one(instructions::check(&instructions::Options { board: true, ..Default::default() }))
@@ -83,7 +84,7 @@ fn format() -> Result<()> {
         bench::directory(),
         bench::sines_directory(),
         browser::directory(),
-        cortex_m0::directory(),
+        cores::directory(),
         fuzz::directory(),
         python::directory(),
     ];

@@ -1,11 +1,15 @@
-//! Works everything out on the host first: the record, its fits, and what the decoder makes of spoiled frames.
+//! Works everything out on the host first: the record, its fits, what the decoder makes of spoiled frames, and a run with its fit.
 
+#[path = "src/captured.rs"]
+mod captured;
 #[path = "src/spoil.rs"]
 mod spoil;
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
+use motorlens_firmware::log::Log;
+use motorlens_firmware::station::Station;
 use motorlens_shared::base::{Base, Coefficients};
 use motorlens_shared::excitation::{Player, Programme, Shape};
 use motorlens_shared::quickfit::{Arithmetic, Fixed, Float, Kept, QuickFit, Request, fit};
@@ -46,6 +50,13 @@ fn bytes(fit: &QuickFit) -> String {
     format!("{:?}", postcard::to_stdvec(fit).expect("numbers alone"))
 }
 
+/// A run with its fit, whole.
+fn run() -> captured::Captured {
+    let run = captured::capture(Box::leak(Box::new(Log::new())), &mut Box::new(Station::new()));
+    assert_eq!((run.samples, run.fits), (2000, 1), "the run is logged and fitted on the host: {run:?}");
+    run
+}
+
 fn main() {
     let record = record();
     let request = Request { rad_per_count: (1.0 / COUNTS) as f32, ..Request::default() };
@@ -58,7 +69,9 @@ fn main() {
          pub const FLOAT: &[u8] = &{};\n\
          pub const FIXED: &[u8] = &{};\n\
          pub const FRICTION: &[u8] = &{};\n\
-         pub const VERDICTS: u32 = {};\n",
+         pub const VERDICTS: u32 = {};\n\
+         #[cfg(target_abi = \"eabihf\")]\n\
+         pub const CAPTURED: crate::captured::Captured = crate::captured::{:?};\n",
         STEP_S as f32,
         request.rad_per_count,
         rows.len(),
@@ -67,14 +80,17 @@ fn main() {
         bytes(&fitted::<Fixed>(&record, &request)),
         bytes(&fitted::<Fixed>(&record, &friction)),
         spoil::verdicts(),
+        run(),
     );
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
     fs::write(out.join("expected.rs"), text).expect("the build's own directory can be written");
     let here = env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");
-    fs::copy(Path::new(&here).join("memory.x"), out.join("memory.x"))
-        .expect("memory.x stands beside build.rs");
+    let small = env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m"));
+    let memory = if small { "microbit.x" } else { "an505.x" };
+    fs::copy(Path::new(&here).join(memory), out.join("memory.x")).expect("it stands beside build.rs");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
-    println!("cargo:rerun-if-changed=memory.x");
-    println!("cargo:rerun-if-changed=src/spoil.rs");
+    for input in [memory, "src/spoil.rs", "src/captured.rs"] {
+        println!("cargo:rerun-if-changed={input}");
+    }
 }

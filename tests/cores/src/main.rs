@@ -1,8 +1,11 @@
-//! The quick fit and the link's decoder on a Cortex-M0: no floating-point unit, no divider, 16 KiB of RAM. The build has
-//! done the same on the host; every bit must agree.
+//! The quick fit and the link's decoder on a Cortex-M0: no floating-point unit, no divider, 16 KiB of RAM. On a Cortex-M33, the Pico 2's
+//! core, with its floating-point unit, and there the boards' own program plays, logs and fits a run too. The build has done the same on
+//! the host; every bit must agree.
 #![no_std]
 #![no_main]
 
+#[cfg(target_abi = "eabihf")]
+mod captured;
 mod spoil;
 
 use cortex_m_rt::{ExceptionFrame, entry, exception};
@@ -55,12 +58,30 @@ fn main() -> ! {
     let request = Request { rad_per_count: host::RAD_PER_COUNT, ..Request::default() };
     let friction = Request { coulomb: true, generations: 5, ..request };
     let mut good = agrees::<Fixed>("fixed point, 16 x 40", &request, host::FIXED);
-    good &= agrees::<Float>("floating point in software, 16 x 40", &request, host::FLOAT);
+    good &= agrees::<Float>("floating point, 16 x 40", &request, host::FLOAT);
     good &= agrees::<Fixed>("fixed point with friction", &friction, host::FRICTION);
     let verdicts = spoil::verdicts();
     hprintln!("decoder's verdicts on spoiled frames: {:08x}, on the host {:08x}", verdicts, host::VERDICTS);
     good &= verdicts == host::VERDICTS;
+    #[cfg(target_abi = "eabihf")]
+    {
+        good &= captures();
+    }
     leave(good)
+}
+
+/// Plays, logs and fits a run, and compares all that the board says meanwhile with the host's.
+#[cfg(target_abi = "eabihf")]
+fn captures() -> bool {
+    use motorlens_firmware::log::Log;
+    use motorlens_firmware::station::Station;
+
+    let log = cortex_m::singleton!(: Log = Log::new()).expect("made once");
+    let station = cortex_m::singleton!(: Station = Station::new()).expect("made once");
+    let here = captured::capture(log, station);
+    hprintln!("a run and its fit: {:?}", here);
+    hprintln!("       on the host {:?}", host::CAPTURED);
+    here == host::CAPTURED
 }
 
 /// Ends the emulation with this outcome.
