@@ -153,6 +153,18 @@ pub fn tests() -> Result<Count> {
         ensure!(faults.contains("missed"), "lost steps are not told: {ended:?}");
         Ok(())
     });
+    emulated::case(&mut count, "a terminal shows speed and voltage while a run goes on", || {
+        let board = [hex.as_os_str(), "jam".as_ref()];
+        let (ended, shown) = emulated::capture_on_terminal("uno.js", &board, &line, &out.join("terminal"))?;
+        stopped(ended, "stall", &out.join("terminal/staircase.csv"))?;
+        for part in ["staircase", "speed    ", " rad/s", "voltage  "] {
+            ensure!(shown.contains(part), "no {part:?} in {shown:?}");
+        }
+        // The staircase rises until the shaft is blocked: duties of 40 to 200 of 255, the latest the highest so far.
+        let levels = ["1.88", "3.76", "5.65", "7.53", "9.41"];
+        ensure!(levels.iter().any(|level| shown.contains(&format!("\u{2588} {level} V"))), "{shown:?}");
+        Ok(())
+    });
     // Without the host's program, which asks once a second.
     let first_run = |turned: &str, ask: &dyn Fn(&mut TcpStream, &mut Board) -> Result<()>, name: &str| {
         let fault = format!("crank:{turned}");

@@ -47,6 +47,32 @@ pub fn capture_until_told(script: &str, arguments: &[&OsStr], options: &[&str], 
     board.end(told)
 }
 
+/// As [`capture`], with its progress on a terminal of 100 columns; also what was shown there.
+pub fn capture_on_terminal(
+    script: &str,
+    arguments: &[&OsStr],
+    options: &[&str],
+    out: &Path,
+) -> Result<(Ended, String)> {
+    std::fs::create_dir_all(out)?;
+    let (document, shown) = (out.join("document.json"), out.join("shown"));
+    let quoted = |word: &OsStr| format!("'{}'", word.to_string_lossy());
+    let ended = talk(script, arguments, |port| {
+        let capture = capturing(port, options, out);
+        let words: Vec<String> =
+            std::iter::once(capture.get_program()).chain(capture.get_args()).map(quoted).collect();
+        let [document, shown] = [&document, &shown].map(|path| quoted(path.as_os_str()));
+        let inside = format!("stty cols 100; {} >{document}", words.join(" "));
+        let mut terminal = Command::new("sh");
+        // util-linux's; its own status is that of the program, which `cat` would hide.
+        terminal.arg("-c").arg(format!(
+            "script -qec \"{inside}\" {shown} >/dev/null </dev/null; ended=$?; cat {document}; exit $ended"
+        ));
+        Ok(terminal)
+    })?;
+    Ok((ended, std::fs::read_to_string(shown)?))
+}
+
 /// Starts the board in `script` and runs the command that `talk` makes of its port, after whatever it has run before.
 pub fn talk(script: &str, arguments: &[&OsStr], talk: impl FnOnce(&str) -> Result<Command>) -> Result<Ended> {
     let board = Board::start(script, arguments)?;

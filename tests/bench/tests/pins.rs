@@ -294,6 +294,18 @@ fn a_cable_pulled_once_the_link_timeout_is_over() {
 }
 
 #[test]
+fn a_blocked_shaft_once_the_stalls_time_is_over() {
+    for rate_hz in [1000, 2000] {
+        // The voltage is above this from before the shaft is blocked to the run's end.
+        let watched = Setup { stall_mv: 2000, ..setup(rate_hz, DriveMode::SignMagnitudeBrake) };
+        let stall = Duration::from_millis(watched.stall_ms.into());
+        let done = off(stall + OFF, watched, |_, scene| scene.plant.jammed = true);
+        assert_log(&done, Cause::Stall, usize::from(rate_hz) * 2 / 5);
+        machine::assert_clean(&done.session);
+    }
+}
+
+#[test]
 fn ctrl_c_at_the_host() {
     let done = off_after(OFF, 1000, DriveMode::LockedAntiPhase, |since, scene| {
         scene.interrupt |= since.is_zero();
