@@ -124,7 +124,7 @@ fn the_boards_fit_is_the_hosts_fit_of_the_same_log() {
     let request = Request { coulomb: true, rad_per_count: 0.01, ..Request::default() };
     let mut keeper = Keeper::new(Scaling { pwm_top: TOP, rate_hz: 1000 }, 2);
     samples(&bench).iter().for_each(|sample| keeper.push(sample));
-    let host = fit::<Float>(keeper.samples(), keeper.step_s(), &request, |_| ()).unwrap();
+    let host = fit::<Float>(keeper.samples(), keeper.step_s(), &request, |_| (), || ()).unwrap();
     let FromBoard::Fit(Some(board)) = bench.ask(ToBoard::QuickFit(request)) else { panic!("no fit") };
     assert_eq!(board.samples, 2000);
     assert_eq!(motorlens_shared::quickfit::QuickFit { micros: 0, micros_search: 0, ..board }, host);

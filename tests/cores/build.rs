@@ -43,7 +43,7 @@ fn record() -> Vec<Kept> {
 }
 
 fn fitted<A: Arithmetic>(record: &[Kept], request: &Request) -> QuickFit {
-    fit::<A>(record, STEP_S as f32, request, |_| ()).expect("the host fits")
+    fit::<A>(record, STEP_S as f32, request, |_| (), || ()).expect("the host fits")
 }
 
 fn bytes(fit: &QuickFit) -> String {

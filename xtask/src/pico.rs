@@ -28,6 +28,11 @@ const CHECK: &str = "device check --port PORT";
 /// And then; here each of its runs takes so long, s, instead of eight: an emulator is four times slower than the chip.
 const CAPTURE: &str = "capture --port PORT --programme default --counts-per-rev COUNTS --out DIR";
 const SHORTENED: [&str; 2] = ["--seconds", "1"];
+/// And at last; here after a run that leaves as many samples for it as one of eight seconds does, of which every fifth is kept.
+const FIT: &str = "device fit --port PORT --counts-per-rev COUNTS --coulomb";
+const KEPT: u64 = 1600;
+const KEPT_RUN: [&str; 6] = ["--rate", "2000", "--keep-every", "1", "--counts-per-rev", COUNTS];
+const KEPT_RUN_S: f32 = 0.8;
 /// Volts at which the emulated motor, with its dry friction, breaks away and has made the counts by which that is seen.
 const BREAKAWAY_V: RangeInclusive<f64> = 0.48..=1.5;
 /// What the emulated board's converter has at its inputs.
@@ -206,6 +211,29 @@ pub fn tests() -> Result<Count> {
             Ok(())
         },
     );
+    emulated::case(
+        &mut count,
+        "the README's fit of a whole run with its friction feeds the watchdog on a core without a floating-point unit",
+        || {
+            let fit = documented::line(&process::root(), FIT).context("the README prints no such command")?;
+            let programme = out.join("kept.json");
+            let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 2.0, high_hz: 20.0, tones: 8, seed: 2 };
+            let kept = Programme::single("kept", shape, KEPT_RUN_S);
+            std::fs::write(&programme, serde_json::to_string(&kept)?)?;
+            let board: [&OsStr; 3] = [image.as_os_str(), "none".as_ref(), "2".as_ref()];
+            let ended = emulated::talk("pico.js", &board, |port| {
+                let mut capture = emulated::motorlens(&["--quiet", "capture", "--port", port]);
+                capture.args(KEPT_RUN).arg("--programme").arg(&programme).arg("--out").arg(out.join("kept"));
+                process::run(&mut capture)?;
+                let mut command = emulated::motorlens(&["--json"]);
+                command.args(fit.as_run(port, &out));
+                Ok(command)
+            })?;
+            ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
+            ensure!(ended.document["fit"]["samples"] == KEPT, "{ended:?}");
+            Ok(())
+        },
+    );
     at_each_rate(&mut count, &image, &out)?;
     let control = format!("panic:{}", address_of("CONTROL")?);
     for fault in &FAULTS {
@@ -333,7 +361,8 @@ fn same_fit(board: &QuickFit, logs: &Path) -> Result<()> {
         keeper.push(&Sample { duty, count, supply_mv: SUPPLY_MV, current_ma: 0, late_us: 0 });
     }
     let request = Request { rad_per_count: rad_per_count as f32, ..Request::default() };
-    let host = fit::<Fixed>(keeper.samples(), keeper.step_s(), &request, |_| ()).context("nothing to fit")?;
+    let host =
+        fit::<Fixed>(keeper.samples(), keeper.step_s(), &request, |_| (), || ()).context("nothing to fit")?;
     println!("{} samples in {} us on the board: {:?}", board.samples, board.micros, board.gain);
     let board = QuickFit { micros: 0, micros_search: 0, ..*board };
     ensure!(board == host && board.samples == 500, "the board {board:?}, the host {host:?}");

@@ -147,8 +147,7 @@ impl Station {
         let now = || with(control, |control| control.now_us());
         let begin = now();
         let mut searched = None;
-        let found = quickfit::fit::<P::Arithmetic>(keeper.samples(), keeper.step_s(), request, |progress| {
-            platform.alive();
+        let progress = |progress: quickfit::Progress| {
             if progress.generation == progress.generations {
                 searched.get_or_insert_with(now);
             }
@@ -156,7 +155,11 @@ impl Station {
                 post(outbox, FromBoard::Progress(progress));
             }
             outbox.pump(line);
-        });
+        };
+        let found =
+            quickfit::fit::<P::Arithmetic>(keeper.samples(), keeper.step_s(), request, progress, || {
+                platform.alive()
+            });
         let micros = now().wrapping_sub(begin);
         let micros_search = searched.map_or(0, |at| at.wrapping_sub(begin));
         *fit = found.map(|fit| quickfit::QuickFit { micros, micros_search, ..fit });

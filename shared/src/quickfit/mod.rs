@@ -94,13 +94,15 @@ pub struct QuickFit {
 pub type Kept = [f32; 3];
 
 /// Fits samples kept every `step_s` seconds, searching in the numbers of `A`. `progress` is told after each generation,
-/// and the last of them again after each sweep of the polish, so that a caller who feeds a watchdog there is called
-/// often. `None` when there are fewer than [`FEWEST`] samples or nothing moved.
+/// and the last of them again after each sweep of the polish. `working` is called after every few candidates and every
+/// few samples of a sweep: a generation takes most of a second where integers and software must do, and a watchdog is
+/// not fed by what comes so seldom. `None` when there are fewer than [`FEWEST`] samples or nothing moved.
 pub fn fit<A: Arithmetic>(
     samples: &[Kept],
     step_s: f32,
     request: &Request,
     mut progress: impl FnMut(Progress),
+    mut working: impl FnMut(),
 ) -> Option<QuickFit> {
     if samples.len() < FEWEST {
         return None;
@@ -111,10 +113,11 @@ pub fn fit<A: Arithmetic>(
     let mut last = Progress { generation: 0, generations: request.generations, iae: 0.0 };
     let peak_v = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
     let record = Record { samples, step_s, gain, peak_v };
-    let found = search::run::<A>(&record, request, &mut evaluations, &mut |generation, sum| {
+    let mut generation_done = |generation: u16, sum: f64| {
         last = Progress { generation, iae: (sum * area) as f32, ..last };
         progress(last);
-    });
+    };
+    let found = search::run::<A>(&record, request, &mut evaluations, &mut generation_done, &mut working);
     let mut count = || {
         evaluations += polish::SIMULATIONS;
         progress(last);
@@ -122,11 +125,11 @@ pub fn fit<A: Arithmetic>(
     let polished = if request.coulomb {
         let starts = [0.0, 0.02, 0.1].map(|share| Model { coulomb: share * peak_v, ..found.model });
         // The search knows nothing of friction, so its time constants may be far off: several starts, the best wins.
-        let ends = starts.map(|start| polish::run(samples, step_s, start, true, &mut count));
+        let ends = starts.map(|start| polish::run(samples, step_s, start, true, &mut count, &mut working));
         ends.into_iter()
             .reduce(|best, other| if other.square_sum < best.square_sum { other } else { best })?
     } else {
-        polish::run(samples, step_s, found.model, false, &mut count)
+        polish::run(samples, step_s, found.model, false, &mut count, &mut working)
     };
     let scale = request.rad_per_count;
     let relative =

@@ -67,11 +67,18 @@ struct Sweep {
     absolute_sum: f64,
 }
 
-/// Fits from `start`; `swept` is called after each sweep. Friction stays where it is unless `coulomb`.
-pub fn run(samples: &[Kept], step_s: f32, start: Model, coulomb: bool, swept: &mut dyn FnMut()) -> Polished {
+/// Fits from `start`; `swept` is called after each sweep, `working` after each few samples. Friction stays where it is unless `coulomb`.
+pub fn run(
+    samples: &[Kept],
+    step_s: f32,
+    start: Model,
+    coulomb: bool,
+    swept: &mut dyn FnMut(),
+    working: &mut dyn FnMut(),
+) -> Polished {
     let peak = samples.iter().fold(0.0_f32, |peak, sample| peak.max(Scalar::abs(sample[0])));
     let mut sweep_of = |model: &Model| {
-        let sweep = sweep(samples, step_s, model, VARIATION as f32 * peak, coulomb);
+        let sweep = sweep(samples, step_s, model, VARIATION as f32 * peak, coulomb, working);
         swept();
         sweep
     };
@@ -129,7 +136,14 @@ fn moved(model: &Model, change: &Gradient, step_s: f32, peak: f32) -> Model {
 }
 
 #[inline(never)]
-fn sweep(samples: &[Kept], step_s: f32, model: &Model, friction_step: f32, coulomb: bool) -> Sweep {
+fn sweep(
+    samples: &[Kept],
+    step_s: f32,
+    model: &Model,
+    friction_step: f32,
+    coulomb: bool,
+    working: &mut dyn FnMut(),
+) -> Sweep {
     // Lane 0 is the model; lane k + 1 varies parameter k.
     let varied = |value: f32, k: usize| {
         let mut lanes = [value; LANES];
@@ -186,6 +200,7 @@ fn sweep(samples: &[Kept], step_s: f32, model: &Model, friction_step: f32, coulo
         }
         total.square_sum += f64::from(square);
         total.absolute_sum += f64::from(absolute);
+        working();
     }
     if !coulomb {
         // Hold friction: an equation of its own, solved by no change.

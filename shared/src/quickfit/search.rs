@@ -34,12 +34,13 @@ pub fn rough_gain(samples: &[Kept]) -> Option<f32> {
 }
 
 /// Searches gain (a quarter to four times the rough one), mechanical time constant (5 ms to 2 s) and electrical time
-/// constant (a twentieth of a step, or 50 us, to 20 ms), all logarithmic.
+/// constant (a twentieth of a step, or 50 us, to 20 ms), all logarithmic. `working` is called after each pass over the samples.
 pub fn run<A: Arithmetic>(
     record: &Record<'_>,
     request: &Request,
     evaluations: &mut u32,
     progress: &mut dyn FnMut(u16, f64),
+    working: &mut dyn FnMut(),
 ) -> Found {
     let backwards = record.gain < 0.0;
     let objective = |chromosomes: &[[f64; 3]], objectives: &mut [f64]| {
@@ -49,6 +50,7 @@ pub fn run<A: Arithmetic>(
                 *motor = motor_of(genes, backwards);
             }
             A::absolute_sums(record, &motors[..chromosomes.len()], objectives);
+            working();
         }
     };
     let (best, absolute_sum) = genetic(record, request, evaluations, objective, progress);

@@ -41,7 +41,7 @@ fn close(estimate: Estimate, truth: f32, share: f32) {
 
 #[test]
 fn the_frictionless_motor_is_found_to_a_count() {
-    let fit = fit::<Float>(&record(0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
+    let fit = fit::<Float>(&record(0.9, 0.0), STEP, &request(false), |_| (), || ()).unwrap();
     close(fit.gain, 0.9, 2e-3);
     close(fit.tau_m, 0.045, 5e-3);
     close(fit.tau_e, 0.0015, 0.1);
@@ -53,8 +53,8 @@ fn the_frictionless_motor_is_found_to_a_count() {
 #[test]
 fn friction_is_found_when_asked_for_and_makes_the_fit_better() {
     let samples = record(0.9, 0.7);
-    let without = fit::<Float>(&samples, STEP, &request(false), |_| ()).unwrap();
-    let with = fit::<Float>(&samples, STEP, &request(true), |_| ()).unwrap();
+    let without = fit::<Float>(&samples, STEP, &request(false), |_| (), || ()).unwrap();
+    let with = fit::<Float>(&samples, STEP, &request(true), |_| (), || ()).unwrap();
     close(with.coulomb.unwrap(), 0.7, 0.02);
     close(with.gain, 0.9, 0.01);
     close(with.tau_m, 0.045, 0.03);
@@ -63,14 +63,14 @@ fn friction_is_found_when_asked_for_and_makes_the_fit_better() {
 
 #[test]
 fn an_encoder_that_counts_backwards_gives_a_negative_gain() {
-    let fit = fit::<Float>(&record(-0.9, 0.0), STEP, &request(false), |_| ()).unwrap();
+    let fit = fit::<Float>(&record(-0.9, 0.0), STEP, &request(false), |_| (), || ()).unwrap();
     close(fit.gain, -0.9, 2e-3);
 }
 
 #[test]
 fn progress_falls_and_covers_every_generation() {
     let mut seen = Vec::new();
-    fit::<Float>(&record(0.9, 0.2), STEP, &request(false), |progress| seen.push(progress)).unwrap();
+    fit::<Float>(&record(0.9, 0.2), STEP, &request(false), |progress| seen.push(progress), || ()).unwrap();
     // The polish repeats the last one.
     seen.dedup();
     assert_eq!(seen.len(), 40);
@@ -81,16 +81,27 @@ fn progress_falls_and_covers_every_generation() {
 }
 
 #[test]
+fn who_feeds_a_watchdog_is_called_after_every_two_candidates_and_every_64_samples_of_a_sweep() {
+    let samples = record(0.9, 0.2);
+    let (mut told, mut worked) = (0, 0);
+    fit::<Fixed>(&samples, STEP, &request(true), |_| told += 1, || worked += 1).unwrap();
+    let (generations, sweeps) = (40, told - 40);
+    // The best of a generation of 16 is not simulated again in the next.
+    assert!(sweeps >= 3, "{sweeps}");
+    assert_eq!(worked, 8 * generations + samples.len().div_ceil(64) * sweeps);
+}
+
+#[test]
 fn nothing_comes_of_nothing() {
-    assert_eq!(fit::<Float>(&record(0.9, 0.0)[..FEWEST - 1], STEP, &request(false), |_| ()), None);
-    assert_eq!(fit::<Float>(&[[0.0, 0.0, 0.0]; 200], STEP, &request(false), |_| ()), None);
+    assert_eq!(fit::<Float>(&record(0.9, 0.0)[..FEWEST - 1], STEP, &request(false), |_| (), || ()), None);
+    assert_eq!(fit::<Float>(&[[0.0, 0.0, 0.0]; 200], STEP, &request(false), |_| (), || ()), None);
 }
 
 #[test]
 fn the_fixed_point_search_leads_to_the_same_motor() {
     let samples = record(0.9, 0.0);
-    let float = fit::<Float>(&samples, STEP, &request(false), |_| ()).unwrap();
-    let fixed = fit::<Fixed>(&samples, STEP, &request(false), |_| ()).unwrap();
+    let float = fit::<Float>(&samples, STEP, &request(false), |_| (), || ()).unwrap();
+    let fixed = fit::<Fixed>(&samples, STEP, &request(false), |_| (), || ()).unwrap();
     // Two ways through the search end within a standard error of each other.
     for (one, other) in [(float.gain, fixed.gain), (float.tau_m, fixed.tau_m), (float.tau_e, fixed.tau_e)] {
         assert!((one.value - other.value).abs() < one.standard_error, "{one:?} and {other:?}");

@@ -34,7 +34,7 @@ static SAMPLES: [Kept; host::SAMPLES.len()] = {
 /// Fits, and compares every byte with the host's fit.  Not inlined: two frames of a fit would fill the RAM.
 #[inline(never)]
 fn agrees<A: Arithmetic>(name: &str, request: &Request, host: &[u8]) -> bool {
-    let Some(here) = fit::<A>(&SAMPLES, host::STEP_S, request, |_| ()) else {
+    let Some(here) = fit::<A>(&SAMPLES, host::STEP_S, request, |_| (), || ()) else {
         hprintln!("{}: no fit", name);
         return false;
     };
