@@ -26,7 +26,8 @@ fn both(effects: &[Effect], seconds: f32, keep_every: u16, request: Request) -> 
     let run = done.remote.run();
     let mut keeper = Keeper::new(run.scaling, keep_every);
     run.samples.iter().for_each(|(_, sample)| keeper.push(sample));
-    let host = fit::<Float>(keeper.samples(), keeper.step_s(), &request, |_| (), || ()).expect("the host fits");
+    let host =
+        fit::<Float>(keeper.samples(), keeper.step_s(), &request, |_| (), || ()).expect("the host fits");
     let answers = done.remote.answers.expect("the board answers").expect("the board fits");
     let Some(FromBoard::Fit(Some(board))) = answers.last() else { panic!("no fit: {answers:?}") };
     (*board, host)
