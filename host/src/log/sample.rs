@@ -221,7 +221,7 @@ pub(super) fn nameless(
 }
 
 /// What a table leaves open in which too little is recognised.
-fn question(sample: &Sample) -> Option<String> {
+pub(super) fn question(sample: &Sample) -> Option<String> {
     let questions = [
         guess::effort_question,
         guess::levels_question,

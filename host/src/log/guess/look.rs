@@ -32,6 +32,8 @@ pub struct Look {
     pub canonical: bool,
     /// What the command line would propose; none where the columns are canonical or too little is recognised.
     pub proposal: Option<Proposal>,
+    /// What the command line would ask of the columns: what is open in its proposal, or why there is none.
+    pub asked: Vec<String>,
     /// What a file that needs no mapping tells of its content, in a sentence; it has no columns to choose from.
     pub told: Option<String>,
     /// The motors of such a file of which one has to be chosen, by `voltage=voltage-MOTOR`; empty where there is no choice.
@@ -162,8 +164,13 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
         }
     }
     let proposal = if canonical { None } else { propose_for(&sample) };
+    let asked = match &proposal {
+        Some(proposal) => proposal.questions(),
+        None if canonical || sample.names.is_empty() => Vec::new(),
+        None => sample::question(&sample).into_iter().collect(),
+    };
     let names = (0..width).map(|k| sample.names.get(k).cloned().unwrap_or_else(|| k.to_string())).collect();
-    Ok(Look { names, rows: sample.texts, kinds, canonical, proposal, ..Look::default() })
+    Ok(Look { names, rows: sample.texts, kinds, canonical, proposal, asked, ..Look::default() })
 }
 
 #[cfg(test)]
@@ -189,6 +196,22 @@ mod tests {
         let proposal = look.proposal.unwrap();
         assert_eq!(proposal.map, "time=t_ms:ms,duty=pwm:255,angle=enc:counts");
         assert!(proposal.supply_volts.is_some() && proposal.counts_per_rev.is_some());
+    }
+
+    #[test]
+    fn what_the_command_line_asks_of_the_columns_comes_with_the_guess() {
+        let table = |header: &str, row: &dyn Fn(u32) -> String| {
+            looked(&format!("{header}\n{}", (0..60).map(row).collect::<String>()))
+        };
+        let look = table("t_ms;pwm;enc", &|k| format!("{};{};{}\n", 10 * k, k % 7 * 30, k * k));
+        assert!(look.asked[0].starts_with("nothing tells the full duty of \"pwm\""), "{:?}", look.asked);
+        assert!(look.asked[1].starts_with("put the number that is full duty"), "{:?}", look.asked);
+        // The counts of a turn have a field of their own.
+        assert_eq!(look.asked.len(), 2, "{:?}", look.asked);
+        let look = table("t_ms;enc", &|k| format!("{};{}\n", 10 * k, k * k));
+        assert!(look.proposal.is_none() && look.asked[0].contains("drove the motor"), "{:?}", look.asked);
+        let look = table("time_s,voltage_v,angle_rad", &|k| format!("{k},{},{k}\n", k % 7));
+        assert!(look.canonical && look.asked.is_empty(), "{:?}", look.asked);
     }
 
     #[test]

@@ -120,6 +120,26 @@ impl Proposal {
         if let Some(volts) = &self.supply_volts {
             all.push(format!("put your supply's voltage in the place of {volts}"));
         }
+        all.extend(self.scales());
+        if let Some(counts) = &self.counts_per_rev {
+            all.push(format!(
+                "put the encoder's counts per turn of the output shaft (after x4 and gearing) in the place of {counts}"
+            ));
+        }
+        if let Some(metres) = &self.metres_per_rev {
+            all.push(format!(
+                "put the metres per turn of the output shaft (a screw's lead, a wheel's circumference) in the place of {metres}"
+            ));
+        }
+        if let Some(rate) = &self.rate {
+            all.push(format!("put your samples per second in the place of {rate}"));
+        }
+        all.join("; ")
+    }
+
+    /// What a person has to put in the place of a scale that is assumed in the mapping itself: full duty, pole pairs, steps of a turn.
+    fn scales(&self) -> Vec<String> {
+        let mut all = Vec::new();
         let duty = self.map.split(',').find_map(|part| part.strip_prefix("duty=")?.rsplit_once(':'));
         // Percent where the column says so; else a pulse-width register may have any number for full duty.
         let is_told = |column: &str, full: &str| {
@@ -142,20 +162,12 @@ impl Proposal {
         if self.map.contains(":rev/4096") {
             all.push("put the steps of one turn of the servo in the place of 4096".into());
         }
-        if let Some(counts) = &self.counts_per_rev {
-            all.push(format!(
-                "put the encoder's counts per turn of the output shaft (after x4 and gearing) in the place of {counts}"
-            ));
-        }
-        if let Some(metres) = &self.metres_per_rev {
-            all.push(format!(
-                "put the metres per turn of the output shaft (a screw's lead, a wheel's circumference) in the place of {metres}"
-            ));
-        }
-        if let Some(rate) = &self.rate {
-            all.push(format!("put your samples per second in the place of {rate}"));
-        }
-        all.join("; ")
+        all
+    }
+
+    /// What is asked of the columns themselves; supply, counts, metres and rate have options of their own.
+    fn questions(&self) -> Vec<String> {
+        [self.unknown_units.clone(), self.scales()].concat()
     }
 }
 

@@ -12,7 +12,7 @@ const TABLE = /\.(csv|txt|tsv|log|dat|json)$/i;
 // The server takes no more at once, bytes.
 const LARGEST = 200000000;
 const tooLarge = (file) => ({ file: file.name, why: "the page takes files up to 200 MB, and this is larger", remedy: "give the file on the command line, motorlens serve FILE, or export the minutes that show the motor" });
-const NOTHING = { names: [], rows: [], kinds: [], motors: [] };
+const NOTHING = { names: [], rows: [], kinds: [], motors: [], asked: [] };
 // What is no text has zero bytes near its beginning; UTF-16 has them too, and says first that it is a text.
 async function isBinary(file) {
   const start = new Uint8Array(await file.slice(0, 4096).arrayBuffer()), mark = start[0] + 256 * start[1];
@@ -34,15 +34,15 @@ function remember(names, value) { try { localStorage.setItem(memoryOf(names), JS
 // What a log must tell.
 const NEEDED = [[/^(time|interval):/, "the time"], [/^(voltage|duty|target):/, "the voltage or duty"], [/^(angle|speed):/, "the angle or speed"]];
 
-function guessed({ names, kinds, canonical, proposal }) {
+function guessed({ names, kinds, canonical, proposal, asked }) {
   if (canonical) return { kinds, words: "The columns have the names that motorlens knows." };
   const before = remembered(names);
   if (before) return { ...before, words: "As you mapped columns of these names before." };
   const lacking = NEEDED.filter(([of]) => !kinds.some((kind) => of.test(kind))).map(([, what]) => what);
-  if (!proposal) return { kinds, words: `${lacking.length ? `Not recognised: ${listed(lacking)}. ` : ""}Say what each column is. Angles and speeds are of the output shaft.` };
+  if (!proposal) return { kinds, asked, words: `${lacking.length ? `Not recognised: ${listed(lacking)}. ` : ""}Say what each column is. Angles and speeds are of the output shaft.` };
   const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev && ((state && state.counts_per_rev) || proposal.counts_per_rev), metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
   const assumed = Object.values(rig).some((value) => value) ? " Put your own figures in the place of those assumed below." : "";
-  return { kinds, rig, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
+  return { kinds, rig, asked, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
 }
 
 // Remedies name the command line's options; here each has its place on the page.
@@ -57,6 +57,32 @@ function onPage(remedy) {
     .replace("with --supply-volts,", again ? 'under "columns" beside the record,' : "where the log is opened,").replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)")
     .replace("--skip and --judge-by take the records by their names", "each of them has its role in the table above")
     .replace(/motorlens fit LOG\.\.\. -e ([\w,]+)/, (_, names) => `have ${listed(names.split(","))} and nothing else in the model (4 Add)`);
+}
+
+// A question of the guess writes columns as --map does; here each is chosen below its name.
+const QUANTITY = /\b(time|interval|voltage|duty|direction|target|angle|speed|current|supply)=([^=,;:"]+):([^\s,;)"]+)/g;
+function askedOnPage(question, names) {
+  const called = (column) => (column === "COLUMN" ? "its column" : `"${names.includes(column) ? column : names[Number(column)] ?? column}"`);
+  const chosen = (_, quantity, column, unit) => {
+    const [one, other] = names.includes(column) ? [column] : column.split("-");
+    return `${called(one)} as ${kindWords(`${quantity}:${unit}`)}` + (other ? ` and ${called(other)} as ${kindWords(quantity + "-:")}` : "");
+  };
+  const label = (option) => { const field = FIELDS.find(([name]) => name === option); return field ? `"${labelOf(field[1])}"` : option; };
+  const said = question.replace(/--map ("[^"]*"|\S+)/g, (_, map) => map.replaceAll('"', "").replaceAll(",", ", ")).replace("direction=COLUMN", "direction=COLUMN:sign").replace(QUANTITY, chosen)
+    .replace(/\b(?:say|write) (?=["i])/g, "choose ").replace(/ (--[a-z-]+) ([\d.]+)/g, (_, option, value) => `, with ${value} in ${label(option)}`).replace(/--[a-z-]+/g, label);
+  return said[0].toUpperCase() + said.slice(1) + ".";
+}
+// A unit that is not in the list, as --map writes it: the dialogue asks for it.
+const OTHER = "other";
+function chooseKind({ target }) {
+  if (target.value === OTHER) {
+    const kind = (prompt("What does the column hold? Write quantity:unit, such as duty:800 for its full duty, speed:rpm*0.1 for a scale, angle:rev/4096.") || "").trim();
+    const known = /^[a-z]+[+-]?:\S+$/.test(kind);
+    if (known && ![...target.options].some((o) => o.value === kind)) target.add(element("option", { value: kind, textContent: kindWords(kind) }), target.options[target.length - 1]);
+    target.value = known ? kind : target.dataset.kind;
+  }
+  target.dataset.kind = target.value;
+  showRaw();
 }
 
 async function openAll(files) {
@@ -90,7 +116,9 @@ async function openAgain(entry) {
   $("log-alike").hidden = !others;
   $("log-all").checked = true;
   $("log-records").hidden = true;
-  showMapping(in_use.file, { ...in_use, words: table.names.length ? "As it is read now. Angles and speeds are of the output shaft." : table.told || "This format tells itself what its columns are." });
+  // What was open in the guess is open still where it was taken as it was.
+  const asked = String(in_use.kinds) === String(table.kinds) ? table.asked : [];
+  showMapping(in_use.file, { ...in_use, asked, words: table.names.length ? "As it is read now. Angles and speeds are of the output shaft." : table.told || "This format tells itself what its columns are." });
 }
 // The dialogue, filled with what was guessed, remembered, or is in use.
 function showMapping(name, guess) {
@@ -103,6 +131,8 @@ function showMapping(name, guess) {
   $("log-motor").replaceChildren(...table.motors.map((motor) => element("option", { value: motor, textContent: motor })));
   if (guess.motor) $("log-motor").value = guess.motor;
   $("log-words").textContent = guess.words;
+  $("log-asked").replaceChildren(...(guess.asked || []).map((question) => element("li", { textContent: askedOnPage(question, table.names) })));
+  $("log-asked").hidden = !$("log-asked").childElementCount;
   const rig = guess.rig || {};
   // What is in use is shown as it is; else what was typed for the file before holds on.
   for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || (again ? "" : $(id).value) || "";
@@ -110,8 +140,8 @@ function showMapping(name, guess) {
   if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft === "output" ? "output" : "";
   const choose = element("tr", {}, ...table.names.map((name, k) => {
     const kind = guess.kinds[k] || "", kinds = KINDS.includes(kind) ? KINDS : [...KINDS, kind];
-    const select = element("select", { className: "column", onchange: showRaw }, ...kinds.map((value) => element("option", { value, textContent: kindWords(value) })));
-    select.value = kind;
+    const select = element("select", { className: "column", onchange: chooseKind }, ...kinds.map((value) => element("option", { value, textContent: kindWords(value) })), element("option", { value: OTHER, textContent: "another unit …" }));
+    select.dataset.kind = select.value = kind;
     select.setAttribute("aria-label", `Column ${k + 1}, ${name}`);
     return element("td", {}, select);
   }));

@@ -74,6 +74,61 @@ fn gear_shaft_and_supply_are_taken_from_the_dialogue_and_changed_after_the_log_w
 }
 
 #[test]
+fn what_the_guess_leaves_open_is_asked_in_the_words_of_the_page_and_any_unit_can_be_given() {
+    let _alone = alone();
+    let directory = tempfile::tempdir().unwrap();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    asked_about(&mut browser, &arduino(directory.path(), "one.csv", 0.0));
+    let asked = browser.text("#log-asked");
+    assert!(asked.contains("Nothing tells the full duty of \"pwm\""), "{asked}");
+    // What the command line writes as duty=pwm:1023 is chosen here.
+    assert!(asked.contains("\"pwm\" as duty of 1023") && !asked.contains("duty="), "{asked}");
+    browser.screenshot("#dialog", "light-0-questions");
+
+    // A full duty that is not in the list.
+    let other = "(() => { const pwm = document.querySelectorAll('#preview select')[1]; pwm.value = 'other'; \
+                 pwm.dispatchEvent(new Event('change')); return pwm.value; })()";
+    for (said, taken) in [("'duty:150'", "duty:150"), ("null", "duty:150"), ("'150'", "duty:150")] {
+        browser.value(&format!("void (globalThis.prompt = () => {said})"));
+        assert_eq!(browser.value(other), taken, "{said}");
+    }
+    assert_eq!(browser.value("mapOf(dropped.table, kindsChosen())"), "time=0:ms,duty=1:150,angle=2:counts");
+    browser.value("$('log-supply').value = '12', $('log-counts').value = '1320'");
+    taken(&mut browser, "one");
+    browser.click("#entries .columns");
+    browser.wait("$('dialog').open");
+    assert_eq!(browser.value("kindsChosen()"), json!(["time:ms", "duty:150", "angle:counts"]));
+    assert_eq!(browser.value("$('log-asked').hidden"), true, "another duty was given than that guessed");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+#[test]
+fn a_command_of_a_question_is_said_as_what_to_choose() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    for (question, said) in [
+        (
+            "\"u\" is taken for millivolts; where it is a duty, write duty=u:9000 --supply-volts 12",
+            "\"u\" is taken for millivolts; where it is a duty, choose \"u\" as duty of 9000, with 12 in \"Supply (V), for a duty\".",
+        ),
+        (
+            "where L is the other side of the same bridge, write duty=R-L:255",
+            "Where L is the other side of the same bridge, choose \"R\" as duty of 255 and \"L\" as taken off the duty: the bridge's other side.",
+        ),
+        (
+            "if it is that, say --map \"time=0:ms,voltage=left mode:V\" --rate 100 where it is volts",
+            "If it is that, choose \"t\" as time in ms, \"left mode\" as voltage in V, with 100 in \"Samples per second\" where it is volts.",
+        ),
+        ("log it (direction=COLUMN)", "Log it (its column as direction in sign)."),
+    ] {
+        let names = json!(["t", "u", "R", "L", "left mode"]);
+        assert_eq!(browser.value(&format!("askedOnPage({}, {names})", json!(question))), said);
+    }
+}
+
+#[test]
 fn a_mapping_is_remembered_and_a_second_file_of_the_same_columns_is_read_as_the_first() {
     let _alone = alone();
     let directory = tempfile::tempdir().unwrap();
