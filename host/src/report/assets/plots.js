@@ -55,17 +55,41 @@ const Plots = (() => {
     }
     u.ctx.restore();
   }
+  // Where words of this size cover the fewest points, lines and other words: above their point, below it, or beside it.
+  function room(u, panel, [x, y], [width, height], taken) {
+    const at = (curve, k) => [u.valToPos(curve.x ? curve.x[k] : k, "x", true), u.valToPos(curve.y[k], "y", true)];
+    const between = ([a, b], [c, d]) => Array.from({ length: 40 }, (_, k) => [a + (k / 40) * (c - a), b + (k / 40) * (d - b)]);
+    const marks = panel.curves.flatMap((curve) => {
+      const points = curve.y.map((v, k) => (v === null ? null : at(curve, k))).filter(Boolean);
+      return points.concat(curve.draw === "points" ? [] : points.slice(1).flatMap((point, k) => between(points[k], point)));
+    });
+    const { left, top } = u.bbox, [right, bottom] = [left + u.bbox.width, top + u.bbox.height], off = 8 * devicePixelRatio;
+    if (panel.floor && panel.floor[0] === panel.floor[1]) marks.push(...between([left, u.valToPos(panel.floor[0], "y", true)], [right, u.valToPos(panel.floor[0], "y", true)]));
+    const [aside, apart] = [off + width / 2, off + height / 2];
+    const covered = ([cx, cy]) => {
+      const near = ([a, b], margin) => Math.abs(a - cx) < width / 2 + margin && Math.abs(b - cy) < height / 2 + margin;
+      const beyond = cx - width / 2 < left || cx + width / 2 > right || cy - height / 2 < top - off || cy + height / 2 > bottom;
+      const words = taken.filter(([a, b, w, h]) => Math.abs(a - cx) < (width + w) / 2 && Math.abs(b - cy) < (height + h) / 2);
+      return marks.filter((mark) => near(mark, off / 4)).length + 100 * (beyond + words.length);
+    };
+    const places = [[0, -apart], [aside, -apart], [-aside, -apart], [0, apart], [aside, apart], [-aside, apart], [aside, 0], [-aside, 0]].map(([dx, dy]) => [x + dx, y + dy]);
+    return places.reduce((best, place) => (covered(place) < covered(best) ? place : best));
+  }
   function say(u, panel, size) {
     u.ctx.save();
     u.ctx.font = `600 ${size * devicePixelRatio}px system-ui, sans-serif`;
     u.ctx.fillStyle = colour("ink");
     u.ctx.textAlign = "center";
+    u.ctx.textBaseline = "middle";
     u.ctx.strokeStyle = colour("surface");
     u.ctx.lineWidth = 3 * devicePixelRatio;
     u.ctx.lineJoin = "round";
+    const taken = [];
     for (const curve of panel.curves) {
       (curve.words || []).forEach((text, k) => {
-        const at = [u.valToPos(k, "x", true), u.valToPos(curve.y[k], "y", true) - 6 * devicePixelRatio];
+        const point = [u.valToPos(k, "x", true), u.valToPos(curve.y[k], "y", true)], box = [u.ctx.measureText(text).width, size * devicePixelRatio];
+        const at = room(u, panel, point, box, taken);
+        taken.push([...at, ...box]);
         u.ctx.strokeText(text, ...at);
         u.ctx.fillText(text, ...at);
       });
@@ -73,7 +97,7 @@ const Plots = (() => {
     if (panel.floor && panel.floor[0] === panel.floor[1]) {
       u.ctx.textAlign = "right";
       u.ctx.fillStyle = colour("floor");
-      const at = [u.bbox.left + u.bbox.width - 4, u.valToPos(panel.floor[0], "y", true) + 16 * devicePixelRatio];
+      const at = [u.bbox.left + u.bbox.width - 4, u.valToPos(panel.floor[0], "y", true) + 12 * devicePixelRatio];
       u.ctx.strokeText("noise level", ...at);
       u.ctx.fillText("noise level", ...at);
     }
@@ -103,8 +127,11 @@ const Plots = (() => {
     if (figure.x.whole) across.incrs = [1, 2, 5, 10];
     if (!last) across.values = (u, splits) => splits.map(() => "");
     if (names.length) {
-      const high = Math.max(...names.map((name) => broken(name, narrow).split("\n").length));
-      Object.assign(across, { splits: () => names.map((_, k) => k), values: (u, splits) => splits.map((k) => broken(names[k], narrow)), grid: { show: false }, size: 18 + 1.5 * size * high });
+      // Names that have no place beside each other stand aslant. A letter is about 0.6 as wide as high.
+      const parts = names.map((name) => broken(name, narrow).split("\n")), letters = (words) => Math.max(...words.map((word) => word.length));
+      const aslant = names.length * (0.6 * size * letters(parts.flat()) + 8) > root.clientWidth - 70;
+      const high = aslant ? 0.45 * size * letters(names) : 1.5 * size * Math.max(...parts.map((part) => part.length));
+      Object.assign(across, { splits: () => names.map((_, k) => k), values: (u, splits) => splits.map((k) => (aslant ? names[k] : parts[k].join("\n"))), grid: { show: false }, size: 18 + high, rotate: aslant ? 45 : 0 });
     }
     if (figure.x.step) across.splits = (u, k, low, high) => { const at = []; for (let v = Math.ceil(low / figure.x.step) * figure.x.step; v <= high; v += figure.x.step) at.push(v); return at; };
     const up = { ...axis, labelFont: titled(panel.y.title, heightOf(panel)), label: panel.y.title, labelSize: 20, size: narrow ? 48 : 58, values: (u, splits) => splits.map(brief) };

@@ -141,6 +141,41 @@ fn every_text_and_curve_stands_out_in_light_and_in_dark() {
 }
 
 #[test]
+fn words_beside_a_point_cover_no_other_point_and_many_names_have_room_on_a_phone() {
+    let _alone = alone();
+    let server = Server::start::<&str>(&[]);
+    let mut browser = opened(&server);
+    browser.size(390, 844, true);
+    browser.value(
+        "void (() => { globalThis.said = {}; const draw = CanvasRenderingContext2D.prototype.fillText;
+            CanvasRenderingContext2D.prototype.fillText = function (text, x, y) { const m = this.getTransform();
+                if (this.canvas.closest('#record-plot')) said[text] = { x: m.a * x + m.c * y + m.e, y: m.b * x + m.d * y + m.f, turned: m.b !== 0, wide: this.measureText(text).width }; draw.call(this, text, x, y); }; })()",
+    );
+    let drawn = |browser: &mut Browser, names: &str| {
+        browser.value(&format!(
+            "void (() => {{ said = {{}}; const names = {names}, y = (v) => names.map(() => v);
+                const panel = {{ y: {{ title: 'Error (1)', log: true, range: [1, 100] }}, height: 240, curves: [
+                    {{ role: 'model', name: 'error', on: 0, draw: 'dotted', y: y(26), words: y('26 x') }}, {{ role: 'base', name: 'usual', on: 0, draw: 'points', y: y(31) }}] }};
+                const figure = {{ id: 'words', title: 'Error', reading: '', x: {{ title: 'Step', log: false, names }}, columns: [names.map((_, k) => k)], panels: [panel] }};
+                const root = document.querySelector('#record-plot'); Plots.show(root, figure), Plots.draw(root); }})()"
+        ));
+        browser.wait("said['26 x'] && said['10'] && said['100']");
+    };
+    drawn(&mut browser, "['base']");
+    // Where the other point is, by the numbers and the name beside the axes.
+    let apart = "(() => { const { x, y, wide } = said['26 x'], other = said['10'].y + (Math.log10(31) - 1) * (said['100'].y - said['10'].y); \
+                 return [Math.abs(x - said.base.x) - wide / 2, Math.abs(y - other) - 6]; })()";
+    let apart: Vec<f64> = serde_json::from_value(browser.value(apart)).unwrap();
+    assert!(apart.iter().any(|distance| *distance > 0.0), "{apart:?}");
+    assert_eq!(browser.value("said.base.turned"), false);
+    drawn(
+        &mut browser,
+        "['base model', '+ dead_zone', '+ lost_counts', '+ coulomb', '+ delay', '+ quadratic_drag']",
+    );
+    assert_eq!(browser.value("said['+ quadratic_drag'].turned && said['+ delay'].turned"), true);
+}
+
+#[test]
 fn an_error_without_end_or_none_at_all_is_drawn_as_far_as_lines_can_be_counted() {
     let _alone = alone();
     let server = Server::start::<&str>(&[]);

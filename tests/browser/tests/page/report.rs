@@ -70,6 +70,11 @@ fn no_table_of_the_report_or_the_page_scrolls_sideways_on_a_phone() {
     browser.size(390, 844, true);
     browser.value("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
     assert_eq!(browser.value(TOO_WIDE), serde_json::json!([]), "the page");
+    // A model with many effects has a long name.
+    browser.value(
+        "void $('against').add(new Option('dead_zone + lost_counts + coulomb + delay + quadratic_drag'))",
+    );
+    assert!(browser.number("document.documentElement.scrollWidth") <= 390.0);
 }
 
 #[test]
