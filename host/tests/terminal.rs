@@ -40,13 +40,14 @@ fn said(directory: &Path, words: &str, columns: usize) -> (String, String) {
 }
 
 /// Quick verbs, each with the verb that it names as the next one.
-const VERBS: [(&str, &str); 17] = [
+const VERBS: [(&str, &str); 18] = [
     ("simulate --hidden 5 --rate 100 --out s", "discover"),
     ("reveal s", "report"),
     ("compare model.json s/prbs.csv --motor s/motor.toml", "diagnose"),
     ("tune model.json --period 0.005", "export"),
     ("export model.json --format c --out motor.c", "tune"),
     ("exam --singles 0 --nothing 1 --pairs 0 --outside 0 --only coulomb", "exam"),
+    ("exam --singles 0 --nothing 1 --pairs 0 --outside 0 --only coulomb --out kept", "simulate"),
     ("exam --benches --cases 1 --bench protocol --write cases", "discover"),
     ("same s/triangle.csv --effects none -- s/prbs.csv", ""),
     ("fit s/triangle.csv --effects coulomb --motor s/motor.toml --out base.json", "diagnose base.json"),
@@ -86,6 +87,14 @@ fn every_verb_ends_with_the_next_command_and_its_lines_fit() {
         let (_, told) = said(directory.path(), words, NARROW);
         ends_with_a_command(words, &told, next);
     }
+}
+
+#[test]
+fn the_manual_ends_with_the_command_that_shows_its_first_page() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let told = said(directory.path(), "man pages", NARROW).1;
+    assert!(told.trim_end().ends_with("next: read the first with\n  man pages/motorlens.1"), "{told}");
+    assert!(directory.path().join("pages/motorlens.1").is_file());
 }
 
 #[test]

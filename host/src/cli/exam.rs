@@ -157,11 +157,16 @@ fn on_benches(args: &Args, console: &Console) -> Result<()> {
     Ok(())
 }
 
-/// Where the answers were kept, or how to keep them.
+/// Where the answers were kept and how to look at such a case, or how to keep them.
 fn next(args: &Args, console: &Console) {
     let kind = if args.benches { " --benches" } else { "" };
     match &args.out {
-        Some(directory) => console.say(format!("table and answers: {}", directory.display())),
+        Some(directory) => {
+            console.say(format!("table and answers: {}", directory.display()));
+            let case =
+                if args.benches { "exam --benches --write cases" } else { "simulate --hidden 1 --out s" };
+            console.next("make logs of such motors", &format!("motorlens {case}"));
+        }
         None => console.next("keep table and answers", &format!("motorlens exam{kind} --out exam")),
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::CommandFactory;
 use clap_complete::Shell;
 
+use super::next::shell;
 use super::{Cli, Console};
 use crate::atomic_file;
 use crate::error::{Error, Result};
@@ -65,5 +66,6 @@ pub fn man(args: &Man, console: &Console) -> Result<()> {
     console.answer(&serde_json::json!({ "schema": 1, "pages": written }), || {
         format!("{} pages in {}", written.len(), args.directory.display())
     });
+    console.next("read the first", &format!("man {}", shell(&args.directory.join("motorlens.1"))));
     Ok(())
 }

@@ -130,7 +130,7 @@ pub fn tune(model: &Model, options: &Options) -> Result<Tuned> {
     if count_v > COARSE * limit_v {
         advice.push(format!(
             "A count of the encoder moves the position's command by {count_v:.2} V of {limit_v:.1} V: a longer period or a larger \
-             phase margin makes it calmer."
+             phase margin makes it gentler."
         ));
     }
     Ok(Tuned { velocity, position, feedforward, loads: loads.told, delay_s, trials, steps, advice })
