@@ -110,6 +110,8 @@ pub fn html(story: &Story) -> Result<String> {
     let data = serde_json::to_string(&figures).unwrap_or_default().replace("</", "<\\/");
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_filter("brief", words::brief);
+    environment.add_filter("unbroken", words::unbroken);
     let fault = |e: minijinja::Error| Error::Io {
         doing: "cannot lay out the report".into(),
         source: std::io::Error::other(e),

@@ -35,6 +35,27 @@ pub struct RecordRow {
     fit_percent: f64,
 }
 
+/// A number as a table shows it: a whole one without decimals.
+pub fn brief(number: f64) -> String {
+    // The sum has no negative zero.
+    (number + 0.0).to_string()
+}
+
+/// `text` in which no line begins with the unit of the number before it.
+pub fn unbroken(text: &str) -> String {
+    let mut told = String::with_capacity(text.len());
+    for (k, word) in text.split(' ').enumerate() {
+        let is_unit = ["%", "x"].contains(&word.trim_end_matches([',', ';', '.']))
+            || word.contains(')') && !word.contains('(');
+        if k > 0 {
+            let joins = is_unit && told.ends_with(|c: char| c.is_ascii_digit());
+            told.push(if joins { '\u{a0}' } else { ' ' });
+        }
+        told += word;
+    }
+    told
+}
+
 /// The errors behind `standing`, in the measured unit.
 pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Standing) -> String {
     // Beside a headline that doubts the last step, all steps together would praise it.
@@ -150,6 +171,15 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
 mod tests {
     use super::*;
     use crate::findings::NextStep;
+
+    #[test]
+    fn whole_numbers_have_no_decimals_and_no_line_begins_with_a_unit() {
+        assert_eq!([3.0, -0.0, 0.37434, 11362.0].map(brief), ["3", "0", "0.37434", "11362"]);
+        assert_eq!(
+            unbroken("Stribeck (1.26 V), delay (35 ms) explain 72 %; 8.1 x the noise in run 2 (old)"),
+            "Stribeck (1.26\u{a0}V), delay (35\u{a0}ms) explain 72\u{a0}%; 8.1\u{a0}x the noise in run 2 (old)"
+        );
+    }
 
     #[test]
     fn a_doubted_step_is_not_praised_with_what_the_steps_before_it_gained() {

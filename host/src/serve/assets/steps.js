@@ -30,7 +30,7 @@ async function showFails() {
 }
 
 // 3 What is missing
-const gain = (c) => [Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "gain of " + c.effect }), ` ${c.gain_percent} %`];
+const gain = (c) => [Object.assign(element("meter", { min: 0, max: 100, value: c.gain_percent }), { ariaLabel: "gain of " + c.effect }), ` ${c.gain_percent}\u00a0%`];
 function candidateRow(c) {
   const add = c.added ? element("span", { className: "tag fit", textContent: "in the model" }) : element("button", { type: "button", className: "add", textContent: "Add", ariaLabel: "Add " + c.effect, onclick: guard(() => ask("/api/add", { effect: c.effect })) });
   const show = element("a", { href: "#card-" + c.effect, title: c.title, onclick: () => { $("card-" + c.effect).open = true; } }, ...breakable(c.effect));
