@@ -217,6 +217,33 @@ fn comments(code: &str) -> String {
 }
 
 #[test]
+fn what_python_says_of_its_functions() {
+    let files = files_below(root().join("python/python"), &["py", "pyi"]);
+    assert!(!files.is_empty());
+    // Sentences stand in documentation strings and behind #.
+    let said = |text: &str| {
+        let spoken = |line: &str| line.contains("\"\"\"") || line.trim_start().starts_with('#');
+        text.lines().map(|line| if spoken(line) { line } else { "" }).collect::<Vec<_>>().join("\n")
+    };
+    free_of_coined_words(files.iter().map(|path| (path.display().to_string(), said(&text_of(path)))));
+}
+
+#[test]
+fn the_comments_of_the_page_and_its_style() {
+    let mut files = Vec::new();
+    for part in ["report/assets", "serve/assets"] {
+        files.extend(files_below(root().join("host/src").join(part), &["js", "css"]));
+    }
+    let own = files.iter().filter(|path| !path.display().to_string().contains("uplot"));
+    // Of the script the lines that are comments; a style has nothing else that could be a sentence.
+    free_of_coined_words(own.map(|path| {
+        let text = text_of(path);
+        let is_style = path.extension().is_some_and(|ending| ending == "css");
+        (path.display().to_string(), if is_style { text } else { comments(&text) })
+    }));
+}
+
+#[test]
 fn the_comments_of_the_sources() {
     let crates =
         ["host", "host/kernel", "host/virtual-motor", "host/bench-motor", "shared", "firmware", "python"];

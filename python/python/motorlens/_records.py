@@ -39,7 +39,7 @@ class Log(Mapping[str, np.ndarray]):
 
     @property
     def warnings(self) -> list[str]:
-        """What was odd about the file, in sentences."""
+        """Data quality problems of the file, in sentences."""
         return self._native.warnings
 
     def __getitem__(self, name: str) -> np.ndarray:

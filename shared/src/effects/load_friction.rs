@@ -1,4 +1,4 @@
-//! Friction in the gear teeth that grows with the torque they pass.
+//! Friction in the gear contact that grows with the torque it passes.
 
 use super::spec::{MESHING, Port, Scale, Spec, shape, strength, Search};
 use super::{Effect, Memory, Now, Setting};
@@ -60,7 +60,7 @@ mod tests {
         close(steady_speed(Kind::LoadFriction, &[share, knee], v), truth, 1e-4);
     }
 
-    /// Teeth lose of the torque that saturated iron leaves: f u - share (f u - knee) = b w / c and v = u + f k w, f: the field's share.
+    /// The gear contact loses of the torque that saturated iron leaves: f u - share (f u - knee) = b w / c and v = u + f k w, f: the field's share.
     #[test]
     fn behind_saturated_iron_the_teeth_pass_less() {
         use crate::simulator::Simulator;

@@ -149,7 +149,7 @@ const Plots = (() => {
       if (panel.y.log) return decades(given || [low, high]);
       if (given) return given;
       const wide = low === null || !Number.isFinite(low) ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true);
-      // While a slider moves the axis gives way but does not jump.
+      // While a slider moves the axis widens but does not jump.
       return entry.still ? [Math.min(wide[0], u.scales.y.min), Math.max(wide[1], u.scales.y.max)] : wide;
     };
     return new uPlot({
