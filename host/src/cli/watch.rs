@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use motorlens_shared::effects::Kind;
 
 use super::{Console, prose, wrap};
 use crate::diagnose::discover::Progress;
@@ -13,18 +14,36 @@ pub fn bar(console: &Console, length: u64, unit: &str) -> ProgressBar {
     if !console.shows_progress() {
         return ProgressBar::hidden();
     }
-    let bar = bar_within(wrap::width());
-    let template = format!("{{bar:{bar}}} {{pos}}/{{len}} {unit} {{elapsed}} {{wide_msg}}");
+    let template = template(wrap::width(), unit);
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(length).with_style(style);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
+/// Narrower terminals have no room for a bar beside a message.
+const NARROW: usize = 60;
+
+/// What stands on the line of progress on a terminal of `width`.
+fn template(width: usize, unit: &str) -> String {
+    let told = format!("{{pos}}/{{len}} {unit} {{elapsed}} {{wide_msg}}");
+    if width < NARROW { told } else { format!("{{bar:{}}} {told}", bar_within(width)) }
+}
+
 /// Columns of the bar on a terminal of `width`: what the longest message leaves, as far as there is anything.
 fn bar_within(width: usize) -> usize {
     let longest = "step 1: trying coulomb_asymmetric".len();
     width.saturating_sub(longest + " 21/21 effects 10s ".len()).clamp(6, 30)
+}
+
+/// What is done in a step of a forward selection: `effect` is tried, or the best one fitted; in as many words as `width` has room for.
+fn doing(width: usize, step: usize, effect: Option<Kind>) -> String {
+    match (width < NARROW, effect) {
+        (true, Some(effect)) => effect.to_string(),
+        (true, None) => "fitting the best".into(),
+        (false, Some(effect)) => format!("step {step}: trying {effect}"),
+        (false, None) => format!("step {step}: fitting the best"),
+    }
 }
 
 /// Watches a forward selection: the bar counts effects tried, every model of its sequence is a line that stays.
@@ -43,11 +62,7 @@ pub fn climb<'a>(
             let step = depth + 1;
             // The last one is tried in a moment; what takes long is what follows.
             let all_tried = bar.length() == Some(bar.position());
-            bar.set_message(if all_tried {
-                format!("step {step}: fitting the best")
-            } else {
-                format!("step {step}: trying {effect}")
-            });
+            bar.set_message(doing(wrap::width(), step, (!all_tried).then_some(effect)));
         }
         Progress::Anew(reading) => {
             if let Some(reading) = reading.speed_in_words() {
@@ -83,8 +98,6 @@ pub fn errors(name: &str, rung: &Rung, unit: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motorlens_shared::effects::Kind;
-
     use super::*;
 
     #[test]
@@ -94,7 +107,22 @@ mod tests {
             let line = bar_within(width) + format!(" 21/21 effects 10s {}", " ".repeat(longest)).len();
             assert!(line <= width, "{line} columns of {width}");
         }
-        assert_eq!(bar_within(40), 6);
         assert_eq!(bar_within(200), 30);
+    }
+
+    #[test]
+    fn a_phone_wide_terminal_shows_the_numbers_and_the_whole_name_and_no_bar() {
+        let counted = template(40, "effects");
+        assert!(counted.starts_with("{pos}/{len} effects"), "{counted}");
+        assert!(template(60, "effects").starts_with("{bar:"));
+        for kind in Kind::ALL {
+            assert_eq!(doing(40, 1, Some(*kind)), kind.to_string());
+            assert!("21/21 effects 10s ".len() + kind.to_string().len() <= 40, "{kind}");
+        }
+        assert_eq!(doing(80, 2, Some(Kind::Delay)), "step 2: trying delay");
+        assert_eq!(
+            [40, 80].map(|width| doing(width, 2, None)),
+            ["fitting the best", "step 2: fitting the best"]
+        );
     }
 }

@@ -179,3 +179,18 @@ pub fn in_words(x: f64, unit: &str) -> String {
     }
     format!("{} {prefix}{unit}", rounded(x * scale, 3))
 }
+
+/// What an error does, in the present: falls, rises, or stays.
+pub const NOW: [&str; 3] = ["falls", "rises", "stays"];
+/// The same in the past.
+pub const PAST: [&str; 3] = ["fell", "rose", "stayed"];
+
+/// How an error went from `before` to `after`, with the words of `NOW` or `PAST`; what is the same in three digits stays.
+pub fn change_in_words(before: f64, after: f64, unit: &str, [falls, rises, stays]: [&str; 3]) -> String {
+    let [old, new] = [before, after].map(|error| in_words(error, unit));
+    if old == new {
+        return format!("{stays} at {old}");
+    }
+    let way = if after > before { rises } else { falls };
+    format!("{way} from {old} to {new}")
+}

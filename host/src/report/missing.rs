@@ -4,7 +4,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::falls::judged;
-use super::figure::{Figure, in_words};
+use super::figure::{Figure, PAST, change_in_words};
 use super::story::Suspect;
 use crate::diagnose::ladder::{Ranked, Rung};
 
@@ -100,10 +100,8 @@ pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -
         |pair| {
             let [before, after] = [&pair[0], &pair[1]].map(|rung| judged(rung).rmse);
             let on = if pair[1].validation.is_some() { "validation records" } else { "the records fitted" };
-            let way = if after < before { "fell" } else { "rose" };
-            let words = [before, after].map(|error| in_words(error, unit));
-            let evidence =
-                format!("when {kind} came in, the error {way} from {} to {} on {on}", words[0], words[1]);
+            let change = change_in_words(before, after, unit, PAST);
+            let evidence = format!("when {kind} came in, the error {change} on {on}");
             ((1.0 - after / before.max(1e-300)).clamp(0.0, 1.0), evidence)
         },
     );

@@ -4,7 +4,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::falls::judged;
-use super::figure::in_words;
+use super::figure::{PAST, change_in_words, in_words};
 use super::story::Story;
 use crate::diagnose::ladder::Rung;
 use crate::findings::{Action, Standing, Yardstick};
@@ -65,15 +65,16 @@ pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Stand
         .any(|step| step.action == Action::Remove);
     let ladder = if doubted { &ladder[ladder.len().saturating_sub(2)..] } else { ladder };
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
-    let error = |m: f64| in_words(m, unit);
     let (before, after) = (judged(first).rmse, judged(last).rmse);
     let on = if last.validation.is_some() { "validation records" } else { "the records fitted" };
     let noise = Yardstick::new(floor, &judged(last), unit).noise_in_words();
     if last.effects.is_empty() {
-        return format!("Simulation error of the base model on {on}: {} rms; {noise}.", error(before));
+        return format!(
+            "Simulation error of the base model on {on}: {} rms; {noise}.",
+            in_words(before, unit)
+        );
     }
-    let way = if after > before { "rose" } else { "fell" };
-    format!("The simulation error on {on} {way} from {} to {} rms; {noise}.", error(before), error(after))
+    format!("The simulation error on {on} {} rms; {noise}.", change_in_words(before, after, unit, PAST))
 }
 
 /// Said where no effect is worth adding: to a model without any (`plain`), or with some.
@@ -179,6 +180,13 @@ mod tests {
             unbroken("Stribeck (1.26 V), delay (35 ms) explain 72 %; 8.1 x the noise in run 2 (old)"),
             "Stribeck (1.26\u{a0}V), delay (35\u{a0}ms) explain 72\u{a0}%; 8.1\u{a0}x the noise in run 2 (old)"
         );
+    }
+
+    #[test]
+    fn an_error_that_is_the_same_in_three_digits_stays() {
+        assert_eq!(change_in_words(0.36304, 0.36296, "rad", PAST), "stayed at 0.363 rad");
+        assert_eq!(change_in_words(0.363, 0.364, "rad", PAST), "rose from 0.363 rad to 0.364 rad");
+        assert_eq!(change_in_words(0.363, 0.0123, "rad", PAST), "fell from 0.363 rad to 12.3 mrad");
     }
 
     #[test]

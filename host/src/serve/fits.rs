@@ -23,7 +23,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
 use crate::fit::layout::Values;
 use crate::report::falls::judged;
-use crate::report::figure::in_words;
+use crate::report::figure::{NOW, change_in_words, in_words};
 use crate::select::fitted::Fitted;
 use crate::select::forward::forward;
 
@@ -153,7 +153,7 @@ fn refit(job: &Job, work: &Work, begin: &Values, change: Change, what: &str) -> 
     let doubt = added
         .filter(|_| rises || !chosen.beats(&work.model, &work.evidence, &work.base))
         .map(|effect| Doubt { effect, rises });
-    let message = format!("{what}: {}{}.", told(&before, &after, work.unit()), at(rise.as_ref()));
+    let message = format!("{what}: {}.", told(&before, &after, rise.as_ref(), work.unit()));
     let open = still_open(job.app, work, added, &chosen);
     let next = NextModel { chosen, shown, rung: after, rise, doubt, open };
     End::Done(
@@ -181,17 +181,13 @@ fn still_open(app: &App, work: &Work, added: Option<Kind>, model: &Fitted) -> Ve
     known.chain(new.filter(|open| open.is_of(model.kinds()))).map(Arc::new).collect()
 }
 
-/// Where the error rose, in words.
-fn at(rise: Option<&Rise>) -> String {
-    rise.map_or_else(String::new, Rise::place)
-}
-
-/// The error before and after, on the records that judge.
-fn told(before: &Rung, after: &Rung, unit: &str) -> String {
+/// The error before and after, on the records that judge, and where it rose.
+fn told(before: &Rung, after: &Rung, rise: Option<&Rise>, unit: &str) -> String {
     let on = if after.validation.is_some() { "on validation records" } else { "on the records fitted" };
     let [old, new] = [before, after].map(|rung| judged(rung).rmse);
-    let way = if new > old { "rises" } else { "falls" };
-    format!("the error {on} {way} from {} to {}", in_words(old, unit), in_words(new, unit))
+    let is_seen = in_words(old, unit) != in_words(new, unit);
+    let place = rise.filter(|_| is_seen).map_or_else(String::new, Rise::place);
+    format!("the error {on} {}{place}", change_in_words(old, new, unit, NOW))
 }
 
 /// Where `after` is worse than `before` on the records that judge.
