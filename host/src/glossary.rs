@@ -152,6 +152,19 @@ mod tests {
         assert!(all.iter().any(|t| t.name == "viscous_share" && t.meaning.contains("back-EMF")));
     }
 
+    /// The page has them below a slider: what follows a colon, comma or semicolon stands in its tooltip.
+    #[test]
+    fn the_first_words_of_a_meaning_tell_the_parameters_of_an_effect_apart() {
+        for kind in Kind::ALL {
+            let first =
+                |meaning: &'static str| meaning.split([':', ';', ',', '.']).next().unwrap_or_default();
+            let all: Vec<&str> = kind.spec().parameters.iter().map(|p| first(p.meaning)).collect();
+            let says =
+                |k: usize| all[k].contains(' ') && !all[k].starts_with("of ") && !all[..k].contains(&all[k]);
+            assert!((0..all.len()).all(says), "{kind}: {all:?}");
+        }
+    }
+
     #[test]
     fn the_names_of_the_base_parameters_are_those_of_the_fit() {
         for name in ["gain", "tau_m", "tau_e", "viscous_share"] {

@@ -33,8 +33,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "no electrical braking at zero command; speed is far from proportional to duty",
     parameters: &[
         // Bridges float in most of the off part or in none; a few per cent are what another equation leaves over.
-        strength("share", "1", "1: floats in all of the off part; 0: brakes", Scale::One, [0.1, 0.5, 1.0]),
-        shape("frequency", "Hz", "of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
+        strength("share", "1", "share of the off part in which the driver floats; in the rest it brakes", Scale::One, [0.1, 0.5, 1.0]),
+        shape("frequency", "Hz", "frequency of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
     ],
     probes: &[
         &[0.4, 300.0], &[0.4, 700.0], &[0.7, 300.0], &[0.7, 700.0], &[1.0, 300.0], &[1.0, 700.0], &[0.7, 4000.0],

@@ -15,10 +15,10 @@ pub(super) const SPEC: Spec = Spec {
     signature: "residual torque against the motor's angle repeats a whole number of times a revolution; slow motion is jerky",
     parameters: &[
         // A quarter of the stall torque at most, several times what poor motors have: what asks for more is something else.
-        strength("sine", "V", "ripple torque, sine part", Scale::Volt, [-3.0, 0.15, 3.0]),
-        strength("cosine", "V", "ripple torque, cosine part", Scale::Volt, [-3.0, 0.15, 3.0]),
-        strength("sine2", "V", "its second harmonic, sine part", Scale::Volt, [-3.0, 0.15, 3.0]),
-        strength("cosine2", "V", "its second harmonic, cosine part", Scale::Volt, [-3.0, 0.15, 3.0]),
+        strength("sine", "V", "sine part of the ripple torque", Scale::Volt, [-3.0, 0.15, 3.0]),
+        strength("cosine", "V", "cosine part of the ripple torque", Scale::Volt, [-3.0, 0.15, 3.0]),
+        strength("sine2", "V", "sine part of its second harmonic", Scale::Volt, [-3.0, 0.15, 3.0]),
+        strength("cosine2", "V", "cosine part of its second harmonic", Scale::Volt, [-3.0, 0.15, 3.0]),
         shown("order", "1", "periods per motor revolution", Scale::One, [1.0, 1.0, 64.0]),
     ],
     // The order and the phase come from the data; these stand in where there is no angle to take them from.

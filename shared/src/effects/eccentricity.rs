@@ -16,8 +16,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "eccentric scale error of rotary encoders",
     signature: "residual angle repeats with every revolution of the encoder's shaft, at any speed, without inertia",
     parameters: &[
-        strength("sine", "rad", "reading error, sine part", Scale::Count, [-60.0, 1.5, 60.0]),
-        strength("cosine", "rad", "reading error, cosine part", Scale::Count, [-60.0, 1.5, 60.0]),
+        strength("sine", "rad", "sine part of the reading error", Scale::Count, [-60.0, 1.5, 60.0]),
+        strength("cosine", "rad", "cosine part of the reading error", Scale::Count, [-60.0, 1.5, 60.0]),
     ],
     probes: &[
         &[1.0, 0.0], &[0.0, 1.0], &[-1.0, 0.0], &[0.0, -1.0],

@@ -33,8 +33,8 @@ pub(super) const SPEC: Spec = Spec {
     signature: "speeds up at once and runs down slowly, also where the voltage is lowered and not taken off",
     parameters: &[
         // A driver brakes or does not; a few per cent are what another equation leaves over.
-        strength("share", "1", "1: never brakes; 0: brakes", Scale::One, [0.1, 0.5, 1.0]),
-        shape("frequency", "Hz", "of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
+        strength("share", "1", "share of the braking voltage that is missing; 1: never brakes", Scale::One, [0.1, 0.5, 1.0]),
+        shape("frequency", "Hz", "frequency of the PWM", Scale::One, [50.0, 500.0, 20_000.0]),
     ],
     probes: &[&[0.5, 500.0], &[1.0, 500.0], &[0.5, 8000.0], &[1.0, 8000.0]],
     search: Search::Damped(0.5),

@@ -16,7 +16,7 @@ pub(super) const SPEC: Spec = Spec {
         strength("level", "V", "friction at speed, as a voltage", Scale::Volt, [0.0, 0.2, 10.0]),
         strength("excess", "V", "break-away level above it", Scale::Volt, [0.0, 0.15, 5.0]),
         shape("speed", "rad/s", "where the excess has fallen to 38 %", Scale::Speed, [0.002, 0.02, 0.2]),
-        shape("tail", "1", "0: the excess falls like a bell, 1: like an exponential", Scale::One, [0.0, 0.4, 1.0]),
+        shape("tail", "1", "shape of the excess: 0 falls like a bell, 1 like an exponential", Scale::One, [0.0, 0.4, 1.0]),
     ],
     probes: &[&[0.2, 0.14, 0.01, 0.4], &[0.2, 0.14, 0.035, 0.4], &[0.7, 0.5, 0.01, 0.4], &[0.7, 0.5, 0.035, 0.4]],
     search: Search::Probes,
