@@ -1,7 +1,7 @@
 //! `simulate` and `reveal`.
 
-use super::Console;
 use super::next::{shell, then};
+use super::{Console, wrap};
 use crate::error::Result;
 use crate::formula::Library;
 use crate::simulate::{self, RevealArgs, SimulateArgs};
@@ -28,7 +28,7 @@ pub fn run(args: &SimulateArgs, library: &Library, console: &Console) -> Result<
 /// Tells what was hidden.
 pub fn reveal(args: &RevealArgs, console: &Console) -> Result<()> {
     let answer = simulate::reveal(args)?;
-    console.list(&answer, || answer.to_string());
+    console.list(&answer, || wrap::listed(&answer.to_string()));
     let directory = shell(&args.directory);
     console.next(
         "see how well its logs show that",

@@ -73,6 +73,13 @@ pub fn wrapped(text: &str, width: usize) -> String {
     lines.join("\n")
 }
 
+/// An error within `width`; a line with options or a command to be pasted stays whole.
+pub fn fault(text: &str, width: usize) -> String {
+    let is_pasted = |line: &str| ["--map ", "motorlens "].iter().any(|part| line.contains(part));
+    let line = |line: &str| if is_pasted(line) { line.to_owned() } else { wrapped(line, width) };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
 /// The words of a line with the blanks after them; a number stays with its unit, and with the other end of its range.
 fn pieces(line: &str) -> Vec<&str> {
     let mut all = Vec::new();
@@ -102,6 +109,17 @@ const COMMANDS: [&str; 2] = ["motorlens ", "cargo "];
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_fits_and_its_options_can_be_pasted() {
+        let text = "error: a.csv: no column is called time_s, voltage_v or duty.\n  \
+                    do: it looks like --map time=t:ms,duty=u:255 --supply-volts 12 (put your supply's voltage in the place of 12)\n      \
+                    duty     u: 36 .. 255  = 0.1412 .. 1 of full duty  ▁▂▄▆████";
+        let told = fault(text, 40);
+        assert!(told.contains("--map time=t:ms,duty=u:255 --supply-volts 12 (put"), "{told}");
+        let wide = told.lines().find(|line| line.chars().count() > 40 && !line.contains("--map"));
+        assert!(wide.is_none() && told.contains("▁▂▄▆████"), "{told}");
+    }
 
     #[test]
     fn a_value_stays_with_its_unit_at_any_width() {
