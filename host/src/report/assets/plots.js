@@ -72,7 +72,7 @@ const Plots = (() => {
       const words = taken.filter(([a, b, w, h]) => Math.abs(a - cx) < (width + w) / 2 && Math.abs(b - cy) < (height + h) / 2);
       return marks.filter((mark) => near(mark, off / 4)).length + 100 * (beyond + words.length);
     };
-    const places = [[0, -apart], [aside, -apart], [-aside, -apart], [0, apart], [aside, apart], [-aside, apart], [aside, 0], [-aside, 0]].map(([dx, dy]) => [x + dx, y + dy]);
+    const places = [[0, -apart], [0, apart], [aside, 0], [-aside, 0], [aside, -apart], [-aside, -apart], [aside, apart], [-aside, apart]].map(([dx, dy]) => [x + dx, y + dy]);
     return places.reduce((best, place) => (covered(place) < covered(best) ? place : best));
   }
   function say(u, panel, size) {
@@ -232,8 +232,10 @@ const Plots = (() => {
   }
   const sizes = new ResizeObserver((entries) => {
     for (const { target } of entries) {
-      const entry = known.get(target);
-      for (const u of entry ? entry.charts : []) if (target.clientWidth && u.width !== target.clientWidth) u.setSize({ width: target.clientWidth, height: u.height });
+      const entry = known.get(target), others = entry && target.clientWidth ? entry.charts.filter((u) => u.width !== target.clientWidth) : [];
+      // Whether names have room beside each other is asked anew.
+      if (others.length && (entry.figure.x.names || []).length) draw(target);
+      else for (const u of others) u.setSize({ width: target.clientWidth, height: u.height });
     }
   });
 

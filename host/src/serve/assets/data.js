@@ -9,7 +9,7 @@ function showData({ entries, can_undo }) {
     const whole = element("button", { type: "button", textContent: "use all", ariaLabel: `Use all of ${e.name} again`, onclick: guard(() => changed({ change: "whole", entry: k })) });
     const cuts = e.cuts.map(([a, b]) => `${short(a)} … ${short(b)}`).join(", ");
     const columns = element("button", { type: "button", className: "columns", textContent: "columns", ariaLabel: `columns of ${e.name}: change how they are read`, onclick: guard(() => openAgain(k)) });
-    return element("tr", { className: "role-" + e.role }, Object.assign(element("th", {}, e.name, ...(e.file === null ? [] : [" ", columns])), { scope: "row" }), element("td", {}, element("fieldset", { className: "roles" }, element("legend", { className: "hidden", textContent: "Role of " + e.name }), ...ROLES.map(role))),
+    return element("tr", { className: "role-" + e.role }, Object.assign(element("th", {}, ...breakable(e.name), ...(e.file === null ? [] : [" ", columns])), { scope: "row" }), element("td", {}, element("fieldset", { className: "roles" }, element("legend", { className: "hidden", textContent: "Role of " + e.name }), ...ROLES.map(role))),
       element("td", { textContent: short(e.seconds) }), element("td", { textContent: e.samples }), element("td", {}, cuts, ...(cuts ? [" ", whole] : [])));
   }));
   showReadAs({ entries });

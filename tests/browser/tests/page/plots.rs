@@ -173,6 +173,9 @@ fn words_beside_a_point_cover_no_other_point_and_many_names_have_room_on_a_phone
         "['base model', '+ dead_zone', '+ lost_counts', '+ coulomb', '+ delay', '+ quadratic_drag']",
     );
     assert_eq!(browser.value("said['+ quadratic_drag'].turned && said['+ delay'].turned"), true);
+    // A phone that is turned has room for them.
+    browser.size(1280, 844, false);
+    browser.wait("!said['+ delay'].turned");
 }
 
 #[test]
