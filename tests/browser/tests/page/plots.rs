@@ -168,14 +168,11 @@ fn words_beside_a_point_cover_no_other_point_and_many_names_have_room_on_a_phone
     let apart: Vec<f64> = serde_json::from_value(browser.value(apart)).unwrap();
     assert!(apart.iter().any(|distance| *distance > 0.0), "{apart:?}");
     assert_eq!(browser.value("said.base.turned"), false);
-    drawn(
-        &mut browser,
-        "['base model', '+ dead_zone', '+ lost_counts', '+ coulomb', '+ delay', '+ quadratic_drag']",
-    );
-    assert_eq!(browser.value("said['+ quadratic_drag'].turned && said['+ delay'].turned"), true);
+    drawn(&mut browser, "['base model', '+ dead_zone', '+ coulomb', '+ quadratic_drag']");
+    assert_eq!(browser.value("said['+ quadratic_drag'].turned && said['+ coulomb'].turned"), true);
     // A phone that is turned has room for them.
     browser.size(1280, 844, false);
-    browser.wait("!said['+ delay'].turned");
+    browser.wait("!said['+ coulomb'].turned");
 }
 
 #[test]
