@@ -151,7 +151,7 @@ impl Station {
             if progress.generation == progress.generations {
                 searched.get_or_insert_with(now);
             }
-            if progress.generation % PROGRESS_EVERY == 0 && outbox.has_room() {
+            if progress.generation.is_multiple_of(PROGRESS_EVERY) && outbox.has_room() {
                 post(outbox, FromBoard::Progress(progress));
             }
             outbox.pump(line);

@@ -153,7 +153,7 @@ mod tests {
     fn a_duty_with_a_direction_beside_it_lost_no_sign() {
         // A lift takes little down and much up; another drive has any level either way.
         for (levels, rows) in [(NEAR, 40), (FAR, 160)] {
-            let sign = |k: usize| if k / rows % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = |k: usize| if (k / rows).is_multiple_of(2) { 1.0 } else { -1.0 };
             let drive = |k: usize| levels[k / 40 % 8];
             let late = |k: usize| k.saturating_sub(4);
             let mut sample = sample(drive, |k| 3.0 * sign(late(k)) * drive(late(k)));
