@@ -21,6 +21,7 @@ mod licences;
 mod links;
 mod peers;
 mod pico;
+mod pico2;
 mod process;
 mod python;
 mod real_logs;

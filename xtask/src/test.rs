@@ -8,7 +8,7 @@ use clap::Args;
 use crate::report::{Count, Report};
 use crate::{
     added_effect, arm, avr, bench, book, browser, cores, examples, exports, features, fuzz, instructions,
-    licences, pico, process, python, shells, sizes,
+    licences, pico, pico2, process, python, shells, sizes,
 };
 
 /// What to run.
@@ -62,6 +62,7 @@ const PARTS: [Part; 22] = [
     ("virtual bench", bench::tests),
     ("Arduino sketch on an emulated Uno", avr::tests),
     ("Pico images and an emulated Pico", pico::tests),
+    ("Pico 2's image on an emulated RP2350", pico2::tests),
     ("browser", browser::tests),
 ];
 
@@ -86,6 +87,7 @@ fn format() -> Result<()> {
         browser::directory(),
         cores::directory(),
         fuzz::directory(),
+        pico2::directory(),
         python::directory(),
     ];
     for directory in std::iter::once(process::root()).chain(beside) {
