@@ -2,11 +2,12 @@
 
 use std::sync::atomic::Ordering;
 
+use rp2350_emu::bus::RESET_PIO0;
 use rp2350_emu::{Config, Emulator, EmulatorBuilder};
 
 use crate::contact::{CONTACT, CONTACT_IRQ};
 use crate::missing::Move;
-use crate::wires::{Beside, Wires};
+use crate::wires::{Beside, PIO_TURNS, Wires};
 
 /// The core's cycles in a second, as the image sets its clock.
 pub const CORE_HZ: u64 = 150_000_000;
@@ -100,8 +101,14 @@ impl Chip {
         }
         core.invalidate_decode_cache_entries(&bus.pending_cache_invalidations);
         bus.pending_cache_invalidations.clear();
+        let resets = bus.resets_state;
+        if self.beside.pio_turns == 0 {
+            bus.resets_state |= 1 << RESET_PIO0;
+        }
+        self.beside.pio_turns = self.beside.pio_turns.saturating_sub(1);
         // The core is where this would take it: what goes on is everything else.
         self.emulator.step().expect("the emulator steps in this thread");
+        self.emulator.bus.resets_state = resets;
         self.cycles += u64::from(TURN);
         self.tick_watchdog();
         if self.beside.watchdog.expired() {
@@ -165,6 +172,7 @@ impl Chip {
     }
 
     fn show_inputs(&mut self) {
+        self.beside.pio_turns = PIO_TURNS;
         self.emulator.bus.gpio_external_mask = INPUTS;
         self.emulator.bus.gpio_external_in.store(self.inputs, Ordering::Relaxed);
     }

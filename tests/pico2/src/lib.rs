@@ -1,7 +1,9 @@
 //! The Raspberry Pi Pico 2's unmodified image on an emulated RP2350.
 
+pub mod board;
 pub mod chip;
 pub mod contact;
+pub mod host;
 mod missing;
 pub mod pins;
 mod registers;

@@ -14,6 +14,11 @@ use crate::watchdog::{WATCHDOG, Watchdog};
 
 /// TIMER0's raw interrupts: where the sampling interrupt takes back what caused it (bit 0, the first alarm).
 const TIMER0_INTR: u32 = 0x400b_003c;
+/// PIO 0, which holds the encoder's counter (RP2350 data sheet 11.7).
+const PIO0: std::ops::Range<u32> = 0x5020_0000..0x5020_0188;
+/// Where it stands between edges and looks at it, it would only look at the lines and offer the same count to a full FIFO: after either it goes
+/// on for so many turns, of which one holds two of its program.
+pub(crate) const PIO_TURNS: u32 = 3;
 /// The tick generators, three registers each (RP2350 data sheet 8.5): their second is the cycles of clk_ref, which is the crystal, to a tick.
 /// The emulator takes them for the core's.
 const TICKS: std::ops::Range<u32> = 0x4010_8000..0x4010_8048;
@@ -35,6 +40,8 @@ pub struct Beside {
     pub nmi_mask: u32,
     /// Interrupts of the sampling timer so far.
     pub beats: u64,
+    /// Turns in which the PIO has to go on.
+    pub(crate) pio_turns: u32,
     /// The instruction that is carried out.
     pub(crate) fetched: u32,
 }
@@ -53,6 +60,10 @@ impl CoreBus for Wires<'_> {
         let own = match register {
             contact::INTR | contact::INTE | contact::INTS => Some(self.beside.contact.read(register)),
             _ if USB.contains(&register) => self.beside.usb.read(register),
+            _ if PIO0.contains(&register) => {
+                self.beside.pio_turns = PIO_TURNS;
+                None
+            }
             _ if WATCHDOG.contains(&register) => Some(self.beside.watchdog.read(register - WATCHDOG.start)),
             _ => None,
         };
@@ -65,6 +76,7 @@ impl CoreBus for Wires<'_> {
             contact::INTR | contact::INTE => return self.beside.contact.write(at, value),
             _ if USB.contains(&register) && self.beside.usb.write(at, value) => return,
             _ if WATCHDOG.contains(&register) => return self.beside.watchdog.write(at, value),
+            _ if PIO0.contains(&register) => self.beside.pio_turns = PIO_TURNS,
             _ if TICKS.contains(&register) && (register - TICKS.start) % 12 == 4 => {
                 return self.bus.write32(at, value * CORE_MHZ / CRYSTAL_MHZ, core);
             }
