@@ -1,8 +1,9 @@
-//! Boards emulated in JavaScript (tests/boards), with the host's program at the other end of their line.
+//! Emulated boards, with the host's program at the other end of their line: a script of tests/boards, or a program of its own.
 
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpStream;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
 use std::time::Duration;
@@ -25,6 +26,19 @@ pub struct Ended {
     pub document: Value,
     /// What the board said when the line was closed.
     pub board: String,
+}
+
+impl Ended {
+    /// Fails where the driver's pins were not off so long after the fault, ms, and from then on.
+    pub fn was_off_within(&self, allowed_ms: &RangeInclusive<f64>) -> Result<()> {
+        let off: f64 = self
+            .board
+            .split("off ")
+            .find_map(|rest| rest.split_once(" ms after the fault")?.0.parse().ok())
+            .with_context(|| format!("the pins were never off: {self:?}"))?;
+        ensure!(allowed_ms.contains(&off), "the pins were off after {off} ms");
+        Ok(())
+    }
 }
 
 /// Runs `motorlens capture --json` with `options` against the board in `script`, which gets `arguments`.
@@ -116,10 +130,10 @@ pub struct Board {
 
 impl Board {
     fn start(script: &str, arguments: &[&OsStr]) -> Result<Self> {
-        prepare()?;
-        let mut node = Command::new("node");
-        node.current_dir(directory()).arg(script).args(arguments).stdout(Stdio::piped());
-        let mut process = node.spawn().with_context(|| format!("cannot start node {script}"))?;
+        process::program()?;
+        let mut emulator = emulator(script)?;
+        emulator.args(arguments).stdout(Stdio::piped());
+        let mut process = emulator.spawn().with_context(|| format!("cannot start {script}"))?;
         let lines = BufReader::new(process.stdout.take().context("piped above")?);
         let mut board = Self { process, lines, port: String::new() };
         let first = board.line()?;
@@ -201,8 +215,11 @@ pub fn scratch(name: &str) -> Result<PathBuf> {
     Ok(directory)
 }
 
-/// Fetches the emulators and builds the host's program.
-fn prepare() -> Result<()> {
+/// What runs a board: node, with the emulators that it needs fetched, or the program itself.
+fn emulator(script: &str) -> Result<Command> {
+    if !script.ends_with(".js") {
+        return Ok(Command::new(script));
+    }
     if !directory().join("node_modules").is_dir() {
         // Not everybody's npm is Debian's.
         if Command::new("npm").arg("--version").output().is_err() {
@@ -210,7 +227,9 @@ fn prepare() -> Result<()> {
         }
         process::run(Command::new("npm").current_dir(directory()).args(["ci", "--no-audit", "--no-fund"]))?;
     }
-    process::program().map(|_| ())
+    let mut node = Command::new("node");
+    node.current_dir(directory()).arg(script);
+    Ok(node)
 }
 
 /// The host's program with these arguments.

@@ -103,7 +103,11 @@ impl Host {
                 }
                 chip.beside.usb.set_up();
                 self.answer.clear();
-                self.stage = if REQUESTS[number][0] & 0x80 == 0 { Stage::Confirm(number) } else { Stage::Data(number) };
+                self.stage = if REQUESTS[number][0] & 0x80 == 0 {
+                    Stage::Confirm(number)
+                } else {
+                    Stage::Data(number)
+                };
             }
             Stage::Data(number) => {
                 let Some(packet) = take(chip, CONTROL_IN, CONTROL_DATA) else { return };

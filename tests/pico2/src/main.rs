@@ -51,7 +51,9 @@ fn serve(board: &mut Board, mut line: TcpStream) -> std::io::Result<()> {
         }
         let said = std::mem::take(&mut board.host.received);
         match line.write_all(&said) {
-            Err(error) if matches!(error.kind(), ErrorKind::BrokenPipe | ErrorKind::ConnectionReset) => return Ok(()),
+            Err(error) if matches!(error.kind(), ErrorKind::BrokenPipe | ErrorKind::ConnectionReset) => {
+                return Ok(());
+            }
             written => written?,
         }
     }

@@ -2,6 +2,8 @@
 //! another that is fetched in its place, or by this file.
 //!
 //! - CPS, of which it takes PRIMASK for FAULTMASK and the other way round (Armv8-M Architecture Reference Manual C2.4.36: I is bit 1, F bit 0).
+//! - VSEL, VMAXNM and VMINNM, in which it looks for the condition and for the lowest bit of the destination at each other's places (C2.4, VSEL: D is
+//!   bit 6 and the condition bits 5 and 4 of the first half).
 //! - Loads and stores with an order (Armv8-M Architecture Reference Manual C2.4, LDA, LDAB, LDAH, STL, STLB, STLH), which it takes for jumps by
 //!   a table. On one core that carries out its instructions in turn the same without an order do the same.
 //! - Two registers of the floating-point unit that are moved as one (VLDM, VSTM, VPUSH, VPOP, VLDR, VSTR and VMOV of a D register), which a unit
@@ -28,6 +30,13 @@ pub fn substitute(first: u16, second: u16) -> Option<[u16; 2]> {
         (0xe8c0, 0xfaf) => 0xf8c0, // STR
         (0xe8c0, 0xf8f) => 0xf880, // STRB
         (0xe8c0, 0xf9f) => 0xf8a0, // STRH
+        _ if first & 0xff00 == 0xfe00
+            && second & 0x0f10 == 0x0a00
+            && (first & 1 << 7 == 0 || first & 0b11 << 4 == 0) =>
+        {
+            let (lowest, condition) = (first >> 6 & 1, first >> 4 & 0b11);
+            return Some([first & 0xff8f | lowest << 4 | condition << 5, second]);
+        }
         _ if [first, second] == ISB => return Some(DSB),
         _ if first & 0xfe00 != 0xec00 || second & 0x0f00 != 0x0b00 => return None,
         _ if moves_one(first) => return Some(NO_MOVE),
@@ -43,7 +52,7 @@ pub fn substitute_short(half: u16) -> u16 {
 
 /// Whether the two halves need be looked at: the first may begin one of these.
 pub fn may_be(first: u16) -> bool {
-    first & 0xffe0 == 0xe8c0 || first == ISB[0] || first & 0xfe00 == 0xec00
+    first & 0xffe0 == 0xe8c0 || first & 0xff00 == 0xfe00 || first == ISB[0] || first & 0xfe00 == 0xec00
 }
 
 /// VMOV, or VLDR and VSTR, of those that move D registers.
@@ -117,6 +126,9 @@ mod tests {
         assert_eq!(substitute(0xe8d9, 0x1faf), Some([0xf8d9, 0x1000]));
         assert_eq!(substitute(0xed2d, 0x8b10), Some([0xed2d, 0x8a10]));
         assert_eq!(substitute(0xed9f, 0xdbd6), Some(NO_MOVE));
+        // vselge.f32 s2, s4, s2 and vselgt.f32 s3, s4, s2 with their bits as the emulator has them.
+        assert_eq!(substitute(0xfe22, 0x1a01), Some([0xfe42, 0x1a01]));
+        assert_eq!(substitute(0xfe72, 0x1a01), Some([0xfe72, 0x1a01]));
     }
 
     #[test]
