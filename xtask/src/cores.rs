@@ -15,8 +15,8 @@ pub fn cortex_m0() -> Result<()> {
     run(arm::CORTEX_M0, "microbit")
 }
 
-/// The Pico 2's core. No emulator runs its image ([`crate::pico`]), so here the logic of the boards' program plays a run on hardware of
-/// memory.
+/// The Pico 2's core, by an emulator that knows all its instructions, as that of the whole chip does not ([`crate::pico2`]): the logic of the
+/// boards' program plays a run on hardware of memory.
 pub fn cortex_m33() -> Result<()> {
     run(arm::CORTEX_M33, "mps2-an505")
 }

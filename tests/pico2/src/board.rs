@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use motorlens_virtual_motor::{Bridge, Motor, VirtualMotor};
 
-use crate::chip::Chip;
+use crate::chip::{CIRCLE, Chip, UNDEFINED};
 use crate::host::Host;
 
 /// So often the motor is advanced and a packet goes each way, s.
@@ -16,10 +16,6 @@ const SILENT_S: f64 = 1.0;
 /// (`jmp x--` leaves an X of 0 as it is; RP2350 data sheet 11.4.2: it is one less in any case). And after how long, s.
 const AHEAD: i64 = 20_000;
 const READY_S: f64 = 0.002;
-/// A jump to itself, an instruction without a meaning, and where they are put: RAM above all that the image uses.
-const SPARE: u32 = 0x2007_ff00;
-const CIRCLE: u32 = 0xe7fe_e7fe;
-const UNDEFINED: u32 = 0xde00_de00;
 /// TIMER0's alarms: a 1 takes one back.
 const ARMED: u32 = 0x400b_0020;
 
@@ -170,18 +166,12 @@ impl Board {
             Fault::None | Fault::Silent => {}
             Fault::Emergency | Fault::Bounce => self.chip.set_contact(true),
             Fault::Dead => self.chip.write(ARMED, 1),
-            Fault::Core => self.go_to(UNDEFINED),
-            Fault::Circle => self.go_to(CIRCLE),
+            Fault::Core => self.chip.go_to(UNDEFINED),
+            Fault::Circle => self.chip.go_to(CIRCLE),
             Fault::Hang => {
-                self.go_to(CIRCLE);
+                self.chip.go_to(CIRCLE);
                 self.chip.core().regs.primask = 1;
             }
         }
-    }
-
-    /// Has the core carry out this instruction from here on.
-    fn go_to(&mut self, instruction: u32) {
-        self.chip.write(SPARE, instruction);
-        self.chip.core().regs.set_pc(SPARE);
     }
 }

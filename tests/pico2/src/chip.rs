@@ -29,6 +29,12 @@ const NMI: u32 = 2;
 const HARD_FAULT: u32 = 3;
 /// Tick generator of the watchdog (RP2350 data sheet 8.5.2): control and cycles to a tick.
 const TICKS_WATCHDOG: u32 = 0x4010_8030;
+/// Where a test puts an instruction: RAM above all that the image uses. Twice a jump to itself, or an instruction without a meaning.
+const SPARE: u32 = 0x2007_ff00;
+/// A program that stands.
+pub const CIRCLE: u32 = 0xe7fe_e7fe;
+/// A fault of the core.
+pub const UNDEFINED: u32 = 0xde00_de00;
 /// Pins of both lines of the encoder, and of the contact.
 const INPUTS: u32 = 0b11 << ENCODER | 1 << CONTACT;
 /// The first of the encoder's.
@@ -191,6 +197,12 @@ impl Chip {
     /// Writes a register or word of memory.
     pub fn write(&mut self, at: u32, value: u32) {
         self.emulator.mmio_write32(at, value);
+    }
+
+    /// Has the core carry out this from here on, instead of its program.
+    pub fn go_to(&mut self, instruction: u32) {
+        self.write(SPARE, instruction);
+        self.core().regs.set_pc(SPARE);
     }
 
     /// The core.
