@@ -157,8 +157,10 @@ impl Board {
             return;
         }
         let core = self.chip.core();
-        // The main loop circles: not a handler, and not within a critical section, out of which interrupts would find what it borrowed.
-        if self.fault == Fault::Circle && (core.regs.ipsr() != 0 || core.regs.primask != 0) {
+        // Not in a handler, nor within a critical section: a loop that circles there keeps what it borrowed from the interrupts, and an alarm that is
+        // taken away is set again.
+        let is_locked = core.regs.ipsr() != 0 || core.regs.primask != 0;
+        if is_locked && matches!(self.fault, Fault::Circle | Fault::Dead) {
             return;
         }
         self.since_s = Some(0.0);

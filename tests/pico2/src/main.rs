@@ -3,6 +3,8 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use motorlens_pico2::board::{Board, STEP_S};
 
@@ -10,6 +12,11 @@ use motorlens_pico2::board::{Board, STEP_S};
 const LOOK_S: f64 = 0.005;
 /// The board runs for so long before the first caller, s.
 const READY_S: f64 = 0.05;
+/// The board's time goes as fast as the emulator runs, the caller's by the wall clock: on a busy machine the caller may get no turn for so long
+/// that the board takes it for gone. Where a driven board has heard nothing for so long, s, its time stands still until it does.
+const SILENCE_S: f64 = 0.15;
+/// After so long a caller is gone indeed.
+const LIMIT: Duration = Duration::from_secs(10);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -37,11 +44,21 @@ fn serve(board: &mut Board, mut line: TcpStream) -> std::io::Result<()> {
     line.set_nodelay(true)?;
     line.set_nonblocking(true)?;
     let mut bytes = [0; 4096];
+    let (mut heard_s, mut waits) = (board.chip.now(), None);
     loop {
         match line.read(&mut bytes) {
             Ok(0) => return Ok(()),
-            Ok(length) => board.host.sending.extend(&bytes[..length]),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Ok(length) => {
+                board.host.sending.extend(&bytes[..length]);
+                (heard_s, waits) = (board.chip.now(), None);
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                let is_silent = board.volts().is_some() && board.chip.now() - heard_s >= SILENCE_S;
+                if is_silent && waits.get_or_insert_with(Instant::now).elapsed() < LIMIT {
+                    sleep(Duration::from_millis(1));
+                    continue;
+                }
+            }
             // The caller has gone without a word.
             Err(error) if error.kind() == ErrorKind::ConnectionReset => return Ok(()),
             Err(error) => return Err(error),
