@@ -92,7 +92,7 @@ impl Move {
         if first & 0xffe0 == 0xec40 {
             return Some(Self { pc, single: 2 * low, to: Place::Registers([vd, rn]), loads: !to_left });
         }
-        let base = if rn == 15 { pc + 4 & !3 } else { core.reg(rn) };
+        let base = if rn == 15 { (pc + 4) & !3 } else { core.reg(rn) };
         let offset = u32::from(second & 0xff) * 4;
         let up = first & 1 << 7 != 0;
         let at = if up { base.wrapping_add(offset) } else { base.wrapping_sub(offset) };

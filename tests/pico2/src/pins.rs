@@ -46,7 +46,7 @@ impl Chip {
     /// The share that the slice makes of the first or the second of its pins.
     fn pwm(&mut self, pin: u32) -> f64 {
         let [control, compare, top] = [0, CC, TOP].map(|register| self.read(PWM_SLICE + register));
-        let compare = if pin % 2 == 0 { compare & 0xffff } else { compare >> 16 };
+        let compare = if pin.is_multiple_of(2) { compare & 0xffff } else { compare >> 16 };
         if control & 1 == 0 { 0.0 } else { (f64::from(compare) / f64::from(top + 1)).min(1.0) }
     }
 
