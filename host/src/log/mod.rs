@@ -41,6 +41,7 @@ pub(crate) mod motion;
 mod newest;
 mod numbered;
 mod numbers;
+mod one_level;
 mod pairs;
 mod preamble;
 mod properties;

@@ -8,6 +8,7 @@ use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
+use super::one_level::one_level;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
@@ -18,7 +19,7 @@ use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::usable::faults_of;
-use super::voltages::{antiphase, duty, is_level, one_level, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, is_level, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, together};
 

@@ -1,4 +1,4 @@
-//! Data quality problems of a voltage: it is a duty, lacks its sign, or has one level only.
+//! Data quality problems of a voltage: it is a duty, or lacks its sign; and whether it has one level only.
 
 use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;
@@ -41,9 +41,9 @@ pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
 }
 
 /// Share of the highest voltage within which two voltages are one level: what a supply sags by and a meter scatters by.
-const SAME_LEVEL: f64 = 0.05;
+pub(super) const SAME_LEVEL: f64 = 0.05;
 /// Share of the samples that may lie beyond: the edges of a step, single readings.
-const BEYOND: f64 = 0.02;
+pub(super) const BEYOND: f64 = 0.02;
 
 /// Whether the voltage of `record` has one level from first to last, within the scatter of a measurement.
 pub(super) fn is_level(record: &Record) -> bool {
@@ -52,39 +52,6 @@ pub(super) fn is_level(record: &Record) -> bool {
     let edge = (BEYOND * volts.len() as f64) as usize;
     volts.sort_by(f64::total_cmp);
     volts.get(volts.len() - 1 - edge).zip(volts.get(edge)).is_some_and(|(high, low)| high - low <= near)
-}
-
-/// At one voltage friction and gain are one number.
-pub(super) fn one_level(records: &[&Record]) -> Option<Warning> {
-    let highest = records.iter().map(|record| peak(&record.voltage_v)).fold(0.0, f64::max);
-    let near = SAME_LEVEL * highest;
-    let mut levels = Vec::new();
-    let (mut coasting, mut all) = (0, 0);
-    for record in records {
-        // What stands before the step is rest.
-        let driven = record.voltage_v.iter().skip_while(|v| v.abs() <= near);
-        for v in driven {
-            all += 1;
-            if v.abs() <= near {
-                coasting += 1;
-            } else {
-                levels.push(*v);
-            }
-        }
-    }
-    levels.sort_by(f64::total_cmp);
-    let edge = (BEYOND * levels.len() as f64) as usize;
-    let (low, high) = (*levels.get(edge)?, *levels.get(levels.len() - 1 - edge)?);
-    let alone = high - low <= near && 50 * coasting < all;
-    (highest > 0.0 && alone).then(|| Warning {
-        place: place_of(records[0], "voltage_v"),
-        what: format!(
-            "one_level: the only voltage that drives the motor is {:.3} V, at which friction cannot be told from the gain: \
-             the gain found is that of this one voltage",
-            levels[levels.len() / 2]
-        ),
-        fix: "add records at other voltages, or one in which the motor runs out (motorlens plan writes a programme)".into(),
-    })
 }
 
 /// Time constant by which a voltage is smoothed before the motion is compared with it, s.
@@ -236,15 +203,5 @@ mod tests {
         assert_eq!(unsigned_motion(&record).unwrap().0, "unsigned_motion");
         record.voltage_v.iter_mut().for_each(|v| *v = v.abs());
         assert_eq!(unsigned_motion(&record), None);
-    }
-
-    #[test]
-    fn one_level_that_was_measured_is_one_level() {
-        let mut record = motor();
-        assert_eq!(one_level(&[&record]), None);
-        record.voltage_v = (0..record.len())
-            .map(|k| 6.0 + 0.1 * ((k * k) as f64).sin() + if k < 10 { -3.0 } else { 0.0 })
-            .collect();
-        assert!(is_level(&record) && one_level(&[&record]).is_some());
     }
 }
