@@ -4,6 +4,7 @@ use super::Record;
 use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
 use super::suspicion::Odd;
+use super::timing::quantile;
 
 /// The voltage must push so many times as hard as what moves the shaft or makes it leave: friction alone holds less ...
 const HARDER: f64 = 1.5;
@@ -15,6 +16,12 @@ const FULL: f64 = 0.6;
 const STAY_S: f64 = 0.1;
 /// A stop yields by this share of the whole way.
 const SOFT: f64 = 0.004;
+/// A drive is unchanged within this share of the highest.
+const SAME: f64 = 0.03;
+/// The motion has not ended at this share of its usual speed under that drive, which is the speed above this share of all: it may have begun
+/// slowly.
+const MOVES_ON: f64 = 0.95;
+const BELOW_USUAL: f64 = 0.75;
 /// Ranges named in a message.
 const NAMED: usize = 4;
 
@@ -34,6 +41,21 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
         .collect();
     let (end, volts) = found.first().map(|(end, (volts, _))| (*end, *volts))?;
     let ranges: Vec<(f64, f64)> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
+    // A driver that was off lets the shaft stand anywhere: hardly twice at one end.
+    let (cause, no_model, instead) = if ranges.len() == 1 {
+        (
+            "it meets a stop, or the driver was off while its command stayed (it stands there once, which does not tell them apart)",
+            "no model has either: leave this time out",
+            "and look into the columns of the log that may tell which it was (command, state, power, enable): log a duty of 0 while the driver is \
+             off, or record a motion that does not reach the stop",
+        )
+    } else {
+        (
+            "it meets a stop",
+            "no model has the stop: leave these times out",
+            "or record a motion that does not reach it",
+        )
+    };
     let more = ranges.len().saturating_sub(NAMED);
     let named: Vec<String> =
         ranges.iter().take(NAMED).map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
@@ -48,17 +70,14 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
         "hard_stop",
         "angle_rad",
         format!(
-            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: it meets a stop, from {}{rest}",
+            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}",
             named.join(", from ")
         ),
-        format!(
-            "no model has the stop: leave these times out with {}, or record a motion that does not reach it",
-            skip.join(" ")
-        ),
+        format!("{no_model} with {}, {instead}", skip.join(" ")),
     ))
 }
 
-/// The highest voltage that pushed against `end`, and when the shaft stood within `near` of it.
+/// The highest voltage that pushed against `end`, and from where its motion ended until when the shaft stood within `near` of it.
 fn stays(
     record: &Record,
     angle: &[f64],
@@ -85,7 +104,8 @@ fn stays(
     let free = moving[moving.len() / 10];
     let at_end = |k: usize| (angle[k] - end).abs() <= near && speed[k].abs() < slow;
     let (mut hardest, mut stay, mut ranges) = (0.0_f64, 0.0, Vec::new());
-    let mut k = 0;
+    let along = |k: usize| speed[k] * outwards;
+    let (mut k, mut left) = (0, 0);
     while k < angle.len() {
         if !at_end(k) {
             k += 1;
@@ -108,10 +128,25 @@ fn stays(
         if push > HARDER * held && push > PUSHES * highest && stands && !lets_through {
             hardest = hardest.max(push);
             stay += until - time[begin];
-            ranges.push((time[begin.saturating_sub(1)], until));
+            let unchanged = |i: &usize| (volts[*i] - volts[begin]).abs() <= SAME * highest;
+            let under_it: Vec<usize> = (left..begin).rev().take_while(unchanged).collect();
+            let from = last_motion(&under_it, along, slow).unwrap_or(begin.saturating_sub(1));
+            ranges.push((time[from], until));
         }
+        left = k;
     }
     (stay > STAY_S).then_some((hardest, ranges))
+}
+
+/// The last sample in which the shaft still moved `along` as it usually did in `samples`, the latest first, of one drive: what follows is its
+/// run-down to where it stands. None where it did not move faster than `slow`.
+fn last_motion(samples: &[usize], along: impl Fn(usize) -> f64, slow: f64) -> Option<usize> {
+    let mut moving: Vec<f64> = samples.iter().map(|k| along(*k)).filter(|w| *w > slow).collect();
+    if moving.is_empty() {
+        return None;
+    }
+    let least = MOVES_ON * quantile(&mut moving, BELOW_USUAL);
+    samples.iter().copied().find(|k| along(*k) >= least)
 }
 
 #[cfg(test)]
@@ -150,8 +185,43 @@ mod tests {
     fn a_stop_is_told_with_its_angle_and_the_options_that_cut_it() {
         let (name, _, why, fix) = hard_stop(&bounded(1.5, 0.5)).unwrap();
         assert_eq!(name, "hard_stop");
-        assert!(why.contains("stands at 1.50 rad at up to 6.0 V"), "{why}");
+        assert!(
+            why.contains("stands at 1.50 rad at up to 6.0 V") && why.contains("it meets a stop, from"),
+            "{why}"
+        );
         assert!(fix.contains("--skip \"a run:") || fix.contains("--skip a run:"), "{fix}");
+    }
+
+    /// A robot that drives faster and faster, and whose driver goes off at the end of its log: its command stays, and the wheels run down.
+    #[test]
+    fn a_shaft_that_stands_once_may_have_lost_its_driver_and_its_run_down_is_left_out_too() {
+        let time_s: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.1).collect();
+        let command = |k: usize| 2.0 * (1 + k / 40) as f64;
+        let (mut w, mut x) = (0.0, 0.0);
+        let angles = (0..200).map(|k| {
+            let driven = if k < 180 { command(k) } else { 0.0 };
+            w += 0.5 * (driven - w);
+            x += 0.1 * w;
+            x
+        });
+        let angle_rad = Some(angles.collect());
+        let voltage_v = (0..200).map(command).collect();
+        let record = Record { name: "run".into(), time_s, voltage_v, angle_rad, ..Record::default() };
+        let (name, _, why, fix) = hard_stop(&record).unwrap();
+        assert!(name == "hard_stop" && why.contains("a stop, or the driver was off"), "{why}");
+        // It ran at full speed until 17.9 s, and the slope over two intervals shows the run-down one sample before.
+        assert!(
+            fix.contains("--skip run:17.8") && fix.contains("..19.900") && fix.contains("enable"),
+            "{fix}"
+        );
+    }
+
+    #[test]
+    fn the_motion_of_a_shaft_that_was_still_getting_faster_ends_where_it_stands() {
+        let along = |k: usize| if k < 20 { 0.5 * k as f64 } else { 0.0 };
+        let samples: Vec<usize> = (0..25).rev().collect();
+        assert_eq!(last_motion(&samples, along, 1.0), Some(19));
+        assert_eq!(last_motion(&samples[..5], along, 1.0), None);
     }
 
     /// One pin of its bridge is wired: it answers one polarity only, and its counts fall under it.
