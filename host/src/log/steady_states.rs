@@ -3,21 +3,69 @@
 use super::motion::correlation;
 use super::units::Quantity;
 
-/// A table of steady states has so many rows at most; a log that begins so has more.
-const MOST_STATES: usize = 200;
+/// A table of steady states has so many levels at most, each once in every sweep; a log of a changing drive has more.
+const MOST_LEVELS: usize = 200;
+/// Fewer rows than this are in an order by chance.
+const FEWEST_ROWS: usize = 5;
 /// Share of its rows in which the drive is another than in the row before.
 const STEPS: f64 = 0.9;
-/// What moves goes with what drives it by at least this correlation.
-const GOES_AT_ONCE: f64 = 0.9;
+/// The speeds come in the order of the drive by at least this rank correlation; levels that move nothing are ties and lower it.
+const IN_ORDER: f64 = 0.9;
+/// A motor follows its drive late: the drive of some rows before leaves less than this share of what is missing of an order, ...
+const LATE: f64 = 0.5;
+/// ... where more than this is missing, which is not rounding.
+const MISSING: f64 = 1e-3;
 
-/// Whether in rows without a clock the drive is another in each and the speed goes with it. What is not driven and stands tells neither.
+/// Whether in rows without a clock the drive is another in each and the speed comes in its order, whatever the curve: that of a
+/// pulse-width drive saturates. What is not driven and stands tells neither. A ramp that never turns keeps the order too, however late
+/// the motor follows it.
 pub(super) fn are_steady_states(drive: &[f64], speed: &[f64]) -> bool {
     let pairs = drive.iter().zip(speed).filter(|(drive, speed)| **drive != 0.0 || **speed != 0.0);
     let (drive, speed): (Vec<f64>, Vec<f64>) = pairs.unzip();
     let steps = drive.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    (2..=MOST_STATES).contains(&drive.len())
+    drive.len() >= FEWEST_ROWS
         && steps as f64 > STEPS * (drive.len() - 1) as f64
-        && correlation(&drive, &speed).abs() > GOES_AT_ONCE
+        && levels(&drive) <= MOST_LEVELS
+        && out_of_order(&drive, &speed) < 1.0 - IN_ORDER
+        && !follows_late(&drive, &speed)
+}
+
+/// How many different values there are.
+fn levels(values: &[f64]) -> usize {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    sorted.len()
+}
+
+/// Whether the speed goes with the drive of rows before better than with that of its own row: the lag of a motion.
+fn follows_late(drive: &[f64], speed: &[f64]) -> bool {
+    let rows = drive.len();
+    (1..=rows / 4).any(|late| {
+        let moved = &speed[late..];
+        let (own, before) = (&drive[late..], &drive[..rows - late]);
+        let missing = out_of_order(own, moved);
+        missing > MISSING && out_of_order(before, moved) < LATE * missing
+    })
+}
+
+/// What is missing of the one order, or of the opposite one: 1 less the magnitude of the rank correlation (Spearman).
+fn out_of_order(a: &[f64], b: &[f64]) -> f64 {
+    1.0 - correlation(&ranks(a), &ranks(b)).abs()
+}
+
+/// The place of each value among all, from 0; of equal ones the mean of their places.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|one, other| values[*one].total_cmp(&values[*other]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut before = 0;
+    for equal in order.chunk_by(|one, other| values[*one] == values[*other]) {
+        let mean = before as f64 + 0.5 * (equal.len() - 1) as f64;
+        equal.iter().for_each(|place| ranks[*place] = mean);
+        before += equal.len();
+    }
+    ranks
 }
 
 /// What is said of them where they are read as rows of a rate all the same; `values` are the columns of the table.
@@ -50,5 +98,49 @@ mod tests {
         let table = [(Quantity::Duty, levels), (Quantity::Speed, settled)];
         assert!(said_beside_rate(&table).unwrap().0.starts_with("steady_states: "));
         assert_eq!(said_beside_rate(&table[..1]), None);
+    }
+
+    /// The speed, in whole rpm, that levels 0 to 254 of a slow pulse-width drive settle at: it saturates long before full duty.
+    fn saturating(level: f64) -> f64 {
+        (523.0 * (1.0 - (-(level - 17.0).max(0.0) / 20.0).exp())).round()
+    }
+
+    #[test]
+    fn a_curve_that_saturates_is_a_table_in_one_sweep_and_in_several() {
+        let sweep: Vec<f64> = (0..128).map(|k| f64::from(2 * k)).collect();
+        let there_and_back: Vec<f64> = sweep.iter().chain(sweep.iter().rev().skip(1)).copied().collect();
+        for levels in [sweep.clone(), sweep.repeat(4), there_and_back] {
+            let settled: Vec<f64> = levels.iter().map(|level| saturating(*level)).collect();
+            assert!(correlation(&levels, &settled) < 0.9);
+            assert!(are_steady_states(&levels, &settled));
+        }
+    }
+
+    /// What a motor with a lag of `tau` rows does under a drive.
+    fn motion(drive: &[f64], tau: f64) -> Vec<f64> {
+        let follows = |speed: &mut f64, volts: &f64| {
+            let settled = 30.0 * (volts.abs() - 0.5).max(0.0).copysign(*volts);
+            *speed += (settled - *speed) * (1.0 - (-1.0 / tau).exp());
+            Some(*speed)
+        };
+        drive.iter().scan(0.0, follows).collect()
+    }
+
+    #[test]
+    fn a_motor_that_follows_a_slow_ramp_or_sweep_late_is_no_table() {
+        let ramp = |k: i32| 0.1 * f64::from(90 - (k - 90).abs());
+        let sine = |k: i32| 6.0 * (0.05 * f64::from(k)).sin();
+        for shape in [&ramp as &dyn Fn(i32) -> f64, &sine] {
+            let drive: Vec<f64> = (0..180).map(shape).collect();
+            for tau in [3.0, 5.0, 10.0] {
+                assert!(!are_steady_states(&drive, &motion(&drive, tau)), "a lag of {tau} rows");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_values_share_their_mean_rank() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, -2.0]), [2.5, 1.0, 2.5, 0.0]);
+        assert_eq!(ranks(&[]), [0.0; 0]);
     }
 }
