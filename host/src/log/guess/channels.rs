@@ -24,7 +24,7 @@ fn is_channel(name: &str) -> bool {
 pub(in crate::log) fn channels_question(sample: &Sample) -> Option<String> {
     let channels: Vec<usize> = (0..sample.names.len()).filter(|k| is_channel(&sample.names[*k])).collect();
     let [first, second, ..] = channels.as_slice() else { return None };
-    let parts = by_numbers::parts(&sample.rows);
+    let parts = by_numbers::parts(&sample.with_units, &sample.rows);
     let of = |quantities: [Quantity; 2]| {
         parts.iter().find(|part| quantities.contains(&part.quantity) && channels.contains(&part.index))
     };

@@ -2,7 +2,7 @@
 
 use super::columns::Part;
 use super::ranges::Range;
-use super::words;
+use super::{symbols, words};
 use crate::log::timing;
 use crate::log::units::{Quantity, Unit};
 
@@ -36,7 +36,8 @@ pub(super) fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     let steps = || rows.windows(2).map(|pair| value(&pair[1]) - value(&pair[0]));
     let counts = words::of(name).iter().any(|word| COUNTERS.contains(&word.as_str()));
     let rises = rows.len() >= FEWEST_TICKS && steps().all(|step| step > 0.0);
-    let is_other = words::of(name).iter().any(|word| NO_CLOCKS.contains(&word.as_str()));
+    let is_other =
+        symbols::is_no_time(name) || words::of(name).iter().any(|word| NO_CLOCKS.contains(&word.as_str()));
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 

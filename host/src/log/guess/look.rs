@@ -129,7 +129,7 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let head = preamble::read(path, &mut input, true)?;
     let sample = sample::read(path, &mut input, &head, SHOWN)?;
     let parts = if sample.names.is_empty() {
-        by_numbers::parts(&sample.rows)
+        by_numbers::parts(&[], &sample.rows)
     } else {
         parts(&sample.with_units, &sample.rows)
     };

@@ -238,7 +238,7 @@ pub(in crate::log) fn numbers_question(sample: &Sample) -> Option<String> {
         let said = words::said(name);
         said.wanted || said.effort || said.quantity.is_some_and(|(of, _)| of != Quantity::Time)
     };
-    let parts = by_numbers::parts(&sample.rows);
+    let parts = by_numbers::parts(&sample.with_units, &sample.rows);
     let is_named = parts.iter().all(|part| part.index < sample.names.len());
     if parts.is_empty() || !is_named || sample.with_units.iter().any(tells) {
         return None;

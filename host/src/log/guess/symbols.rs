@@ -1,5 +1,5 @@
 //! What the symbols of engineers may stand for where the values allow it: `n` is a speed in turns a minute in German and in IEC's letters, `x`
-//! the way of a slide.
+//! the way of a slide; a V with an index is a voltage or a velocity, and a W an angular speed.
 
 use super::ranges::Range;
 use super::words;
@@ -33,9 +33,43 @@ pub(super) fn readings(name: &str, rows: &[Vec<f64>], column: usize) -> Vec<(&'s
     found
 }
 
+/// Whether a name is the letter of a voltage, a velocity or an angular speed, with an index or without: `Vr`, `w_m`. None is a time.
+pub(super) fn is_no_time(name: &str) -> bool {
+    letter(name).is_some()
+}
+
+/// Whether a name is the letter of an angular speed: it drives nothing.
+pub(super) fn is_of_speed(name: &str) -> bool {
+    letter(name).is_some_and(|letter| letter != 'v')
+}
+
+/// The letter of a voltage or a speed that a name is, with one letter of an index or with numbers behind it.
+fn letter(name: &str) -> Option<char> {
+    let (bare, _) = words::bracketed(name);
+    let word = words::of(&bare).concat();
+    let mut letters = word.chars();
+    let first = letters.next().filter(|letter| ['v', 'w', 'ω'].contains(letter))?;
+    (letters.count() <= 1).then_some(first)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_voltage_or_a_speed_by_its_letter_is_no_time_and_a_speed_drives_nothing() {
+        for (name, no_time, speed) in [
+            ("Vr", true, false),
+            ("v_2", true, false),
+            ("Wr [rad/s]", true, true),
+            ("ω1", true, true),
+            ("time_r", false, false),
+            ("value", false, false),
+            ("", false, false),
+        ] {
+            assert_eq!((is_no_time(name), is_of_speed(name)), (no_time, speed), "{name}");
+        }
+    }
 
     #[test]
     fn symbols_are_what_their_values_allow() {

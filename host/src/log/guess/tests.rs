@@ -291,6 +291,19 @@ fn columns_that_no_name_tells_are_proposed_by_their_numbers() {
     assert!(asked.contains("--map time=0:s,voltage=1:V,speed=3:rad/s"), "{asked}");
 }
 
+/// A ramp of the voltage rises as evenly as the clock, and has more values than the speed, which stands at first.
+#[test]
+fn what_is_called_a_time_is_the_clock_and_a_voltage_or_a_speed_by_its_letter_is_none() {
+    let (mut speed, mut rows) = (0.0, Vec::new());
+    for k in 0..100 {
+        let volts = 0.045 * f64::from(k);
+        speed += 0.5 * (4.0 * (volts - 0.5_f64).max(0.0) - speed);
+        rows.push(vec![f64::from(180 + k), volts, speed, f64::from(100 * (k + 1)), 1e6]);
+    }
+    let asked = questions::numbers_question(&sample("id;Vr;Wr;time_r;time_m", rows)).unwrap();
+    assert!(asked.contains("--map time=time_r:ms,voltage=Vr:V,speed=Wr:rad/s"), "{asked}");
+}
+
 #[test]
 fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
     let rows = rows(|k| vec![1.7e9 + (0.01 * k).floor(), (k % 100.0) * 1e7, k.sin(), k.cos()]);

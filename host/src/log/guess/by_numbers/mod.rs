@@ -1,19 +1,20 @@
 //! Which column of a table without names is what, by the course of its numbers alone. It is a guess, and said to be one.
 //!
 //! What rises evenly is the time. Where one column is the change of another, they are speed and angle. What drives the motor has few
-//! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them.
+//! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them. Where some
+//! columns have names, one that is called a time goes before another that rises, and a voltage's or a speed's letter is that of no time.
 
 mod undriven;
 
 pub(in crate::log) use undriven::described;
 
-use super::clocks::is_open_time;
+use super::clocks::{is_open_time, plausible};
 use super::column_units::unit_of;
 use super::columns::Part;
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
 use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;
-use super::{Proposal, Quantity, words, written};
+use super::{Proposal, Quantity, symbols, words, written};
 use crate::log::motion::{peak, span};
 use crate::log::numbered::counts_rows;
 use crate::log::timing::{jitter, median, median_interval};
@@ -33,15 +34,18 @@ const FILLED: f64 = 0.8;
 const WHOLE_VOLTS: f64 = 30.0;
 const VOLTS: f64 = 60.0;
 
-/// What the columns of numbers may be.
-pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
+/// What the columns of numbers may be; `names` are theirs, as far as they have any.
+pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let columns = columns(rows);
-    let Some(found) = Found::in_columns(&columns) else { return Vec::new() };
+    let Some(found) = Found::in_columns(&columns, names) else { return Vec::new() };
     let mut parts = Vec::new();
     let mut add = |quantity: Quantity, index: Option<usize>| {
         let Some(index) = index else { return };
-        let unit = unit_of(quantity, None, &columns[index]);
-        let of_time = || quantity == Quantity::Time && is_open_time(&unit, &columns[index]);
+        let named = names.get(index).filter(|_| quantity == Quantity::Time);
+        let told = named.and_then(|name| words::said(name).unit);
+        let told = told.filter(|unit| plausible(quantity, unit, &columns[index]).is_none());
+        let unit = unit_of(quantity, told, &columns[index]);
+        let of_time = || quantity == Quantity::Time && told.is_none() && is_open_time(&unit, &columns[index]);
         let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
         let guessed = is_open || of_time();
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
@@ -62,7 +66,7 @@ pub(super) fn parts(rows: &[Vec<f64>]) -> Vec<Part> {
 
 /// Options that read a table without names, and what else its columns hold.
 pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
-    let parts = parts(rows);
+    let parts = parts(&[], rows);
     if parts.is_empty() {
         return None;
     }
@@ -100,18 +104,18 @@ struct Found {
 }
 
 impl Found {
-    fn in_columns(columns: &[Vec<f64>]) -> Option<Found> {
+    fn in_columns(columns: &[Vec<f64>], names: &[String]) -> Option<Found> {
         if columns.len() > MOST || columns.first()?.len() < FEWEST {
             return None;
         }
-        let time = clock(columns);
+        let time = clock(columns, names);
         let is_count = time
             .is_some_and(|k| stands_beside_row_numbers(columns, k) && candidates(columns, time).is_empty());
-        Found::by_clock(columns, time.filter(|_| !is_count))
+        Found::by_clock(columns, names, time.filter(|_| !is_count))
     }
 
     /// What is found beside a clock, or without one.
-    fn by_clock(columns: &[Vec<f64>], time: Option<usize>) -> Option<Found> {
+    fn by_clock(columns: &[Vec<f64>], names: &[String], time: Option<usize>) -> Option<Found> {
         let candidates = candidates(columns, time);
         let constant = (0..columns.len()).find(|k| span(&columns[*k]) == 0.0 && columns[*k][0] != 0.0);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
@@ -136,7 +140,9 @@ impl Found {
         let motions = motions(columns, &candidates, time);
         let is_motion = |k: usize| motions.iter().any(|(angle, speed)| [*angle, *speed].contains(&k));
         // Without a clock what rises in every row is the time of an event, or its number.
-        let may_drive = |k: &usize| !is_motion(*k) && (time.is_some() || !only_rises(&columns[*k]));
+        let is_event = |k: usize| time.is_none() && only_rises(&columns[k]);
+        let is_called_speed = |k: usize| names.get(k).is_some_and(|name| symbols::is_of_speed(name));
+        let may_drive = |k: &usize| !is_motion(*k) && !is_event(*k) && !is_called_speed(*k);
         let alike = |drive: usize, k: usize| move_together(&columns[drive], &columns[k]);
         let driving = by_levels(columns, rest.iter().copied().filter(may_drive)).into_iter();
         let (drive, angle, speed) = match chosen {
@@ -161,8 +167,8 @@ impl Found {
     }
 }
 
-/// The column that rises most evenly, but for one that numbers the rows.
-fn clock(columns: &[Vec<f64>]) -> Option<usize> {
+/// The column that rises most evenly, of those that are called a time if any does, but for one that numbers the rows.
+fn clock(columns: &[Vec<f64>], names: &[String]) -> Option<usize> {
     let unevenness = |values: &Vec<f64>| {
         let middle = median_interval(values);
         let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
@@ -174,10 +180,14 @@ fn clock(columns: &[Vec<f64>]) -> Option<usize> {
             && share(&|step| (0.5 * middle..=2.0 * middle).contains(&step)) >= EVEN;
         is_clock.then(|| jitter(values) / middle)
     };
-    let clocks =
-        columns.iter().enumerate().filter(|(_, values)| values.len() >= FEWEST && !counts_rows(values));
-    let clocks = clocks.filter_map(|(k, values)| Some((k, unevenness(values)?)));
-    clocks.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(k, _)| k)
+    let is_called = |k: usize, so: &dyn Fn(&str) -> bool| names.get(k).is_some_and(|name| so(name));
+    let is_time = |name: &str| words::said(name).quantity.is_some_and(|(of, _)| of == Quantity::Time);
+    let may_be = |k: usize, values: &[f64]| {
+        values.len() >= FEWEST && !counts_rows(values) && !is_called(k, &symbols::is_no_time)
+    };
+    let clocks = columns.iter().enumerate().filter(|(k, values)| may_be(*k, values));
+    let clocks = clocks.filter_map(|(k, values)| Some((!is_called(k, &is_time), unevenness(values)?, k)));
+    clocks.min_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))).map(|(_, _, k)| k)
 }
 
 /// Whether what rises evenly in column `k` may be an encoder's count: it stands at times, as no clock does, and another column numbers the

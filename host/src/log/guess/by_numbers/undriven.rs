@@ -9,7 +9,7 @@ use crate::log::units::Quantity;
 /// What is known of columns that are not understood: the one that may be the time, why none drives the motor, and the range of each.
 pub(in crate::log) fn described(rows: &[Vec<f64>]) -> String {
     let columns = columns(rows);
-    let time = clock(&columns);
+    let time = clock(&columns, &[]);
     let ranges: Vec<String> = (0..columns.len().min(MOST)).map(|k| range_of(rows, k)).collect();
     let clock = time.map(|k| format!("column {k} rises evenly and may be the time; ")).unwrap_or_default();
     format!("{clock}{}the columns hold {}", no_drive(&columns, time), ranges.join(", "))
