@@ -33,6 +33,7 @@ mod hexadecimal;
 pub mod hold;
 mod json;
 mod layout;
+mod line_ends;
 mod low_active;
 pub mod mapping;
 mod metadata;

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::fields::{Separator, Splitter, trimmed};
 use super::hexadecimal::Hexadecimal;
 use super::layout::Layout;
+use super::line_ends::read_row;
 use super::numbers::Thousands;
 use super::text::cannot_read;
 use super::{Metadata, beside, properties, rates, sample};
@@ -77,23 +78,25 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let (mut number, mut told, mut bytes) = (0, 0, 0);
     while told < LOOKED_AT_LINES && bytes < LOOKED_AT_BYTES {
         let mut line = String::new();
-        if input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? == 0 {
+        let lines_of_row = read_row(input, &mut line).map_err(|error| cannot_read(path, &error))?;
+        if lines_of_row == 0 {
             break;
         }
-        number += 1;
+        let at = number + 1;
+        number += lines_of_row;
         let text = line.trim();
         if let Some(comment) = remark_in(text).or_else(|| remark_of_semicolon(text).filter(|_| told == 0)) {
             if told == 0 {
                 if text.starts_with('#') {
-                    remember(path, &mut meta, comment, number)?;
+                    remember(path, &mut meta, comment, at)?;
                 }
                 if !is_nothing(comment) {
-                    remark = Some((number, comment.trim().to_owned()));
+                    remark = Some((at, comment.trim().to_owned()));
                 }
             }
         } else if !is_nothing(text) {
             (told, bytes) = (told + 1, bytes + line.len());
-            lines.push((number, line));
+            lines.push((at, line));
         }
     }
     if lines.is_empty() {

@@ -7,6 +7,7 @@ use super::clock::Clock;
 use super::direction;
 use super::fields::trimmed;
 use super::guess::{self, by_numbers};
+use super::line_ends::read_row;
 use super::newest;
 use super::numbers::OfFile;
 use super::preamble::{NAMELESS, Preamble, remark_in};
@@ -94,7 +95,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         take(line, &mut sample);
     }
     let (mut line, mut beyond, mut stride) = (String::new(), 0, 1);
-    while input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
+    while read_row(&mut input, &mut line).map_err(|error| cannot_read(path, &error))? > 0 {
         if sample.rows.len() < GUESSED_FROM {
             take(&line, &mut sample);
         } else {

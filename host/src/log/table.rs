@@ -6,6 +6,7 @@ use std::path::Path;
 use super::bursts::bursts;
 use super::choice::{Choice, Columns, TimeSource};
 use super::clock::Clock;
+use super::line_ends::read_row;
 use super::mapping::Mapping;
 use super::metadata::BEHIND_DUTY;
 use super::newest;
@@ -122,12 +123,18 @@ fn by_clock_or_rate(
         failed = waiting.drain(..).any(|(number, line)| take(number, &line));
     }
     let (mut number, mut line) = (head.read, String::new());
-    while !failed && input.read_line(&mut line).map_err(|error| cannot_read(path, &error))? > 0 {
-        number += 1;
+    while !failed {
+        let lines = read_row(&mut input, &mut line).map_err(|error| cannot_read(path, &error))?;
+        if lines == 0 {
+            break;
+        }
+        // A row is found at its first line.
+        let at = number + 1;
+        number += lines;
         if is_turned {
-            waiting.push((number, std::mem::take(&mut line)));
+            waiting.push((at, std::mem::take(&mut line)));
         } else {
-            failed = take(number, &line);
+            failed = take(at, &line);
             line.clear();
         }
     }
