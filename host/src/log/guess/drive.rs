@@ -134,7 +134,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let sought = if drive.is_some() { [Angle, Speed] } else { [Duty, Voltage] };
     others.retain(|k| !is_of_another(&sample.with_units[*k], &sought));
     if let (None, Some(motion)) = (drive, motion) {
-        others.retain(|k| !is_motion_again(&sample.rows, motion.index, *k));
+        let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]);
+        others.retain(|k| drives(k) && !is_motion_again(&sample.rows, motion.index, *k));
     }
     // The first other column that may be what is absent, and the options for either meaning.
     let meant = |either: &str, or: &str| {
@@ -244,4 +245,33 @@ fn not_driving(sample: &Sample, parts: &[Part], motion: &Part) -> String {
         };
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_an_error_and_what_a_sensor_tells_are_not_offered_as_the_drive() {
+        let asked = |third: &str| {
+            let names = ["Time", "Velocity", third].map(str::to_owned).to_vec();
+            let row = |k: u32| vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31)];
+            let sample = Sample {
+                with_units: names.clone(),
+                names,
+                rows: (0..100).map(row).collect(),
+                texts: Vec::new(),
+                stamped: false,
+                signed: Vec::new(),
+                rate: None,
+            };
+            half_question(&sample).unwrap()
+        };
+        for third in ["Acceleration", "LeftError", "Heading", "clock"] {
+            let asked = asked(third);
+            assert!(asked.contains("no column tells what drove the motor"), "{asked}");
+            assert!(!asked.contains("--map"), "{asked}");
+        }
+        assert!(asked("effect").contains("if \"effect\" is that, say --map "));
+    }
 }

@@ -282,13 +282,27 @@ pub(super) const TARGETS: [&str; 19] = [
 pub(super) const ACTION: &str = "action";
 
 /// ... and one with one of these is of what was wanted otherwise, or made of it.
-pub(super) const WANTED: [&str; 18] = [
-    "demand", "wanted", "error", "err", "erro", "e", "kp", "ki", "kd", "integral", "pid", "term", "terms",
-    "pterm", "iterm", "dterm", "fehler", "erreur",
+pub(super) const WANTED: [&str; 13] = [
+    "demand", "wanted", "e", "kp", "ki", "kd", "integral", "pid", "term", "terms", "pterm", "iterm", "dterm",
 ];
 
-/// Words that end so are of errors too: `poserror`, `spderr`, `Regelfehler`, `Regelabweichung`.
-pub(super) const ERROR_ENDS: [&str; 4] = ["error", "err", "fehler", "abweichung"];
+/// Words that end so are of errors: `error`, `poserror`, `spderr`, `Regelfehler`, `Regelabweichung`.
+pub(super) const ERROR_ENDS: [&str; 6] = ["error", "err", "erro", "erreur", "fehler", "abweichung"];
+
+/// What sensors tell that are no motor's drive: accelerations, how a robot lies, temperatures.
+pub(super) const SENSED: [&str; 11] = [
+    "acceleration",
+    "accel",
+    "acc",
+    "beschleunigung",
+    "heading",
+    "yaw",
+    "pitch",
+    "roll",
+    "temp",
+    "temperature",
+    "temperatur",
+];
 
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
 pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];

@@ -6,7 +6,7 @@ pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
     ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES,
-    TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
+    SENSED, TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -39,6 +39,18 @@ pub struct Said {
 /// Whether a name is that of a gyroscope's axis.
 pub fn is_gyroscope(name: &str) -> bool {
     of(name).iter().any(|word| GYROSCOPE.contains(&word.as_str()))
+}
+
+/// Whether the words of a name say that it is an error.
+fn is_error(words: &[String]) -> bool {
+    words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)))
+}
+
+/// Whether a name says that its column drives nothing, whatever its numbers are: a clock, an error, what a sensor tells.
+pub(super) fn drives_nothing(name: &str) -> bool {
+    let is_time = said(name).quantity.is_some_and(|(of, _)| matches!(of, Time | Interval));
+    let words = of(name);
+    is_time || is_error(&words) || words.iter().any(|word| SENSED.contains(&word.as_str()))
 }
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`, `speed_rpm_x10`.
@@ -78,8 +90,7 @@ pub fn said(name: &str) -> Said {
     let unit_of = unit.map(|(of, _)| of);
     let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let is_made =
-        any_of(&WANTED) || words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)));
+    let is_made = any_of(&WANTED) || is_error(&words);
     let wanted = any_of(&TARGETS) || is_made;
     // A torque that was wanted is no place to go to.
     let target = !effort && (any_of(&TARGETS) || any_of(&[ACTION]));
