@@ -17,8 +17,8 @@ use motorlens_virtual_motor::{Motor, VirtualMotor};
 const SLOW: u64 = 47_000_000;
 /// The sampling interrupt takes the loop for one that hangs after 800 us without a piece of work: it sleeps for 500 of them at most.
 const PIECE_US: u32 = 600;
-/// And when a turn takes 50 ms.
-const TURN_US: u32 = 20_000;
+/// And when a turn takes 50 ms. Two frames beyond repair may come in one, each of which takes 12 ms of the slow core: half of that.
+const TURN_US: u32 = 25_000;
 
 /// A host, and a frame of the greatest length that is damaged beyond repair, again and again.
 struct Babbling {
