@@ -17,7 +17,8 @@ use motorlens_virtual_motor::{Motor, VirtualMotor};
 const SLOW: u64 = 47_000_000;
 /// The sampling interrupt takes the loop for one that hangs after 800 us without a piece of work: it sleeps for 500 of them at most.
 const PIECE_US: u32 = 600;
-/// And when a turn takes 50 ms. Two frames beyond repair may come in one, each of which takes 12 ms of the slow core: half of that.
+/// And when a turn takes 50 ms: half of that. One with a frame beyond repair takes 12 or 23 ms of the slow core; which of them a run meets
+/// depends on the phase of its line, and so changes with the image.
 const TURN_US: u32 = 25_000;
 
 /// A host, and a frame of the greatest length that is damaged beyond repair, again and again.
