@@ -15,6 +15,8 @@ use crate::{arm, emulated, process, uf2};
 /// A programme of 500 samples in each of its four runs.
 const PROGRAMME: [&str; 8] =
     ["--programme", "multisine", "--seconds", "0.5", "--rate", "1000", "--counts-per-rev", COUNTS];
+/// Of which a run outlasts the half second after which a silent host is taken for gone.
+const LONGER: [&str; 2] = ["--seconds", "1"];
 const RATE_HZ: u16 = 1000;
 /// Ticks of full voltage: the core's clock by the frequency of the PWM.
 const TOP: u16 = (150_000_000_u32 / 20_000) as u16;
@@ -56,7 +58,8 @@ pub fn tests() -> Result<Count> {
     for (fault, test, off_ms, told) in FAULTS {
         emulated::case(&mut count, test, || {
             let board = [image.as_os_str(), fault.as_ref()];
-            let ended = emulated::capture(program, &board, &PROGRAMME, &out.join(fault))?;
+            let programme = [&PROGRAMME[..2], &LONGER, &PROGRAMME[4..]].concat();
+            let ended = emulated::capture(program, &board, &programme, &out.join(fault))?;
             ensure!(!ended.success && ended.board.contains("driver off"), "{ended:?}");
             ensure!(ended.document.to_string().contains(told), "{ended:?}");
             ended.was_off_within(&off_ms)
