@@ -7,9 +7,9 @@
 use motorlens_shared::effects::{Kind, Rig, Spec};
 
 use crate::fit::rig::highest_voltage;
-use crate::log::Record;
 use crate::log::guess::{ASSUMED_COUNTS, words};
 use crate::log::units::Quantity;
+use crate::log::{Record, place_of};
 use crate::motor_file::MotorFile;
 use crate::report::figure::in_words;
 use crate::sentence::listed;
@@ -48,12 +48,6 @@ impl Supposed {
     pub fn sentences(&self) -> Option<&str> {
         Some(self.text.trim_start()).filter(|text| !text.is_empty())
     }
-}
-
-/// The `column` of `record`, as a data problem has its place.
-fn place_of(record: &Record, column: &str) -> String {
-    let file = record.path.display().to_string();
-    format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
 
 /// The names of those `effects` that have a property; none where none has.

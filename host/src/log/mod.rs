@@ -106,7 +106,7 @@ pub use record::{Hold, Record, Warning};
 pub(crate) use repair::part;
 pub use samples::FEWEST_SAMPLES;
 pub use still::{breakaway, set_aside_still, still_beside};
-pub(crate) use suspicion::BEYOND_SUPPLY;
+pub(crate) use suspicion::{BEYOND_SUPPLY, place_of};
 pub use suspicion::{data_faults, suspicions};
 pub(crate) use text::{cannot_read, open as open_text};
 pub use together::together;

@@ -79,7 +79,8 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
     found
 }
 
-pub(super) fn place_of(record: &Record, column: &str) -> String {
+/// The `column` of `record`, as a data problem has its place.
+pub(crate) fn place_of(record: &Record, column: &str) -> String {
     let file = record.path.display().to_string();
     format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
 }
