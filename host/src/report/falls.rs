@@ -14,6 +14,11 @@ pub fn judged(rung: &Rung) -> Measures {
     rung.validation.unwrap_or(rung.train)
 }
 
+/// The records that it is of.
+pub(crate) fn judged_on(rung: &Rung) -> &'static str {
+    if rung.validation.is_some() { "validation records" } else { "the records fitted" }
+}
+
 /// What each step is called: the base model, then each effect with the sign of its coming or going.
 pub fn steps(ladder: &[Rung]) -> Vec<String> {
     let mut names = Vec::with_capacity(ladder.len());

@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::falls::judged;
+use super::falls::{judged, judged_on};
 use super::figure::{Figure, PAST, change_in_words};
 use super::story::Suspect;
 use crate::diagnose::ladder::{Ranked, Rung};
@@ -99,7 +99,7 @@ pub fn accepted(kind: Kind, ladder: &[Rung], unit: &str, figures: Vec<Figure>) -
         || (0.0, "it was in the model from the start".into()),
         |pair| {
             let [before, after] = [&pair[0], &pair[1]].map(|rung| judged(rung).rmse);
-            let on = if pair[1].validation.is_some() { "validation records" } else { "the records fitted" };
+            let on = judged_on(&pair[1]);
             let change = change_in_words(before, after, unit, PAST);
             let evidence = format!("when {kind} came in, the error {change} on {on}");
             ((1.0 - after / before.max(1e-300)).clamp(0.0, 1.0), evidence)

@@ -3,7 +3,7 @@
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::falls::judged;
+use super::falls::{judged, judged_on};
 use super::figure::{PAST, change_in_words, in_words};
 use super::story::Story;
 use crate::diagnose::ladder::Rung;
@@ -66,7 +66,7 @@ pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Stand
     let ladder = if doubted { &ladder[ladder.len().saturating_sub(2)..] } else { ladder };
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return String::new() };
     let (before, after) = (judged(first).rmse, judged(last).rmse);
-    let on = if last.validation.is_some() { "validation records" } else { "the records fitted" };
+    let on = judged_on(last);
     let noise = Yardstick::new(floor, &judged(last), unit).noise_in_words();
     if last.effects.is_empty() {
         return format!(

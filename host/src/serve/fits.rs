@@ -22,7 +22,7 @@ use crate::compare::rise::{Rise, worst_rise};
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
 use crate::fit::layout::Values;
-use crate::report::falls::judged;
+use crate::report::falls::{judged, judged_on};
 use crate::report::figure::{NOW, change_in_words, in_words};
 use crate::select::fitted::Fitted;
 use crate::select::forward::forward;
@@ -183,11 +183,10 @@ fn still_open(app: &App, work: &Work, added: Option<Kind>, model: &Fitted) -> Ve
 
 /// The error before and after, on the records that judge, and where it rose.
 fn told(before: &Rung, after: &Rung, rise: Option<&Rise>, unit: &str) -> String {
-    let on = if after.validation.is_some() { "on validation records" } else { "on the records fitted" };
     let [old, new] = [before, after].map(|rung| judged(rung).rmse);
     let is_seen = in_words(old, unit) != in_words(new, unit);
     let place = rise.filter(|_| is_seen).map_or_else(String::new, Rise::place);
-    format!("the error {on} {}{place}", change_in_words(old, new, unit, NOW))
+    format!("the error on {} {}{place}", judged_on(after), change_in_words(old, new, unit, NOW))
 }
 
 /// Where `after` is worse than `before` on the records that judge.
