@@ -30,10 +30,10 @@ fn template(width: usize, unit: &str) -> String {
     if width < NARROW { told } else { format!("{{bar:{}}} {told}", bar_within(width)) }
 }
 
-/// Columns of the bar on a terminal of `width`: what the longest message leaves, as far as there is anything.
+/// Columns of the bar on a terminal of `width`, which is not narrow: what the longest message leaves.
 fn bar_within(width: usize) -> usize {
     let longest = "step 1: trying coulomb_asymmetric".len();
-    width.saturating_sub(longest + " 21/21 effects 10s ".len()).clamp(6, 30)
+    width.saturating_sub(longest + " 21/21 effects 10s ".len()).min(30)
 }
 
 /// What is done in a step of a forward selection: `effect` is tried, or the best one fitted; in as many words as `width` has room for.
