@@ -73,7 +73,10 @@ impl Console {
     /// An error, to the person always and to the program unless it has its document already.
     pub fn fail(&self, error: &Error) {
         let text = format!("error: {error}");
-        let text = wrap::known_width().map_or_else(|| text.clone(), |width| wrap::fault(&text, width));
+        let text = match wrap::known_width() {
+            Some(width) => wrap::fault(&text, width),
+            None => text,
+        };
         let _ = writeln!(std::io::stderr(), "{text}");
         if self.json && !self.answered.get() {
             self.document(&error.to_json());
