@@ -249,6 +249,15 @@ mod tests {
         Bytes::from("ms,u,w\n".to_owned() + &(0..600).map(row).collect::<String>())
     }
 
+    /// The same as a file on this machine, the directory that it is in, and how it is read.
+    fn on_disk(name: &str) -> (tempfile::TempDir, PathBuf, ReadOptions) {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(name);
+        std::fs::write(&path, log()).unwrap();
+        let options = Rig::default().options("time=0:ms,voltage=1:mV,speed=2", ReadOptions::default());
+        (directory, path, options.unwrap())
+    }
+
     fn loaded(names: &[&str], map: &str, rig: &Rig) -> Data {
         let mut data = Data::default();
         for name in names {
@@ -310,11 +319,7 @@ mod tests {
 
     #[test]
     fn records_that_the_command_line_divided_are_divided_alike_when_their_file_is_read_anew() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("run.csv");
-        std::fs::write(&path, log()).unwrap();
-        let options =
-            Rig::default().options("time=0:ms,voltage=1:mV,speed=2", ReadOptions::default()).unwrap();
+        let (_directory, path, options) = on_disk("run.csv");
         let ranges = |text: &str| vec![text.parse().unwrap()];
         let division = Division { skip: ranges("2..3"), judge_by: ranges("run:4..") };
         let parts = read(&path, &options).unwrap().into_iter().flat_map(|r| division.parts(r, false));
@@ -336,11 +341,7 @@ mod tests {
 
     #[test]
     fn a_file_that_was_kept_out_as_a_whole_is_whole_again_when_it_is_read_anew() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("unseen.csv");
-        std::fs::write(&path, log()).unwrap();
-        let options =
-            Rig::default().options("time=0:ms,voltage=1:mV,speed=2", ReadOptions::default()).unwrap();
+        let (_directory, path, options) = on_disk("unseen.csv");
         let division = Division { judge_by: vec!["2..4".parse().unwrap()], ..Division::default() };
         let mut data = Data::new(Vec::new(), read(&path, &options).unwrap(), MotorFile::default());
         data.came_from(&options, &division, &[path]);
