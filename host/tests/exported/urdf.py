@@ -6,8 +6,9 @@ import math, pathlib, re, sys
 import mujoco
 import xml.etree.ElementTree as tree
 
-limit = next(tree.parse(sys.argv[1]).getroot().iter("limit"))
-dynamics = next(tree.parse(sys.argv[1]).getroot().iter("dynamics"))
+described = tree.parse(sys.argv[1]).getroot()
+limit = next(described.iter("limit"))
+dynamics = next(described.iter("dynamics"))
 text = open(sys.argv[1]).read()
 
 
@@ -28,7 +29,7 @@ def controlled(robot):
         assert values == {"min": -most, "max": most}, (name, values)
 
 
-controlled(tree.parse(sys.argv[1]).getroot())
+controlled(described)
 nominal = float(re.search(r"shaft at (\S+) V;", text).group(1))
 armature = float(re.search(r"seen there: (\S+) kg", text).group(1))
 stall = float(limit.get("effort"))
