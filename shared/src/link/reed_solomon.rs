@@ -2,7 +2,7 @@
 //! are found again.
 //!
 //! The field is that of x^8 + x^4 + x^3 + x^2 + 1, the generator's roots are the first powers of 2 from 2^0 on. Decoding is
-//! Berlekamp-Massey begun at the locator of the erasures, a search of the roots, and Forney's values (Blahut, Algebraic Codes
+//! Berlekamp-Massey on the syndromes without the erasures, a search of the roots, and Forney's values (Blahut, Algebraic Codes
 //! for Data Transmission, 2003, sections 7.2 to 7.5). In place and without a heap: both run on boards, where a long word takes
 //! milliseconds. So both call `progress` again and again, at least once for each symbol that they work through another.
 
@@ -115,58 +115,70 @@ pub fn decode(word: &mut [u8], erasures: &[u8], parity: usize, progress: &mut dy
     if syndromes[..parity].iter().all(|syndrome| *syndrome == 0) {
         return true;
     }
-    let Some((locator, wrong)) = locate(&syndromes[..parity], length, erasures, progress) else {
+    // The locator of the lost symbols; a place is the power of 2 that the symbol has in the word's polynomial.
+    let mut is_lost = [false; LONGEST];
+    let mut lost_locator = [0; MOST_PARITY + 1];
+    lost_locator[0] = 1;
+    for (degree, erasure) in (1..).zip(erasures) {
+        progress();
+        let Some(place) = length.checked_sub(1 + usize::from(*erasure)) else { return false };
+        if core::mem::replace(&mut is_lost[place], true) {
+            return false;
+        }
+        let before = lost_locator;
+        add_scaled(&mut lost_locator[..=degree], &before[..degree], exp(place), 1);
+    }
+    let lost_locator = &lost_locator[..=lost];
+    // The syndromes of the wrong symbols alone stand behind the first coefficients of this product.
+    let mut without_lost = [0; MOST_PARITY];
+    add_product(&mut without_lost[..parity], &syndromes[..parity], lost_locator, progress);
+    let Some((locator, wrong)) = locate(&without_lost[lost..parity], progress) else {
         return false;
     };
-    let locator = &locator[..=wrong];
+    let (locator, bad) = (&locator[..=wrong], lost + wrong);
     let mut places = [0; MOST_PARITY];
-    let mut roots = 0;
+    let mut found = 0;
     for place in 0..length {
         progress();
-        if eval(locator, (255 - place) % 255) == 0 {
+        if is_lost[place] || eval(locator, (255 - place) % 255) == 0 {
             // There are no more roots than the degree says.
-            places[roots % MOST_PARITY] = place;
-            roots += 1;
+            places[found % MOST_PARITY] = place;
+            found += 1;
         }
     }
-    if roots != wrong {
+    if found != bad {
         return false;
     }
-    // Forney: values from the product of syndromes and locator, and the locator's formal derivative.
+    // Forney: values from the product of syndromes and the locator of all, and that locator's formal derivative, which has even powers only.
     let mut evaluator = [0; MOST_PARITY];
-    for (shift, coefficient) in locator.iter().enumerate() {
-        progress();
-        add_scaled(&mut evaluator[..parity], &syndromes[..parity], *coefficient, shift);
-    }
-    let mut slope = [0; MOST_PARITY];
-    slope.iter_mut().zip(&locator[1..]).step_by(2).for_each(|(even, coefficient)| *even = *coefficient);
-    for place in &places[..roots] {
+    add_product(&mut evaluator[..bad], &without_lost[..parity], locator, progress);
+    let mut all = [0; MOST_PARITY + 1];
+    add_product(&mut all[..=bad], lost_locator, locator, progress);
+    let mut slope = [0; MOST_PARITY / 2];
+    slope.iter_mut().zip(all[1..].iter().step_by(2)).for_each(|(even, coefficient)| *even = *coefficient);
+    for place in &places[..bad] {
         progress();
         let inverse = (255 - place) % 255;
-        let value = div(eval(&evaluator[..parity], inverse), eval(&slope, inverse));
+        let value = div(eval(&evaluator[..bad], inverse), eval(&slope, 2 * inverse % 255));
         word[length - 1 - place] ^= scaled(value, *place);
     }
     true
 }
 
-/// The polynomial whose roots are the inverse places of all wrong symbols, lowest coefficient first, and its degree.
-fn locate(
-    syndromes: &[u8],
-    length: usize,
-    erasures: &[u8],
-    progress: &mut dyn FnMut(),
-) -> Option<([u8; MOST_PARITY + 1], usize)> {
+/// Adds the product of two polynomials, lowest coefficient first, to `sum`, as far as it has coefficients.
+fn add_product(sum: &mut [u8], one: &[u8], other: &[u8], progress: &mut dyn FnMut()) {
+    for (shift, coefficient) in other.iter().enumerate() {
+        progress();
+        add_scaled(sum, one, *coefficient, shift);
+    }
+}
+
+/// The polynomial whose roots are the inverse places of the wrong symbols that leave these syndromes, lowest coefficient first, and its degree.
+fn locate(syndromes: &[u8], progress: &mut dyn FnMut()) -> Option<([u8; MOST_PARITY + 1], usize)> {
     let mut locator = [0; MOST_PARITY + 1];
     locator[0] = 1;
-    for place in erasures {
-        progress();
-        let power = length.checked_sub(1 + usize::from(*place))?;
-        let before = locator;
-        add_scaled(&mut locator, &before, exp(power), 1);
-    }
-    let lost = erasures.len();
-    let (mut correction, mut degree) = (locator, lost);
-    for step in lost..syndromes.len() {
+    let (mut correction, mut degree) = (locator, 0);
+    for step in 0..syndromes.len() {
         progress();
         let terms = locator.iter().zip(syndromes[..=step].iter().rev());
         let discrepancy = terms.fold(0, |sum, (coefficient, syndrome)| sum ^ mul(*coefficient, *syndrome));
@@ -177,13 +189,13 @@ fn locate(
         }
         let before = locator;
         add_scaled(&mut locator, &correction, discrepancy, 0);
-        if 2 * degree <= step + lost {
-            degree = step + 1 + lost - degree;
+        if 2 * degree <= step {
+            degree = step + 1 - degree;
             correction = before;
             correction.iter_mut().for_each(|coefficient| *coefficient = div(*coefficient, discrepancy));
         }
     }
-    (degree <= syndromes.len() && 2 * degree <= syndromes.len() + lost).then_some((locator, degree))
+    (2 * degree <= syndromes.len()).then_some((locator, degree))
 }
 
 #[cfg(test)]
