@@ -15,6 +15,9 @@ const IN_ORDER: f64 = 0.9;
 const LATE: f64 = 0.5;
 /// ... where more than this is missing, which is not rounding.
 const MISSING: f64 = 1e-3;
+/// The lag is sought in the first rows, so many at most: they go through all levels several times, and the time that it takes grows with the
+/// square of their number.
+const SEARCHED: usize = 5 * MOST_LEVELS;
 
 /// Whether in rows without a clock the drive is another in each and the speed comes in its order, whatever the curve: that of a
 /// pulse-width drive saturates. What is not driven and stands tells neither. A ramp that never turns keeps the order too, however late
@@ -26,7 +29,7 @@ pub(super) fn are_steady_states(drive: &[f64], speed: &[f64]) -> bool {
     drive.len() >= FEWEST_ROWS
         && steps as f64 > STEPS * (drive.len() - 1) as f64
         && levels(&drive) <= MOST_LEVELS
-        && out_of_order(&drive, &speed) < 1.0 - IN_ORDER
+        && out_of_order(&ranks(&drive), &ranks(&speed)) < 1.0 - IN_ORDER
         && !follows_late(&drive, &speed)
 }
 
@@ -40,18 +43,18 @@ fn levels(values: &[f64]) -> usize {
 
 /// Whether the speed goes with the drive of rows before better than with that of its own row: the lag of a motion.
 fn follows_late(drive: &[f64], speed: &[f64]) -> bool {
-    let rows = drive.len();
+    let rows = drive.len().min(SEARCHED);
     (1..=rows / 4).any(|late| {
-        let moved = &speed[late..];
-        let (own, before) = (&drive[late..], &drive[..rows - late]);
-        let missing = out_of_order(own, moved);
-        missing > MISSING && out_of_order(before, moved) < LATE * missing
+        let moved = ranks(&speed[late..rows]);
+        let missing = |drive: &[f64]| out_of_order(&ranks(drive), &moved);
+        let beside_own = missing(&drive[late..rows]);
+        beside_own > MISSING && missing(&drive[..rows - late]) < LATE * beside_own
     })
 }
 
-/// What is missing of the one order, or of the opposite one: 1 less the magnitude of the rank correlation (Spearman).
+/// What two columns of ranks miss of the one order, or of the opposite one: 1 less the magnitude of the rank correlation (Spearman).
 fn out_of_order(a: &[f64], b: &[f64]) -> f64 {
-    1.0 - correlation(&ranks(a), &ranks(b)).abs()
+    1.0 - correlation(a, b).abs()
 }
 
 /// The place of each value among all, from 0; of equal ones the mean of their places.
