@@ -4,7 +4,7 @@ use super::motion::{peak, speed};
 use super::quantum::quantum;
 use super::suspicion::place_of;
 use super::timing::median_interval;
-use super::voltages::{BEYOND, SAME_LEVEL};
+use super::voltages::{SAME_LEVEL, level};
 use super::{Record, Warning};
 
 /// A motor runs out between these shares of its highest speed: above it has hardly begun, below it stands.
@@ -23,17 +23,13 @@ pub(super) fn one_level(records: &[&Record]) -> Option<Warning> {
     let highest = records.iter().map(|record| peak(&record.voltage_v)).fold(0.0, f64::max);
     let near = SAME_LEVEL * highest;
     let volts = records.iter().flat_map(|record| record.voltage_v.iter().copied());
-    let mut levels: Vec<f64> = volts.filter(|v| v.abs() > near).collect();
-    levels.sort_by(f64::total_cmp);
-    let edge = (BEYOND * levels.len() as f64) as usize;
-    let (low, high) = (*levels.get(edge)?, *levels.get(levels.len() - 1 - edge)?);
+    let level = level(volts.filter(|v| v.abs() > near).collect(), near)?;
     let samples: usize = records.iter().map(|record| running_out(record, near)).sum();
-    (high - low <= near && samples < FEWEST).then(|| Warning {
+    (samples < FEWEST).then(|| Warning {
         place: place_of(records[0], "voltage_v"),
         what: format!(
-            "one_level: the only voltage that drives the motor is {:.3} V, at which friction cannot be told from the gain and can be any share of \
-             that voltage: a gain without friction is that of this one voltage, and a friction that is found rests on the start and the stop alone",
-            levels[levels.len() / 2]
+            "one_level: the only voltage that drives the motor is {level:.3} V, at which friction cannot be told from the gain and can be any share \
+             of that voltage: a gain without friction is that of this one voltage, and a friction that is found rests on the start and the stop alone"
         ),
         fix: "add records at other voltages, or one in which the motor runs out over several samples (motorlens plan writes a programme)"
             .into(),

@@ -43,15 +43,19 @@ pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
 /// Share of the highest voltage within which two voltages are one level: what a supply sags by and a meter scatters by.
 pub(super) const SAME_LEVEL: f64 = 0.05;
 /// Share of the samples that may lie beyond: the edges of a step, single readings.
-pub(super) const BEYOND: f64 = 0.02;
+const BEYOND: f64 = 0.02;
 
 /// Whether the voltage of `record` has one level from first to last, within the scatter of a measurement.
 pub(super) fn is_level(record: &Record) -> bool {
-    let mut volts = record.voltage_v.clone();
-    let near = SAME_LEVEL * peak(&volts);
-    let edge = (BEYOND * volts.len() as f64) as usize;
+    level(record.voltage_v.clone(), SAME_LEVEL * peak(&record.voltage_v)).is_some()
+}
+
+/// The middle one of `volts`, V, where they are one level within `near`; of none there is none.
+pub(super) fn level(mut volts: Vec<f64>, near: f64) -> Option<f64> {
     volts.sort_by(f64::total_cmp);
-    volts.get(volts.len() - 1 - edge).zip(volts.get(edge)).is_some_and(|(high, low)| high - low <= near)
+    let edge = (BEYOND * volts.len() as f64) as usize;
+    let (low, middle) = (*volts.get(edge)?, volts[volts.len() / 2]);
+    (volts[volts.len() - 1 - edge] - low <= near).then_some(middle)
 }
 
 /// Time constant by which a voltage is smoothed before the motion is compared with it, s.
