@@ -5,15 +5,13 @@
 //! rest at the full duty: a controller's line goes on to its gain times its set point.
 
 use super::Record;
-use super::motion::{correlation, low_pass, speed};
+use super::motion::{correlation, low_pass, mean, speed};
 use super::remap::remapped;
 use super::suspicion::Odd;
 use super::timing::median_interval;
 use super::units::Quantity;
-use super::voltages::goes_both_ways;
+use super::voltages::{SMOOTHING_S, goes_both_ways};
 
-/// Time constant by which a voltage is smoothed before the motion is compared with it, s.
-const SMOOTHING_S: f64 = 0.1;
 /// Correlation of the smoothed voltage with the magnitude of the speed, at most.
 const SLOWER: f64 = -0.5;
 /// Stretches in which a motor gains speed, s: longer than a motor's time constant and a controller's answer to a noisy reading. The gain is the
@@ -74,10 +72,6 @@ fn standstill(volts: &[f64], speed: &[f64]) -> f64 {
         (across + (v - volt) * (w - middle), along + (w - middle) * (w - middle))
     });
     volt - middle * across / along
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -43,9 +43,13 @@ pub fn low_pass(time_s: &[f64], values: &[f64], tau_s: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Mean value; 0 of none.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
 /// Correlation coefficient of two signals, -1 to 1; 0 if either does not change.
 pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
     cosine(a, b, mean(a), mean(b))
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Metadata;
 use super::mapping::Mapping;
+use super::motion::mean;
 use super::servo::Servo;
 
 /// What the voltage does between two samples.
@@ -112,7 +113,7 @@ impl Record {
 
     /// Voltage of the supply, V: the mean of what was logged of it, else what a duty was multiplied by or what was stated; none where nothing tells it.
     pub fn mean_supply_v(&self) -> Option<f64> {
-        let logged = self.supply_v.as_ref().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
+        let logged = self.supply_v.as_deref().map(mean);
         logged.or_else(|| self.meta.supply_behind_duty()).or_else(|| self.meta.supply_volts())
     }
 }

@@ -8,6 +8,7 @@ use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
+use super::motion::mean;
 use super::one_level::one_level;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
@@ -135,7 +136,7 @@ const LIVELY_S: f64 = 0.02;
 /// Whether the voltage of `record` changes fast enough to tell a shift from friction.
 fn lively(record: &Record) -> bool {
     let (t, v) = (&record.time_s, &record.voltage_v);
-    let mean = v.iter().sum::<f64>() / v.len().max(1) as f64;
+    let mean = mean(v);
     let (mut change, mut all, mut later) = (0.0, 0.0, 0);
     for k in 0..v.len() {
         while later + 1 < v.len() && t[later] < t[k] + LIVELY_S {

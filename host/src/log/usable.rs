@@ -3,7 +3,7 @@
 //! The reader takes every well-formed log. The verbs that fit call [`check_usable`]; a diagnosis lists
 //! [`content_faults`] instead and goes on where it can.
 
-use super::motion::{peak, span, speed};
+use super::motion::{mean, peak, span, speed};
 use super::quantum::quantum;
 use super::refused::other_than_refused;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
@@ -167,7 +167,6 @@ fn turns_against(record: &Record, level: f64) -> bool {
 fn rises(record: &Record) -> bool {
     let motion = speed(record);
     let fifth = motion.len() / 5;
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
     let (first, last, highest) =
         (mean(&motion[..fifth]), mean(&motion[motion.len() - fifth..]), peak(&motion));
     let start = motion.first().copied().unwrap_or_default();

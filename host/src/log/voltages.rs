@@ -59,7 +59,7 @@ pub(super) fn level(mut volts: Vec<f64>, near: f64) -> Option<f64> {
 }
 
 /// Time constant by which a voltage is smoothed before the motion is compared with it, s.
-const SMOOTHING_S: f64 = 0.1;
+pub(super) const SMOOTHING_S: f64 = 0.1;
 /// Share of what goes either way that goes in the less frequent direction, at least.
 const BOTH_WAYS: f64 = 0.1;
 /// Correlation of the voltage with the magnitude of the speed, at least, and how much more that is than with the speed.
