@@ -13,7 +13,6 @@ use super::numbers::OfFile;
 use super::preamble::{NAMELESS, Preamble, remark_in};
 use super::samples::FEWEST_SAMPLES;
 use super::text::cannot_read;
-use super::units::Quantity;
 use super::unsigned;
 use crate::error::{BadInput, Result};
 
@@ -116,10 +115,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         line.clear();
     }
     // A counter may be as large as a stamp: only the name tells a time from it.
-    let is_called_time = |k: usize| {
-        let quantity = sample.names.get(k).and_then(|name| guess::words::said(name).quantity);
-        quantity.is_some_and(|(of, _)| of == Quantity::Time)
-    };
+    let is_called_time = |k: usize| sample.names.get(k).is_some_and(|name| guess::words::is_time(name));
     let is_dated =
         |k: usize| clocked[k] || is_called_time(k) && numbers(&sample.rows, k).all(newest::is_stamp);
     let falls = |k: usize| newest::falls(&numbers(&sample.rows, k).collect::<Vec<_>>());

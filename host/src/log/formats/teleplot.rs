@@ -14,7 +14,6 @@ use crate::log::numbers::number;
 use crate::log::stamped::stamped;
 use crate::log::text::TextReader;
 use crate::log::timing::median_interval;
-use crate::log::units::Quantity;
 
 /// Share of the lines of a file's beginning that are such values, with and without Teleplot's mark.
 const MOST_MARKED: f64 = 0.5;
@@ -152,14 +151,13 @@ fn events(entries: &[Entry]) -> Events {
 fn rows(entries: &[Entry]) -> Result<Table, Fault> {
     let entries: Vec<(String, &str)> =
         entries.iter().filter_map(|entry| Some((titled(entry), entry.values.last()?.1))).collect();
-    let is_time = |name: &String| words::said(name).quantity.is_some_and(|(of, _)| of == Quantity::Time);
     let mut names: Vec<String> = Vec::new();
     for (name, _) in &entries {
         if !names.contains(name) && names.len() < MOST_NAMES {
             names.push(name.clone());
         }
     }
-    let begin = names.iter().find(|name| is_time(name)).or(names.first()).cloned().unwrap_or_default();
+    let begin = names.iter().find(|name| words::is_time(name)).or(names.first()).cloned().unwrap_or_default();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
     let mut count = 0;
     for (name, value) in &entries {

@@ -101,8 +101,7 @@ pub(super) fn other_clock(sample: &Sample, parts: &[Part]) -> Option<String> {
     // `speed.Time` is the clock of one signal, and `volts.Time` that of another.
     let field = |name: &str| name.rsplit('.').next().unwrap_or_default().to_lowercase();
     let is_clock = |k: &usize| {
-        let of_another = field(&sample.names[*k]) == field(name)
-            && words::said(&sample.names[*k]).quantity.is_some_and(|(of, _)| of == Quantity::Time);
+        let of_another = field(&sample.names[*k]) == field(name) && words::is_time(&sample.names[*k]);
         *k != clock && (sample.names[*k] == *name || of_another)
     };
     let other = (0..sample.names.len()).find(|k| is_clock(k) && furthest(k) > SAME_TIME * interval)?;

@@ -41,6 +41,11 @@ pub fn is_gyroscope(name: &str) -> bool {
     of(name).iter().any(|word| GYROSCOPE.contains(&word.as_str()))
 }
 
+/// Whether a name is that of a time.
+pub fn is_time(name: &str) -> bool {
+    said(name).quantity.is_some_and(|(of, _)| of == Time)
+}
+
 /// Whether the words of a name say that it is an error.
 fn is_error(words: &[String]) -> bool {
     words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)))

@@ -181,12 +181,12 @@ fn clock(columns: &[Vec<f64>], names: &[String]) -> Option<usize> {
         is_clock.then(|| jitter(values) / middle)
     };
     let is_called = |k: usize, so: &dyn Fn(&str) -> bool| names.get(k).is_some_and(|name| so(name));
-    let is_time = |name: &str| words::said(name).quantity.is_some_and(|(of, _)| of == Quantity::Time);
     let may_be = |k: usize, values: &[f64]| {
         values.len() >= FEWEST && !counts_rows(values) && !is_called(k, &symbols::is_no_time)
     };
     let clocks = columns.iter().enumerate().filter(|(k, values)| may_be(*k, values));
-    let clocks = clocks.filter_map(|(k, values)| Some((!is_called(k, &is_time), unevenness(values)?, k)));
+    let clocks =
+        clocks.filter_map(|(k, values)| Some((!is_called(k, &words::is_time), unevenness(values)?, k)));
     clocks.min_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))).map(|(_, _, k)| k)
 }
 
