@@ -126,12 +126,13 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let lines =
         TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
     lines.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
-    let mut rows: Vec<Row> = text.lines().filter_map(row).collect();
-    if !are_stamped(&kinds(&rows)) {
-        return Ok(Content::Table(turns(&rows)?));
+    let rows: Vec<Row> = text.lines().filter_map(row).collect();
+    let mut kinds = kinds(&rows);
+    if !are_stamped(&kinds) {
+        return Ok(Content::Table(turns(&rows, &kinds)?));
     }
-    rows.retain(|(_, values)| values.len() > 1);
-    Ok(Content::Events(events(&kinds(&rows))))
+    kinds.values_mut().for_each(|lines| lines.retain(|line| line.len() > 1));
+    Ok(Content::Events(events(&kinds)))
 }
 
 /// The columns of the kinds: the kind, the place of a number among those behind its word, and the name.
@@ -171,8 +172,7 @@ fn events(kinds: &Kinds<'_>) -> Events {
 
 /// A row for every turn of the kinds, which ends where one of them comes again, and before the kind that comes first: a lost line leaves one
 /// field blank, and the rows after it as they are.
-fn turns(rows: &[Row<'_>]) -> Result<Table, Fault> {
-    let kinds = kinds(rows);
+fn turns(rows: &[Row<'_>], kinds: &Kinds<'_>) -> Result<Table, Fault> {
     let rows = || rows.iter().filter(|(tag, _)| kinds.contains_key(tag));
     let first = rows().next().map(|(tag, _)| *tag);
     let mut turns: Vec<BTreeMap<&str, &[f64]>> = Vec::new();
@@ -190,7 +190,7 @@ fn turns(rows: &[Row<'_>]) -> Result<Table, Fault> {
         let numbers = turns.iter().map(|turn| number(turn).unwrap_or(f64::NAN)).collect();
         Column { name, values: Values::Numbers(numbers) }
     };
-    Table::of(columns(&kinds, 0).into_iter().map(column).collect(), Vec::new())
+    Table::of(columns(kinds, 0).into_iter().map(column).collect(), Vec::new())
 }
 
 /// What a second is in these stamps: seconds have fractions, and of whole numbers the large steps are microseconds.
@@ -212,6 +212,16 @@ mod tests {
 
     fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
         (0..count).map(line).collect()
+    }
+
+    /// The records of lines that are told to be of several kinds.
+    fn records(text: &str, map: &str, supply_volts: f64, rate_hz: Option<f64>) -> Vec<Record> {
+        assert!(is(text.as_bytes()));
+        let (_directory, path) = file(text.as_bytes());
+        let map = Some(map.parse().unwrap());
+        let options =
+            ReadOptions { map, supply_volts: Some(supply_volts), rate_hz, ..ReadOptions::default() };
+        read(&path, &options).unwrap()
     }
 
     #[test]
@@ -272,15 +282,7 @@ mod tests {
             let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
             format!("PWM,{duty}\nENC,{},{}\n", 7 * k, -7 * (k as i64))
         });
-        assert!(is(text.as_bytes()));
-        let (_directory, path) = file(text.as_bytes());
-        let options = ReadOptions {
-            map: Some("duty=PWM:255,angle=ENC_0:rev/1000".parse().unwrap()),
-            supply_volts: Some(12.0),
-            rate_hz: Some(200.0),
-            ..ReadOptions::default()
-        };
-        let records = read(&path, &options).unwrap();
+        let records = records(&text, "duty=PWM:255,angle=ENC_0:rev/1000", 12.0, Some(200.0));
         assert_eq!((records.len(), records[0].len()), (1, 400));
         assert!((records[0].time_s[399] - 399.0 / 200.0).abs() < 1e-9);
     }
@@ -294,15 +296,7 @@ mod tests {
             _ => format!("PWM,{}\nENC,{}\n", duty(k), 7 * k),
         });
         let text = format!("WM,3\n{text}");
-        assert!(is(text.as_bytes()));
-        let (_directory, path) = file(text.as_bytes());
-        let options = ReadOptions {
-            map: Some("duty=PWM:255,angle=ENC:rev/1000".parse().unwrap()),
-            supply_volts: Some(255.0),
-            rate_hz: Some(200.0),
-            ..ReadOptions::default()
-        };
-        let records = read(&path, &options).unwrap();
+        let records = records(&text, "duty=PWM:255,angle=ENC:rev/1000", 255.0, Some(200.0));
         let all: usize = records.iter().map(Record::len).sum();
         assert!(all > 390, "{all}");
         let volts = records.iter().flat_map(|record| record.voltage_v.iter());
@@ -326,14 +320,7 @@ mod tests {
             format!("P:{},{duty}\n{counts}\n", 1000 + 10 * k)
         });
         let text = format!("0,55\nE:10\n{text}");
-        assert!(is(text.as_bytes()));
-        let (_directory, path) = file(text.as_bytes());
-        let options = ReadOptions {
-            map: Some("time=stamp:ms,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
-            supply_volts: Some(12.0),
-            ..ReadOptions::default()
-        };
-        let records = read(&path, &options).unwrap();
+        let records = records(&text, "time=stamp:ms,duty=pwm:255,angle=enc:rev/1000", 12.0, None);
         let all: usize = records.iter().map(|record| record.len()).sum();
         assert!(all > 390, "{all}");
     }
