@@ -50,6 +50,21 @@ impl Sample {
         }
         sample
     }
+
+    /// A table of which nothing is known but its names, parted by semicolons, and its rows.
+    #[cfg(test)]
+    pub fn of(header: &str, rows: Vec<Vec<f64>>) -> Sample {
+        let names: Vec<String> = header.split(';').map(str::to_owned).collect();
+        Sample {
+            with_units: names.clone(),
+            names,
+            rows,
+            texts: Vec::new(),
+            stamped: false,
+            signed: Vec::new(),
+            rate: None,
+        }
+    }
 }
 
 /// Reads on behind the head of a table; of the texts only the first `shown` rows are kept.

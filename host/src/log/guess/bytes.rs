@@ -96,16 +96,8 @@ mod tests {
 
     /// A duty as it is printed, and the speed of a motor that follows what it was.
     fn sample(drive: impl Fn(usize) -> f64, speed: impl Fn(usize) -> f64) -> Sample {
-        let names = ["t", "pwm", "rpm"].map(str::to_owned).to_vec();
-        Sample {
-            with_units: names.clone(),
-            names,
-            rows: (0..600).map(|k| vec![0.01 * k as f64, drive(k).rem_euclid(256.0), speed(k)]).collect(),
-            texts: Vec::new(),
-            stamped: false,
-            signed: Vec::new(),
-            rate: None,
-        }
+        let row = |k: usize| vec![0.01 * k as f64, drive(k).rem_euclid(256.0), speed(k)];
+        Sample::of("t;pwm;rpm", (0..600).map(row).collect())
     }
 
     const LEVELS: [f64; 8] = [60.0, -40.0, 90.0, 0.0, -80.0, 30.0, 120.0, -120.0];

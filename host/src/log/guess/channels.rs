@@ -70,16 +70,7 @@ mod tests {
             speed += 0.1 * (0.5 * volts - speed);
             vec![0.01 * k as f64, speed, volts]
         });
-        let names: Vec<String> = ["Time", "Channel 1", "Channel 2"].map(str::to_owned).to_vec();
-        let sample = Sample {
-            with_units: names.clone(),
-            names,
-            rows: rows.collect(),
-            texts: Vec::new(),
-            stamped: false,
-            signed: Vec::new(),
-            rate: None,
-        };
+        let sample = Sample::of("Time;Channel 1;Channel 2", rows.collect());
         let asked = channels_question(&sample).unwrap();
         assert!(asked.contains("voltage=Channel 2:V,speed=Channel 1:rad/s"), "{asked}");
     }

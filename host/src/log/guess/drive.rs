@@ -254,18 +254,9 @@ mod tests {
     #[test]
     fn a_clock_an_error_and_what_a_sensor_tells_are_not_offered_as_the_drive() {
         let asked = |third: &str| {
-            let names = ["Time", "Velocity", third].map(str::to_owned).to_vec();
             let row = |k: u32| vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31)];
-            let sample = Sample {
-                with_units: names.clone(),
-                names,
-                rows: (0..100).map(row).collect(),
-                texts: Vec::new(),
-                stamped: false,
-                signed: Vec::new(),
-                rate: None,
-            };
-            half_question(&sample).unwrap()
+            let header = format!("Time;Velocity;{third}");
+            half_question(&Sample::of(&header, (0..100).map(row).collect())).unwrap()
         };
         for third in ["Acceleration", "LeftError", "Heading", "clock"] {
             let asked = asked(third);

@@ -87,16 +87,7 @@ fn a_duty_that_goes_with_the_size_of_an_error_is_asked_for_its_sign() {
     let said = |duty: fn(f64) -> f64| {
         let rows =
             rows(|k| vec![10.0 * k, 45.0, 45.0 - swing(k), duty(15.0 * swing(k)).clamp(-255.0, 255.0)]);
-        let names = names("ms;target;current;pwm");
-        let sample = Sample {
-            with_units: names.clone(),
-            names,
-            rows,
-            texts: Vec::new(),
-            stamped: false,
-            signed: Vec::new(),
-            rate: None,
-        };
+        let sample = Sample::of("ms;target;current;pwm", rows);
         let part = Part {
             quantity: Quantity::Duty,
             index: 3,
@@ -285,7 +276,7 @@ fn columns_that_no_name_tells_are_proposed_by_their_numbers() {
         speed += 0.1 * (2.0 * volts - speed);
         vec![0.01 * k as f64, volts, 0.01 * k as f64, speed]
     });
-    let sample = sample("time;value;time;value", rows.collect());
+    let sample = Sample::of("time;value;time;value", rows.collect());
     assert_eq!(propose_for(&sample), None);
     let asked = questions::numbers_question(&sample).unwrap();
     assert!(asked.contains("--map time=0:s,voltage=1:V,speed=3:rad/s"), "{asked}");
@@ -300,7 +291,7 @@ fn what_is_called_a_time_is_the_clock_and_a_voltage_or_a_speed_by_its_letter_is_
         speed += 0.5 * (4.0 * (volts - 0.5_f64).max(0.0) - speed);
         rows.push(vec![f64::from(180 + k), volts, speed, f64::from(100 * (k + 1)), 1e6]);
     }
-    let asked = questions::numbers_question(&sample("id;Vr;Wr;time_r;time_m", rows)).unwrap();
+    let asked = questions::numbers_question(&Sample::of("id;Vr;Wr;time_r;time_m", rows)).unwrap();
     assert!(asked.contains("--map time=time_r:ms,voltage=Vr:V,speed=Wr:rad/s"), "{asked}");
 }
 
@@ -314,14 +305,9 @@ fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
 
 #[test]
 fn signals_with_clocks_of_their_own_are_no_motion_and_told_where_they_differ() {
-    let sample = |late: f64| Sample {
-        with_units: names("volt.Time;volt.Data;speed.Time;speed.Data;ans(5)"),
-        names: names("volt.Time;volt.Data;speed.Time;speed.Data;ans(5)"),
-        rows: rows(|k| vec![0.01 * k, (0.02 * k).sin(), 0.01 * k + late, 9.5 * (0.02 * k).cos(), k.cos()]),
-        texts: Vec::new(),
-        stamped: false,
-        signed: Vec::new(),
-        rate: None,
+    let sample = |late: f64| {
+        let row = |k: f64| vec![0.01 * k, (0.02 * k).sin(), 0.01 * k + late, 9.5 * (0.02 * k).cos(), k.cos()];
+        Sample::of("volt.Time;volt.Data;speed.Time;speed.Data;ans(5)", rows(row))
     };
     let proposal = propose_for(&sample(0.0)).unwrap();
     assert_eq!(proposal.map, "time=volt.Time:s,voltage=volt.Data:V,speed=speed.Data:rad/s");
@@ -330,23 +316,11 @@ fn signals_with_clocks_of_their_own_are_no_motion_and_told_where_they_differ() {
     assert!(asked.contains("column 2 is the clock \"speed.Time\" beside \"volt.Time\""), "{asked}");
 }
 
-/// A table of which nothing but the names and the rows is known.
-fn sample(header: &str, rows: Vec<Vec<f64>>) -> Sample {
-    Sample {
-        with_units: names(header),
-        names: names(header),
-        rows,
-        texts: Vec::new(),
-        stamped: false,
-        signed: Vec::new(),
-        rate: None,
-    }
-}
-
 #[test]
 fn a_counter_that_never_counts_is_no_level_of_a_channel() {
     let level = |k: f64| f64::from(k % 2.0 > 0.5);
-    let asked = |row: &dyn Fn(f64) -> Vec<f64>| levels_question(&sample("t_ms;encoder1;encoder2", rows(row)));
+    let asked =
+        |row: &dyn Fn(f64) -> Vec<f64>| levels_question(&Sample::of("t_ms;encoder1;encoder2", rows(row)));
     assert!(asked(&|k| vec![k, level(k), level(k + 1.0)]).unwrap().contains("\"encoder1\" and \"encoder2\""));
     assert_eq!(asked(&|k| vec![k, 3.0 * k, 0.0]), None, "one that counts and one that does not");
     assert_eq!(asked(&|k| vec![k, 0.0, 0.0]), None);
@@ -359,14 +333,14 @@ fn levels_of_the_drive_that_move_nothing_hide_no_table_of_steady_states() {
         let volts = f64::from(16_u32.saturating_sub(k)) * 0.5;
         vec![volts, 300.0 * volts]
     };
-    let asked = propose_for(&sample("voltage;rpm", (0..21).map(row).collect())).unwrap().unknown_units;
+    let asked = propose_for(&Sample::of("voltage;rpm", (0..21).map(row).collect())).unwrap().unknown_units;
     assert!(asked.iter().any(|text| text.contains("these are steady states")), "{asked:?}");
 }
 
 #[test]
 fn a_unit_that_a_name_tells_bars_it_from_what_has_another() {
     let half =
-        |header: &str| half_question(&sample(header, rows(|k| vec![0.01 * k, (0.1 * k).sin(), k.cos()])));
+        |header: &str| half_question(&Sample::of(header, rows(|k| vec![0.01 * k, (0.1 * k).sin(), k.cos()])));
     let asked = half("time_s;alpha_m_rad_s2;theta_m_rad").unwrap();
     assert!(asked.contains("no column tells what drove the motor") && !asked.contains("--map"), "{asked}");
     let asked = half("time_s;duty_pct;encoder_V").unwrap();
