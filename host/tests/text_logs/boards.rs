@@ -1,6 +1,6 @@
 //! What a board prints on its serial port: names before numbers, stamps of a monitor, and noise between.
 
-use super::{HEADER, assert_same, clock, lines, mapped, read_bytes};
+use super::{HEADER, clock, lines, mapped, read_same};
 
 #[test]
 fn what_a_board_prints_is_read_with_names_stamps_and_noise() {
@@ -48,8 +48,7 @@ fn what_a_board_prints_is_read_with_names_stamps_and_noise() {
         ),
     ] {
         for text in [text.clone(), noisy(text)] {
-            let record = read_bytes(text.as_bytes(), &mapped(map)).unwrap_or_else(|e| panic!("{what}: {e}"));
-            assert_same(&record, what, 0);
+            let record = read_same(text.as_bytes(), &mapped(map), what);
             let noise =
                 record.warnings.iter().any(|w| w.place.contains("line ") && w.what.contains("left out"));
             assert!(noise || !text.contains("watchdog"), "{what}: {:?}", record.warnings);

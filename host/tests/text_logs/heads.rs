@@ -2,7 +2,7 @@
 
 use motorlens::log::ReadOptions;
 
-use super::{HEADER, ROWS, assert_same, lines, mapped, plain, read_bytes, refusal};
+use super::{HEADER, ROWS, assert_same, lines, mapped, plain, read_bytes, read_same, refusal};
 
 /// A way of writing, the options that are proposed for it (empty: none are needed), and the rate that reads it.
 type Case = (&'static str, String, &'static str, Option<f64>);
@@ -77,9 +77,7 @@ fn what_stands_before_rows_and_tables_is_no_part_of_them() {
             assert_eq!(proposal.options(), options, "{what}");
             map = proposal.map;
         }
-        let options = motorlens::log::ReadOptions { rate_hz, ..mapped(&map) };
-        let record = read_bytes(text.as_bytes(), &options).unwrap_or_else(|error| panic!("{what}: {error}"));
-        assert_same(&record, what, 0);
+        read_same(text.as_bytes(), &ReadOptions { rate_hz, ..mapped(&map) }, what);
     }
 }
 
@@ -146,8 +144,7 @@ fn banners_of_putty_are_no_rows_and_labels_between_separators_are_names() {
             "time=0:s,voltage=u,angle=pos",
         ),
     ] {
-        let record = read_bytes(text.as_bytes(), &mapped(map)).unwrap_or_else(|e| panic!("{what}: {e}"));
-        assert_same(&record, what, 0);
+        let record = read_same(text.as_bytes(), &mapped(map), what);
         assert!(record.warnings.is_empty(), "{what}: {:?}", record.warnings);
     }
 }

@@ -77,6 +77,13 @@ fn assert_same(record: &Record, what: &str, missing: usize) {
     }
 }
 
+/// The record that is read of rows written as `what` says: that of all of them.
+fn read_same(content: &[u8], options: &ReadOptions, what: &str) -> Record {
+    let record = read_bytes(content, options).unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert_same(&record, what, 0);
+    record
+}
+
 const HEADER: &str = "time_s,voltage_v,angle_rad\n";
 
 fn plain() -> String {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use motorlens::log::ReadOptions;
 
-use super::{assert_same, clock, lines, mapped, read_bytes, refusal};
+use super::{clock, lines, mapped, read_same, refusal};
 
 /// The proposal reads the file as it stands, in the right units.
 #[test]
@@ -89,8 +89,7 @@ fn every_proposal_reads_its_log() {
             continue;
         }
         let rate_hz = proposal.rate.as_ref().map(|rate| rate.parse().unwrap());
-        let record = read_bytes(text.as_bytes(), &ReadOptions { rate_hz, ..mapped(&proposal.map) }).unwrap();
-        assert_same(&record, what, 0);
+        read_same(text.as_bytes(), &ReadOptions { rate_hz, ..mapped(&proposal.map) }, what);
     }
     assert!(wrong.is_empty(), "{wrong}");
 }

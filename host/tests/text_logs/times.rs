@@ -2,7 +2,7 @@
 
 use motorlens::log::ReadOptions;
 
-use super::{HEADER, ROWS, assert_same, clock, lines, mapped, plain, read_bytes, row};
+use super::{HEADER, ROWS, clock, lines, mapped, plain, read_bytes, read_same, row};
 
 #[test]
 fn times_are_understood_however_they_are_written() {
@@ -50,12 +50,11 @@ fn times_are_understood_however_they_are_written() {
         ),
         ("intervals", renamed("dt", table(&|_| "10".into())), "interval=dt:ms"),
     ] {
-        let record = read_bytes(text.as_bytes(), &mapped(map)).unwrap_or_else(|e| panic!("{what}: {e}"));
-        assert_same(&record, what, 0);
+        read_same(text.as_bytes(), &mapped(map), what);
     }
     let untimed = lines("voltage_v,angle_rad\n", |_, _, u, x| format!("{u},{x}"));
     let with_rate = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
-    assert_same(&read_bytes(untimed.as_bytes(), &with_rate).unwrap(), "rate", 0);
+    read_same(untimed.as_bytes(), &with_rate, "rate");
     // A row that cannot be read leaves a hole; the time goes on.
     let holed = untimed.replacen(&format!("\n{},", row(40).1), "\n?,", 1);
     let record = read_bytes(holed.as_bytes(), &with_rate).unwrap();
@@ -66,9 +65,7 @@ fn times_are_understood_however_they_are_written() {
         record.warnings
     );
     // A log that tells its times keeps them, and that is said.
-    let record =
-        read_bytes(plain().as_bytes(), &ReadOptions { rate_hz: Some(7.0), ..ReadOptions::default() })
-            .unwrap();
-    assert_same(&record, "rate beside times", 0);
+    let slower = ReadOptions { rate_hz: Some(7.0), ..ReadOptions::default() };
+    let record = read_same(plain().as_bytes(), &slower, "rate beside times");
     assert!(record.warnings.iter().any(|w| w.what.contains("--rate is not used")), "{:?}", record.warnings);
 }
