@@ -27,10 +27,7 @@ fn encoded() -> (Vec<(&'static str, Vec<u8>)>, &'static str) {
 /// The same rows however their fields are separated and their numbers written, under canonical names.
 fn separated() -> Vec<(&'static str, String)> {
     let comma = |x: f64| format!("{x:.4}").replace('.', ",");
-    let semicolons = |k: u32, t: f64, u: f64, x: f64| {
-        let _ = k;
-        format!("{};{};{}", comma(t), comma(u), comma(x))
-    };
+    let semicolons = |_: u32, t: f64, u: f64, x: f64| format!("{};{};{}", comma(t), comma(u), comma(x));
     let names = HEADER.replace(',', ";");
     vec![
         (
