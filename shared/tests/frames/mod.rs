@@ -9,11 +9,14 @@ use std::fmt::Debug;
 /// message.
 pub fn golden<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: M, hex: &str) {
     let packet = Packet { id: 300, message };
-    let mut out = [0; MAX_ENCODED];
-    let frame = encode(&packet, &mut out).unwrap();
-    let got: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(got, hex, "{packet:?}");
+    assert_eq!(sent(&packet), hex, "{packet:?}");
     assert_eq!(decode::<Packet<M>>(&unended(hex)), Ok(packet));
+}
+
+/// The bytes of a packet's frame.
+pub fn sent(packet: &impl Serialize) -> String {
+    let mut out = [0; MAX_ENCODED];
+    encode(packet, &mut out).unwrap().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The bytes of a frame without its terminator.
