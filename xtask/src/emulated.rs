@@ -29,8 +29,11 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// Fails where the driver's pins were not off so long after the fault, ms, and from then on.
-    pub fn was_off_within(&self, allowed_ms: &RangeInclusive<f64>) -> Result<()> {
+    /// Fails where a fault did not end the run, where the host's program has not `told` of it, or where the driver's pins were not off so long
+    /// after it, ms, and from then on.
+    pub fn was_stopped(&self, told: &str, allowed_ms: &RangeInclusive<f64>) -> Result<()> {
+        ensure!(!self.success && self.board.contains("driver off"), "{self:?}");
+        ensure!(self.document.to_string().contains(told), "{self:?}");
         let off: f64 = self
             .board
             .split("off ")

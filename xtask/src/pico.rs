@@ -238,10 +238,7 @@ pub fn tests() -> Result<Count> {
             let board: [&OsStr; 4] = [image.as_os_str(), done.as_ref(), "1".as_ref(), fault.driver.as_ref()];
             let options: Vec<&str> = [&PROGRAMME[..], fault.options, &["--drive", fault.driver]].concat();
             let logs = out.join(format!("{}-{}", fault.name, fault.driver));
-            let ended = emulated::capture("pico.js", &board, &options, &logs)?;
-            ensure!(!ended.success && ended.board.contains("driver off"), "{ended:?}");
-            ensure!(ended.document.to_string().contains(fault.told), "{ended:?}");
-            ended.was_off_within(&fault.off_ms)
+            emulated::capture("pico.js", &board, &options, &logs)?.was_stopped(fault.told, &fault.off_ms)
         });
     }
     Ok(count)
