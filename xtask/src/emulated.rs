@@ -111,11 +111,7 @@ pub fn speak(
             speak(line, &mut board)
         });
     // With its line closed the board ends by itself.
-    if spoken.is_err() {
-        board.process.kill()?;
-    }
-    board.process.wait()?;
-    spoken
+    board.finish(spoken).map(|_| ())
 }
 
 fn capturing(port: &str, options: &[&str], out: &Path) -> Command {
@@ -157,15 +153,20 @@ impl Board {
         Ok(line.trim().to_owned())
     }
 
-    /// Waits for the board's end, after what the host's program `told`.
-    fn end(mut self, told: Result<Output>) -> Result<Ended> {
+    /// Waits for the board's end, which is made to come where what was `told` over its line failed; also what it has printed since.
+    fn finish<T>(mut self, told: Result<T>) -> Result<(T, String)> {
         if told.is_err() {
             self.process.kill()?;
         }
         let mut rest = String::new();
         self.lines.read_to_string(&mut rest)?;
         self.process.wait()?;
-        let told = told?;
+        Ok((told?, rest))
+    }
+
+    /// As [`Board::finish`], after what the host's program `told`.
+    fn end(self, told: Result<Output>) -> Result<Ended> {
+        let (told, board) = self.finish(told)?;
         let document = serde_json::from_slice(&told.stdout).with_context(|| {
             format!(
                 "no document: {}{}",
@@ -173,7 +174,7 @@ impl Board {
                 String::from_utf8_lossy(&told.stderr)
             )
         })?;
-        Ok(Ended { success: told.status.success(), document, board: rest })
+        Ok(Ended { success: told.status.success(), document, board })
     }
 }
 
