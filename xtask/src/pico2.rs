@@ -48,9 +48,7 @@ pub fn tests() -> Result<Count> {
     tests.arg("--no-fail-fast").env("MOTORLENS_PICO2", &image);
     let mut count = process::run_tests(&mut tests)?;
     process::run(&mut cargo("build"))?;
-    let program =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| directory().join("target"), PathBuf::from);
-    let program = program.join("release/motorlens-pico2");
+    let program = target().join("release/motorlens-pico2");
     let program = program.to_str().context("a path in Unicode")?;
     let out = emulated::scratch("pico2")?;
     emulated::case(
@@ -89,7 +87,13 @@ fn captured_and_fitted(program: &str, image: &Path, out: &Path) -> Result<()> {
 fn cargo(subcommand: &str) -> std::process::Command {
     let mut command = process::cargo();
     command.current_dir(directory()).args([subcommand, "--release", "--locked"]);
+    command.env("CARGO_TARGET_DIR", target());
     command
+}
+
+/// What is built there goes here, apart from the host's build.
+fn target() -> PathBuf {
+    process::target().join("pico2")
 }
 
 /// The directory of that workspace.
