@@ -129,7 +129,7 @@ pub struct Pico {
     pub family: u32,
 }
 
-/// The Picos; the first is the one that the tests emulate.
+/// The Picos, of which the tests emulate each: in [`crate::pico`] and in [`crate::pico2`].
 pub const PICOS: [Pico; 2] = [
     Pico { feature: "pico", target: CORTEX_M0, family: 0xe48b_ff56 },
     Pico { feature: "pico2", target: CORTEX_M33, family: 0xe48b_ff59 },
