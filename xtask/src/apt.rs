@@ -30,6 +30,11 @@ pub fn ensure_apt(packages: &[&str]) -> Result<()> {
     Ok(())
 }
 
+/// As [`ensure_apt`] where there is no such program: not everybody's is Debian's.
+pub fn ensure_program(program: &str, packages: &[&str]) -> Result<()> {
+    if Command::new(program).arg("--version").output().is_ok() { Ok(()) } else { ensure_apt(packages) }
+}
+
 fn apt_get() -> Command {
     let mut command = Command::new("apt-get");
     command.arg("-qq").env("DEBIAN_FRONTEND", "noninteractive");

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
 use crate::report::Count;
-use crate::{apt, process};
+use crate::{npm, process};
 
 /// A board's answer may take so long.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -224,13 +224,7 @@ fn emulator(script: &str) -> Result<Command> {
     if !script.ends_with(".js") {
         return Ok(Command::new(script));
     }
-    if !directory().join("node_modules").is_dir() {
-        // Not everybody's npm is Debian's.
-        if Command::new("npm").arg("--version").output().is_err() {
-            apt::ensure_apt(&["nodejs", "npm"])?;
-        }
-        process::run(Command::new("npm").current_dir(directory()).args(["ci", "--no-audit", "--no-fund"]))?;
-    }
+    npm::ensure_modules(&directory())?;
     let mut node = Command::new("node");
     node.current_dir(directory()).arg(script);
     Ok(node)

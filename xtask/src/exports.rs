@@ -36,10 +36,7 @@ const ISAAC_LAB: [&str; 7] = [
 /// Runs the tests that need the tools.
 pub fn tests() -> Result<Count> {
     apt::ensure_apt(&["python3-venv", "gcc", "g++"])?;
-    // Not everybody's Java is Debian's.
-    if Command::new("javac").arg("-version").output().is_err() {
-        apt::ensure_apt(&["default-jdk-headless"])?;
-    }
+    apt::ensure_program("javac", &["default-jdk-headless"])?;
     let home = process::root().join("target/exports/venv");
     let python = environment(&home, &PYTHON)?;
     let there = Command::new(&python).args(["-c", "import bam.simulate"]).output();

@@ -19,6 +19,7 @@ mod image;
 mod instructions;
 mod licences;
 mod links;
+mod npm;
 mod peers;
 mod pico;
 mod pico2;
