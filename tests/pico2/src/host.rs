@@ -76,11 +76,6 @@ impl Default for Host {
 }
 
 impl Host {
-    /// Whether the line is open.
-    pub fn open(&self) -> bool {
-        matches!(self.stage, Stage::Open)
-    }
-
     /// A packet each way, where there is one and the board has room.
     pub fn turn(&mut self, chip: &mut Chip) {
         if !chip.beside.usb.present() {
