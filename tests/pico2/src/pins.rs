@@ -2,12 +2,14 @@
 
 use crate::chip::Chip;
 
-/// Control of each pin (RP2350 data sheet 9.11.1, GPIO0_CTRL), and its pad (9.11.3, GPIO0).
-const IO_BANK0: u32 = 0x4002_8004;
+/// Control of the first pin (RP2350 data sheet 9.11.1, GPIO0_CTRL), of each other 8 bytes on.
+pub const IO_BANK0: u32 = 0x4002_8004;
+/// Its pad (9.11.3, GPIO0), of each other 4 bytes on.
 const PADS_BANK0: u32 = 0x4003_8004;
-/// Outputs and whether they are outputs (3.1.11, GPIO_OUT, GPIO_OE).
+/// What the port's pins have (3.1.11, GPIO_OUT).
 const GPIO_OUT: u32 = 0xd000_0010;
-const GPIO_OE: u32 = 0xd000_0030;
+/// Which of them are outputs (GPIO_OE), a bit for each.
+pub const GPIO_OE: u32 = 0xd000_0030;
 /// The PWM's slice of GP6 and GP7 (12.5.3, CH3_CSR): control, and from it compare values and top.
 const PWM_SLICE: u32 = 0x400a_803c;
 const CC: u32 = 0x0c;

@@ -6,6 +6,7 @@ use rp2350_emu::Bus;
 use rp2350_emu::core::CoreBus;
 use rp2350_emu::threaded::CoreAtomics;
 
+use crate::chip::CORE_HZ;
 use crate::contact::{self, Contact};
 use crate::missing::{may_be, substitute, substitute_short};
 use crate::registers::{address, written};
@@ -22,7 +23,7 @@ pub(crate) const PIO_TURNS: u32 = 3;
 /// The tick generators, three registers each (RP2350 data sheet 8.5): their second is the cycles of clk_ref, which is the crystal, to a tick.
 /// The emulator takes them for the core's.
 const TICKS: std::ops::Range<u32> = 0x4010_8000..0x4010_8048;
-const CORE_MHZ: u32 = 150;
+const CORE_MHZ: u32 = (CORE_HZ / 1_000_000) as u32;
 const CRYSTAL_MHZ: u32 = 12;
 /// The core's own register of the interrupts 0 to 31 that go to its NMI (RP2350 data sheet 3.7.5.2, EPPB: NMI_MASK0).
 const NMI_MASK0: u32 = 0xe008_0000;

@@ -1,7 +1,7 @@
 //! The unmodified image starts, samples, counts and comes back by its watchdog, with its bridge off throughout: nobody has asked for a run.
 
 use motorlens_pico2::chip::{CIRCLE, Chip, UNDEFINED};
-use motorlens_pico2::pins::BRIDGE;
+use motorlens_pico2::pins::{BRIDGE, GPIO_OE, IO_BANK0};
 
 /// The image's watchdog, s, and how long it takes from a start until it samples.
 const WATCHDOG_S: f64 = 0.5;
@@ -15,6 +15,7 @@ const FSTAT: u32 = 0x5020_0004;
 const RXF0: u32 = 0x5020_0020;
 /// TIMER0's low word, us.
 const TIMERAWL: u32 = 0x400b_0028;
+
 fn chip() -> Chip {
     let image = std::env::var("MOTORLENS_PICO2").expect("cargo xtask test says where the image is");
     Chip::new(&std::fs::read(image).expect("the image"))
@@ -66,9 +67,9 @@ fn the_bridge_is_the_images_and_low_within_the_first_milliseconds() {
     run_at_rest(&mut chip, START_S);
     // PWM, PWM, and outputs of the port: not merely pins that nothing drives.
     for (pin, function) in BRIDGE.into_iter().zip([4, 4, 5, 5, 5]) {
-        assert_eq!(chip.read(0x4002_8004 + 8 * pin) & 0x1f, function, "GP{pin}");
+        assert_eq!(chip.read(IO_BANK0 + 8 * pin) & 0x1f, function, "GP{pin}");
     }
-    assert_eq!(chip.read(0xd000_0030) >> 8 & 0b1011, 0b1011, "GP8, GP9 and GP11 are outputs");
+    assert_eq!(chip.read(GPIO_OE) >> 8 & 0b1011, 0b1011, "GP8, GP9 and GP11 are outputs");
 }
 
 /// Not below zero: where the counter's X is 0, the emulator's `jmp x--` leaves it so (RP2350 data sheet 11.4.2: it is one less in any case).
@@ -113,7 +114,7 @@ fn a_fault_of_the_core_holds_the_bridge_is_noted_and_ends_by_the_watchdog() {
     assert!(chip.at_fault());
     assert_eq!(chip.beside.watchdog.read(NOTED), CORE_FAULT);
     for pin in BRIDGE {
-        assert_eq!(chip.read(0x4002_8004 + 8 * pin) >> 12 & 3, 2, "GP{pin} is held low, whatever drives it");
+        assert_eq!(chip.read(IO_BANK0 + 8 * pin) >> 12 & 3, 2, "GP{pin} is held low, whatever drives it");
     }
     run_at_rest(&mut chip, WATCHDOG_S + START_S);
     assert_eq!(chip.restarts(), 1);
