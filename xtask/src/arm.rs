@@ -88,7 +88,7 @@ fn linker(libraries: &Path) -> Result<PathBuf> {
 }
 
 /// The directory of the board image's own workspace.
-pub fn image_directory() -> PathBuf {
+fn image_directory() -> PathBuf {
     process::root().join("firmware/stm32f4")
 }
 
@@ -136,7 +136,7 @@ pub const PICOS: [Pico; 2] = [
 ];
 
 /// The directory of the Picos' own workspace.
-pub fn pico_directory() -> PathBuf {
+fn pico_directory() -> PathBuf {
     process::root().join("firmware/rp")
 }
 

@@ -57,7 +57,7 @@ fn sines() -> Result<PathBuf> {
 }
 
 /// The directory of that program's own workspace.
-pub fn sines_directory() -> PathBuf {
+fn sines_directory() -> PathBuf {
     process::root().join("tests/cortex-m4f")
 }
 
@@ -69,6 +69,6 @@ fn bench_cargo(subcommand: &str) -> Command {
 }
 
 /// The directory of the bench's own workspace.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("tests/bench")
 }

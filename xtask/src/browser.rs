@@ -22,6 +22,6 @@ pub fn tests() -> Result<Count> {
 }
 
 /// The directory of the tests' own workspace.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("tests/browser")
 }

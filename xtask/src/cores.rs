@@ -36,6 +36,6 @@ fn run(target: &'static str, machine: &str) -> Result<()> {
 }
 
 /// The directory of the program's own workspace.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("tests/cores")
 }

@@ -150,6 +150,6 @@ fn program(name: &str) -> Result<PathBuf> {
 }
 
 /// Where the targets live: a workspace of its own.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("tests/fuzz")
 }

@@ -41,7 +41,7 @@ pub fn check_all() -> Result<()> {
 }
 
 /// Manifests of all workspaces of the repository: each has a lock file of its own.
-fn workspaces() -> Vec<PathBuf> {
+pub fn workspaces() -> Vec<PathBuf> {
     let root = process::root();
     let mut directories = vec![root.clone(), root.join("firmware"), root.join("tests"), root.join("python")];
     for parent in [root.join("firmware"), root.join("tests")] {

@@ -97,6 +97,6 @@ fn target() -> PathBuf {
 }
 
 /// The directory of that workspace.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("tests/pico2")
 }

@@ -9,7 +9,7 @@ use crate::report::Count;
 use crate::{apt, process};
 
 /// Where the package lives.
-pub fn directory() -> PathBuf {
+fn directory() -> PathBuf {
     process::root().join("python")
 }
 

@@ -7,8 +7,8 @@ use clap::Args;
 
 use crate::report::{Count, Report};
 use crate::{
-    added_effect, arm, avr, bench, book, browser, cores, examples, exports, features, fuzz, instructions,
-    licences, pico, pico2, process, python, shells, sizes,
+    added_effect, avr, bench, book, browser, cores, examples, exports, features, instructions, licences,
+    pico, pico2, process, python, shells, sizes,
 };
 
 /// What to run.
@@ -79,19 +79,8 @@ pub fn run(options: &Options) -> ExitCode {
 
 /// The workspaces beside the host's are formatted like it.
 fn format() -> Result<()> {
-    let beside = [
-        arm::image_directory(),
-        arm::pico_directory(),
-        bench::directory(),
-        bench::sines_directory(),
-        browser::directory(),
-        cores::directory(),
-        fuzz::directory(),
-        pico2::directory(),
-        python::directory(),
-    ];
-    for directory in std::iter::once(process::root()).chain(beside) {
-        process::run(process::cargo().current_dir(directory).args(["fmt", "--all", "--check"]))?;
+    for manifest in licences::workspaces() {
+        process::run(process::cargo().args(["fmt", "--all", "--check", "--manifest-path"]).arg(manifest))?;
     }
     Ok(())
 }
