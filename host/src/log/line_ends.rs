@@ -4,7 +4,8 @@
 use std::io::{self, BufRead};
 
 /// Appends the next row to `row` and tells the number of its lines, 0 at the end of the input. A line end within a quoted field becomes a
-/// blank. A quotation mark that the next line does not close at the end of a field is left as it is: that line is a row of its own.
+/// blank. A quotation mark that the next line does not close at the end of a field is left as it is: that line is a row of its own. The
+/// `input` hands out whole lines, as a [`TextReader`](super::text::TextReader) does.
 ///
 /// # Errors
 /// What the input says.
@@ -56,11 +57,12 @@ fn separates(byte: u8) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::read_tests::{canonical, file};
+    use super::super::text::TextReader;
     use super::super::{ReadOptions, read};
     use super::*;
 
     /// The rows of a text, each with the number of its lines.
-    fn rows(mut text: &[u8]) -> Vec<(u64, String)> {
+    fn rows(mut text: impl BufRead) -> Vec<(u64, String)> {
         let mut rows = Vec::new();
         loop {
             let mut row = String::new();
@@ -81,6 +83,16 @@ mod tests {
             [row(3, "\"Time (s)\",\"Speed (rpm)\""), row(1, "1,2")]
         );
         assert_eq!(of("1,\"a \"\"b\nc\"\"\",2\n"), [row(2, "1,\"a \"\"b c\"\"\",2")]);
+    }
+
+    #[test]
+    fn a_field_goes_on_wherever_the_file_is_parted_to_read_it() {
+        for parted in 0..16 {
+            let before = "7".repeat((1 << 16) - parted);
+            let text = format!("{before}\n1,\"0\r\n\"\n2,3\n");
+            let rows = rows(TextReader::new(text.as_bytes()).unwrap());
+            assert_eq!(rows[1..], [(2, "1,\"0 \"".to_owned()), (1, "2,3".to_owned())], "{parted}");
+        }
     }
 
     #[test]

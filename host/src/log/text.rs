@@ -53,6 +53,9 @@ const CHUNK: usize = 1 << 16;
 const BINARY_SHARE: f64 = 0.1;
 
 /// A text of any usual encoding as UTF-8 with `\n` at the ends of its lines, decoded as it is read.
+///
+/// Lines are handed out whole: one that ends in a further piece of the file waits for it, so that whoever looks at what
+/// [`fill_buf`](BufRead::fill_buf) gives sees all of the next line.
 #[derive(Debug)]
 pub struct TextReader<R> {
     inner: R,
@@ -61,6 +64,8 @@ pub struct TextReader<R> {
     text: String,
     /// How much of `text` was taken.
     taken: usize,
+    /// Where the last whole line of `text` ends.
+    whole: usize,
     ended: bool,
     /// The line and its length where `text` ends.
     line: u64,
@@ -84,18 +89,33 @@ impl<R: Read> TextReader<R> {
             let line = 1 + memchr::memchr_iter(b'\n', &raw[..first]).count() as u64;
             return Err(io::Error::other(NotText::Binary { line, byte: first as u64 }));
         }
-        let mut reader =
-            TextReader { inner, decoder, raw, text: String::new(), taken: 0, ended, line: 1, line_bytes: 0 };
+        let mut reader = TextReader {
+            inner,
+            decoder,
+            raw,
+            text: String::new(),
+            taken: 0,
+            whole: 0,
+            ended,
+            line: 1,
+            line_bytes: 0,
+        };
         reader.decode()?;
         Ok(reader)
     }
 
-    /// Decodes `raw` after what was decoded, and checks the lengths of the lines.
+    /// Decodes `raw` behind the line that was not whole, and checks the lengths of the lines.
     fn decode(&mut self) -> io::Result<()> {
-        self.text.clear();
+        self.text.drain(..self.taken);
         self.taken = 0;
+        let before = self.text.len();
         self.decoder.decode(&self.raw, self.ended, &mut self.text);
-        let text = self.text.as_bytes();
+        let text = &self.text.as_bytes()[before..];
+        self.whole = match memchr::memrchr(b'\n', text) {
+            _ if self.ended => self.text.len(),
+            Some(at) => before + at + 1,
+            None => 0,
+        };
         let mut start = 0;
         for end in memchr::memchr_iter(b'\n', text).chain([text.len()]) {
             self.line_bytes += end - start;
@@ -114,17 +134,17 @@ impl<R: Read> TextReader<R> {
 
 impl<R: Read> BufRead for TextReader<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        while self.taken == self.text.len() && !self.ended {
+        while self.taken == self.whole && !self.ended {
             self.raw.clear();
             self.inner.by_ref().take(CHUNK as u64).read_to_end(&mut self.raw)?;
             self.ended = self.raw.len() < CHUNK;
             self.decode()?;
         }
-        Ok(&self.text.as_bytes()[self.taken..])
+        Ok(&self.text.as_bytes()[self.taken..self.whole])
     }
 
     fn consume(&mut self, count: usize) {
-        self.taken = (self.taken + count).min(self.text.len());
+        self.taken = (self.taken + count).min(self.whole);
     }
 }
 

@@ -5,12 +5,12 @@
 //! times, as in the data log itself.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::BufRead;
 
 use super::events::{Events, Series};
 use super::{Content, Fault};
 use crate::log::clock::Clock;
 use crate::log::fields::{Separator, Splitter};
+use crate::log::line_ends::read_row;
 use crate::log::preamble::is_nothing;
 use crate::log::text::TextReader;
 use crate::log::timing::median_interval;
@@ -99,8 +99,14 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let mut series: BTreeMap<String, Series> = BTreeMap::new();
     let mut clock = Clock::default();
     let (mut line, mut number, mut of_influx, mut in_seconds) = (String::new(), 0_u64, false, false);
-    while lines.read_line(&mut line).map_err(unreadable)? > 0 {
-        number += 1;
+    loop {
+        let lines_of_row = read_row(&mut lines, &mut line).map_err(unreadable)?;
+        if lines_of_row == 0 {
+            break;
+        }
+        // A row is found at its first line.
+        let at = number + 1;
+        number += lines_of_row;
         // InfluxDB begins every table of an answer with a header of its own.
         if let Some(shape) = Some(line.trim()).filter(|line| line.contains("alue")).and_then(Shape::of) {
             of_influx |= !shape.tags.is_empty();
@@ -126,7 +132,7 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         let plain = time.parse().ok().filter(|time: &f64| time.is_finite());
         in_seconds |= shape.in_seconds || plain.is_none_or(|time| time.fract() != 0.0);
         let Some(time_s) = plain.or_else(|| clock.read(time, 1.0, None)) else {
-            return Err(Fault::new(format!("line {number}: \"{time}\" is not a time"), again));
+            return Err(Fault::new(format!("line {at}: \"{time}\" is not a time"), again));
         };
         let tags = shape.tags.iter().filter_map(|tag| splitter.get(*tag)).filter(|tag| !tag.is_empty());
         let name = tags.chain([name]).collect::<Vec<_>>().join(".");
@@ -218,6 +224,14 @@ mod tests {
             assert!((records[1].angle_rad.as_ref().unwrap()[0] + 1.2 * turn).abs() < 1e-9);
             assert!((records[1].speed_rad_s.as_ref().unwrap()[0] + turn).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_value_in_quotes_goes_on_over_a_line_end() {
+        let quoted = log().replace(",2\n", ",\"2\r\n\"\n").replace(",1\n", ",\"1\n\"\n");
+        let [plain, quoted] = [log(), quoted].map(|text| exported(&text).unwrap());
+        assert_eq!(plain[0].voltage_v, quoted[0].voltage_v);
+        assert_eq!(plain[0].speed_rad_s, quoted[0].speed_rad_s);
     }
 
     #[test]
