@@ -33,6 +33,8 @@ pub struct Splitter {
     stamped: bool,
     /// What stands before the fields of a line; may be empty.
     tag: String,
+    /// Columns at the beginning that are left out.
+    first: usize,
     /// What stands behind the numbers of a column, by column; may be empty.
     units: Vec<String>,
     /// Columns of hexadecimal numbers without a mark, which they get.
@@ -49,6 +51,7 @@ impl Splitter {
             separator,
             stamped,
             tag: String::new(),
+            first: 0,
             units: Vec::new(),
             hex: Vec::new(),
             text: String::new(),
@@ -67,6 +70,11 @@ impl Splitter {
         Splitter { tag, ..self }
     }
 
+    /// Leaves out the columns before this one.
+    pub fn from_column(self, first: usize) -> Self {
+        Splitter { first, ..self }
+    }
+
     /// Reads these columns as hexadecimal numbers.
     pub fn with_hex(self, hex: Vec<usize>) -> Self {
         Splitter { hex, ..self }
@@ -75,6 +83,7 @@ impl Splitter {
     /// Splits one line, with or without its end. Says whether all quotes are closed.
     pub fn split(&mut self, line: &str) -> bool {
         let closed = self.split_as_it_is(line);
+        self.fields.drain(..self.first.min(self.fields.len()));
         if !self.hex.is_empty() {
             self.mark_hex();
         }

@@ -11,6 +11,7 @@ use super::numbers::number;
 use super::pairs::pairs;
 use super::properties;
 use super::stamped::stamped;
+use super::tektronix;
 
 /// Lines that may stand before a header: what a board prints as it starts, a logger's own words.
 pub(super) const MOST_CHATTER: usize = 60;
@@ -33,6 +34,8 @@ pub(super) struct Layout {
     pub tag: String,
     /// The line (of those looked at) that holds the names of the columns.
     pub header: Option<usize>,
+    /// The first column of the table; what stands before it tells something of the whole.
+    pub first: usize,
     /// The names; empty where there is no header.
     pub names: Vec<String>,
     /// The units of a row below the header; empty where there is none.
@@ -44,7 +47,8 @@ pub(super) struct Layout {
 impl Layout {
     /// The layout of a table that begins with `lines`, none of which is blank or a remark.
     pub fn of(lines: &[&str]) -> Layout {
-        properties::below_names(lines, Layout::of_rows).unwrap_or_else(|| Layout::of_rows(lines))
+        let special = tektronix::layout(lines).or_else(|| properties::below_names(lines, Layout::of_rows));
+        special.unwrap_or_else(|| Layout::of_rows(lines))
     }
 
     /// The same where no line tells a property of its columns.
@@ -75,6 +79,7 @@ pub(super) fn new(separator: Separator) -> Layout {
         stamped: false,
         tag: String::new(),
         header: None,
+        first: 0,
         names: Vec::new(),
         units: Vec::new(),
         rows: 0,

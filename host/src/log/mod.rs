@@ -82,6 +82,7 @@ mod sysid_names;
 mod sysid_units;
 mod table;
 mod taken;
+mod tektronix;
 mod text;
 mod ticks;
 pub mod timing;

@@ -43,6 +43,8 @@ pub struct Preamble {
     pub stamped: bool,
     /// What stands before the fields of every line.
     tag: String,
+    /// The first column of the table.
+    first: usize,
     /// Line of the header, or of the first row where there is none.
     pub line: u64,
     /// Lines of text left out before the header.
@@ -62,6 +64,7 @@ impl Preamble {
     pub fn splitter(&self) -> Splitter {
         Splitter::of(self.separator.clone(), self.stamped)
             .without_tag(self.tag.clone())
+            .from_column(self.first)
             .without_units(self.beside.clone())
             .with_hex(self.hex.clone())
     }
@@ -146,7 +149,9 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         layout.rows = layout.header.unwrap_or(0) + 1 + usize::from(is_no_row);
     }
     let rows = lines.split_off(layout.rows.min(lines.len()));
-    let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped).without_tag(layout.tag.clone());
+    let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped)
+        .without_tag(layout.tag.clone())
+        .from_column(layout.first);
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
     let (mut widest, mut thousands) = (0, Thousands::default());
     for (_, row) in &rows {
@@ -179,6 +184,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         separator: layout.separator,
         stamped: layout.stamped,
         tag: layout.tag,
+        first: layout.first,
         line,
         skipped,
         thousands: thousands.sign(),

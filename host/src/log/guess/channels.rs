@@ -10,7 +10,7 @@ const CHANNELS: [&str; 5] = ["channel", "ch", "chan", "kanal", "canal"];
 const VOLTS: [&str; 3] = ["v", "volt", "voltage"];
 
 /// Whether a name is that of a channel: `Channel 1`, `CH2(V)`, `Channel A`.
-fn is_channel(name: &str) -> bool {
+pub(super) fn is_channel(name: &str) -> bool {
     let (bare, _) = words::bracketed(name);
     let all = words::of(&bare);
     let Some((first, rest)) = all.split_first() else { return false };

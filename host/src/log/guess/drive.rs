@@ -5,7 +5,7 @@ use super::columns::{self, Part};
 use super::preview::short;
 use super::questions::guessed_unit;
 use super::ranges::Range;
-use super::{column, options_as_if, sides, symbols, unit_names, words};
+use super::{channels, column, options_as_if, sides, symbols, unit_names, words};
 use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::{Sample, numbers};
@@ -80,7 +80,10 @@ fn alone<'a>(
     let (index, None) = (others.next()?, others.next()) else { return None };
     let part = Part { quantity, index, rest: None, unit: unit.into(), guessed: true, turn: None };
     let is_known = parts.iter().any(|part| sought.contains(&part.quantity));
-    (!is_known).then(|| (part, sample.names[index].as_str(), column(&sample.names, index)))
+    // A sensor may tell anything in volts.
+    let unit_of = words::said(&sample.with_units[index]).unit_of;
+    let is_other = unit_of.is_some_and(|of| of != Quantity::Voltage && !sought.contains(&of));
+    (!is_known && !is_other).then(|| (part, sample.names[index].as_str(), column(&sample.names, index)))
 }
 
 /// Of the first of two files, which is that of what drives the motor, the only column beside the time, and what is said of it.
@@ -152,9 +155,14 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);
     let mut beside = (0..sample.names.len()).filter(beside_time);
     if let (Some(only), None) = (beside.next(), beside.next()) {
+        let apart = if channels::is_channel(&sample.names[only]) {
+            "the files of both channels, that of the drive first, as CH1.CSV+CH2.CSV"
+        } else {
+            "a file of each as drive.csv+motion.csv"
+        };
         return Some(format!(
             "beside the time there is only {}, and a fit needs two things: what drove the motor (a duty or voltage) and how it moved (an \
-             angle, counts or a speed); log both in every row, or give a file of each as drive.csv+motion.csv",
+             angle, counts or a speed); log both in every row, or give {apart}",
             name(only)
         ));
     }
