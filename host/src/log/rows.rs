@@ -20,7 +20,9 @@ use crate::error::Result;
 pub(super) struct Rows<'a> {
     wanted: &'a Columns,
     splitter: Splitter,
-    /// Number of columns, where a header tells.
+    /// The names in the header; empty where there is none.
+    names: Vec<String>,
+    /// Their number, where there are any.
     width: Option<usize>,
     clock: &'a mut Clock,
     pub samples: Samples,
@@ -95,9 +97,11 @@ impl<'a> Rows<'a> {
         Rows {
             wanted,
             splitter: head.splitter(),
+            names: head.headers.clone().unwrap_or_default(),
             width: head.headers.as_ref().map(Vec::len),
             clock,
-            samples: Samples::new(path, headers.collect()),
+            samples: Samples::new(path, headers.collect())
+                .cut_at_text(matches!(wanted.time, TimeSource::Rate(_))),
             structure: Structure::default(),
             numbers: vec![0.0; count + 1],
             between: Between::new(&wanted.values),
@@ -133,7 +137,7 @@ impl<'a> Rows<'a> {
         }
         let header = self.wanted.time.header();
         if !self.splitter.split(text) {
-            self.samples.stray(place, header, "a quotation mark is not closed".into());
+            self.stray(place, header, "a quotation mark is not closed".into(), text);
             return Ok(());
         }
         if let Some(whose) = self.several.column().and_then(|column| self.splitter.get(column)) {
@@ -157,10 +161,24 @@ impl<'a> Rows<'a> {
             Err(Unread::Blank) => {
                 self.between.take(&self.numbers, false);
             }
-            Err(Unread::Bad(column, why)) if short => self.samples.stray(place, column, why),
+            Err(Unread::Bad(column, why)) if short || self.is_header() => {
+                self.stray(place, column, why, text);
+            }
             Err(Unread::Bad(column, why)) => self.samples.reject(place, column, why),
         }
         Ok(())
+    }
+
+    /// Leaves out the line that was split, which is no row.
+    fn stray(&mut self, place: Place, column: &str, why: String, text: &str) {
+        let is_text = self.splitter.iter().all(|field| number(field).is_none());
+        let why = if is_text { format!("\"{}\" is no row", shown(text)) } else { why };
+        self.samples.stray(place, column, why, is_text);
+    }
+
+    /// Whether the line that was split is the header once more.
+    fn is_header(&self) -> bool {
+        self.splitter.iter().eq(self.names.iter().map(String::as_str))
     }
 
     /// Whether a line says once more what the one before it says; what stands there more often is a clock that stands still.

@@ -40,6 +40,8 @@ pub(super) fn is_state(header: &str) -> bool {
 pub(super) struct Structure {
     /// The clock starts anew at these samples.
     pub restarts: Vec<usize>,
+    /// Text stands before these samples, whose rows have no clock.
+    pub at_text: bool,
     /// The state is another from these samples on.
     pub states: Vec<(usize, String)>,
 }
@@ -77,10 +79,10 @@ impl Structure {
         if kept.is_empty() {
             return vec![record];
         }
-        let how = if by_state.is_empty() {
-            "its clock starts anew between them"
-        } else {
-            "by its column of states and its clock"
+        let how = match by_state.is_empty() {
+            true if self.at_text => "lines that are no rows stand between them",
+            true => "its clock starts anew between them",
+            false => "by its column of states and its clock",
         };
         let left: usize = record.len() - kept.iter().map(|(a, b)| b - a).sum::<usize>();
         let left =

@@ -75,6 +75,7 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
     }
     let Rows { samples, mut structure, held, bracketed, twice, ticks, numbered, .. } = rows;
     structure.restarts = samples.restarts().to_vec();
+    structure.at_text = matches!(wanted.time, TimeSource::Rate(_));
     let samples_read = samples.len();
     let mut blanks = wanted.values.iter().zip(&held).filter(|(_, blanks)| blanks.count > 0);
     let first = blanks.clone().next();

@@ -1,5 +1,6 @@
 //! The end of a record: refused where too much of it was left out, else with its data quality problems.
 
+use super::strays::Strays;
 use super::{FEWEST_SAMPLES, LISTED, MISSING, Place, Samples};
 use crate::error::{BadInput, Result};
 use crate::log::Warning;
@@ -21,7 +22,7 @@ impl Samples {
     /// # Errors
     /// Bad input if too many rows had to be left out or too few are left.
     pub fn finish(mut self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
-        if self.strays.as_ref().is_some_and(|(_, count)| *count > self.columns[0].len()) {
+        if self.strays.as_ref().is_some_and(|strays| strays.count > self.columns[0].len()) {
             self.count_strays();
         }
         if self.rows == 0 {
@@ -86,7 +87,7 @@ impl Samples {
             .iter()
             .map(|bad| Warning {
                 place: format!("{file}, {}, column {}", bad.place.in_words(), bad.column),
-                what: format!("{}; the row was left out", bad.why),
+                what: format!("{}; left out", bad.why),
                 fix: "remove the row".into(),
             })
             .collect();
@@ -97,7 +98,7 @@ impl Samples {
                 fix: "repair the logger".into(),
             });
         }
-        if let Some((first, count)) = &self.strays {
+        if let Some(Strays { first, count, .. }) = &self.strays {
             warnings.push(Warning {
                 place: format!("{file}, {}", first.place.in_words()),
                 what: format!("{count} lines at the end are no samples and were left out"),

@@ -6,10 +6,12 @@
 //! otherwise is an error, because which half is right is not for a program to guess.
 
 mod finish;
+mod strays;
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{BadInput, Result};
+use strays::Strays;
 
 /// A third-order model has three numbers and three initial states; fewer rows than this cannot check a fit of it.
 pub const FEWEST_SAMPLES: usize = 20;
@@ -73,8 +75,9 @@ pub struct Samples {
     again: usize,
     bad: Vec<BadField>,
     bad_count: usize,
-    /// The first of the lines since the last row that are no rows, and their number.
-    strays: Option<(BadField, usize)>,
+    /// The lines since the last row that are no rows.
+    strays: Option<Strays>,
+    cut_at_text: bool,
     repeats: usize,
     first_repeat: Option<Place>,
     restarts: Vec<usize>,
@@ -111,6 +114,7 @@ impl Samples {
             bad: Vec::new(),
             bad_count: 0,
             strays: None,
+            cut_at_text: false,
             repeats: 0,
             first_repeat: None,
             restarts: Vec::new(),
@@ -124,7 +128,7 @@ impl Samples {
     /// # Errors
     /// Bad input if time runs backwards.
     pub fn accept(&mut self, place: Place, row: &[f64]) -> Result<()> {
-        self.count_strays();
+        let is_interrupted = self.count_strays();
         self.rows += 1;
         let previous = self.places.last.replace(place);
         if self.rows == 2 {
@@ -153,6 +157,9 @@ impl Samples {
             if self.places.longest_pause.is_none_or(|(longest, _)| step > longest) {
                 self.places.longest_pause = Some((step, place));
             }
+        }
+        if is_interrupted && self.cut_at_text && self.len() > 0 {
+            self.restarts.push(self.len());
         }
         for (column, &value) in self.columns.iter_mut().zip(row) {
             column.push(value);
@@ -246,7 +253,7 @@ impl Samples {
         self.columns[0].len()
     }
 
-    /// The samples with which the clock starts anew.
+    /// The samples with which the clock starts anew, or before which text stands.
     pub fn restarts(&self) -> &[usize] {
         &self.restarts
     }
@@ -256,31 +263,5 @@ impl Samples {
         self.count_strays();
         self.places.last = Some(place);
         self.note(BadField { place, column: column.to_owned(), why }, 1);
-    }
-
-    /// Leaves out a line that has not the shape of a row: a fault between rows, a footer after the last.
-    pub fn stray(&mut self, place: Place, column: &str, why: String) {
-        match &mut self.strays {
-            Some((_, count)) => *count += 1,
-            None => {
-                let first = BadField { place, column: column.to_owned(), why };
-                self.strays = Some((first, 1));
-            }
-        }
-    }
-
-    /// Strays with a row after them are bad rows.
-    fn count_strays(&mut self) {
-        if let Some((first, count)) = self.strays.take() {
-            self.note(first, count);
-        }
-    }
-
-    fn note(&mut self, first: BadField, count: usize) {
-        self.rows += count;
-        self.bad_count += count;
-        if self.bad.len() < LISTED {
-            self.bad.push(first);
-        }
     }
 }
