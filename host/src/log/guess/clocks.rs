@@ -41,12 +41,37 @@ pub(super) fn is_clock(name: &str, rows: &[Vec<f64>], index: usize) -> bool {
     rises && !counts && !is_other && steps().take(FEWEST_TICKS).any(|step| step != 1.0)
 }
 
-/// The unit that a time is plausible in, where the one that its name tells makes a rate that no motor is logged at: `time_us` in seconds.
+/// Stamps of these seconds are dates of this century, s since 1970.
+const DATED_S: std::ops::Range<f64> = 1e9..2.5e9;
+/// A motor is logged faster than this by stamps of another kind only, s.
+const FAST_S: f64 = 1e-4;
+
+/// The unit in which stamps are dates of this century.
+fn dated(values: &[f64]) -> Option<&'static str> {
+    let is_dated = |unit: &&str| {
+        Unit::parse(Quantity::Time, unit)
+            .is_ok_and(|unit| values.iter().all(|value| DATED_S.contains(&(value * unit.factor))))
+    };
+    ["s", "ms", "us", "ns"].into_iter().find(is_dated).filter(|_| !values.is_empty())
+}
+
+/// The unit that a time is plausible in, where the one that its name tells makes a rate that no motor is logged at: `time_us` in seconds; or
+/// a very high one, where another makes dates of its stamps: `timestamp(ms)` of 1.7e9 s.
 pub(super) fn plausible(quantity: Quantity, told: &str, values: &[f64]) -> Option<&'static str> {
     let (interval, interval_s) = interval(quantity, told, values)?;
     // Times that stand still have their fraction elsewhere, or too few digits.
-    let is_odd = interval > 0.0 && !timing::is_plausible(interval_s);
-    is_odd.then(|| timing::plausible_unit(interval))?
+    if interval <= 0.0 {
+        return None;
+    }
+    if !timing::is_plausible(interval_s) {
+        return timing::plausible_unit(interval);
+    }
+    let is_logged = |unit: &&str| {
+        Unit::parse(Quantity::Time, unit).is_ok_and(|unit| timing::is_plausible(interval * unit.factor))
+    };
+    dated(values)
+        .filter(|unit| quantity == Quantity::Time && interval_s < FAST_S && *unit != told)
+        .filter(is_logged)
 }
 
 /// The median time from row to row, in the column's own unit and in s if that is `unit`.
@@ -144,4 +169,20 @@ pub(super) fn time_unit(values: &[f64], range: &Range) -> &'static str {
 /// seconds or of days, or only their interval tells.
 pub(super) fn is_open_time(unit: &str, values: &[f64]) -> bool {
     !["s", DAYS].contains(&unit) || values.iter().all(|value| value.fract() == 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_are_read_in_the_unit_that_makes_dates_of_them_where_that_of_their_name_makes_a_rate_of_none() {
+        let stamps =
+            |step: f64| (0..50).map(|k| 1_682_182_614.614 + step * f64::from(k)).collect::<Vec<f64>>();
+        for (told, step, taken) in [("ms", 0.004, Some("s")), ("s", 0.004, None), ("us", 1000.0, None)] {
+            assert_eq!(plausible(Quantity::Time, told, &stamps(step)), taken, "{told}");
+        }
+        let in_ms: Vec<f64> = stamps(0.004).iter().map(|s| 1e3 * s).collect();
+        assert_eq!(plausible(Quantity::Time, "us", &in_ms), Some("ms"));
+    }
 }

@@ -2,8 +2,9 @@
 
 use super::column_units::ANALOG_OUTPUT;
 use super::columns::{self, Part};
+use super::made;
 use super::preview::short;
-use super::questions::guessed_unit;
+use super::questions::{guessed_unit, other_rate};
 use super::ranges::Range;
 use super::{channels, column, options_as_if, sides, symbols, unit_names, words};
 use crate::log::motion::correlation;
@@ -137,7 +138,8 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     let sought = if drive.is_some() { [Angle, Speed] } else { [Duty, Voltage] };
     others.retain(|k| !is_of_another(&sample.with_units[*k], &sought));
     if let (None, Some(motion)) = (drive, motion) {
-        let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]);
+        let columns = made::Columns::of(&sample.rows, of(&[Time]).map(|clock| clock.index));
+        let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]) && !columns.are_made(*k);
         others.retain(|k| drives(k) && !is_motion_again(&sample.rows, motion.index, *k));
     }
     // The first other column that may be what is absent, and the options for either meaning.
@@ -149,8 +151,9 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     };
     // What a mapping that is proposed assumes of the time.
     let of_the_clock = || {
-        let guessed = of(&[Time]).and_then(|clock| guessed_unit(&sample.names[clock.index], clock));
-        guessed.map(|said| format!(" ({said})")).unwrap_or_default()
+        let said =
+            |clock| guessed_unit(&sample.names[clock.index], clock).or_else(|| other_rate(sample, clock));
+        of(&[Time]).and_then(said).map(|said| format!(" ({said})")).unwrap_or_default()
     };
     let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);
     let mut beside = (0..sample.names.len()).filter(beside_time);

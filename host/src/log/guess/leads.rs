@@ -7,7 +7,7 @@ use crate::log::motion::{correlation, ends};
 /// How alike a speed and the change of its angle are, more than a speed and what drives it.
 pub(super) const ONE_MOTION: f64 = 0.98;
 /// So alike are numbers of which one was made of the other.
-const EXACTLY: f64 = 0.9999;
+pub(super) const EXACTLY: f64 = 0.9999;
 /// A motion that comes later than its drive is so much more like the late drive, as a share of what is unlike at once.
 const CLEARLY: f64 = 0.8;
 /// A course that looks the same a row later leaves this of the difference.

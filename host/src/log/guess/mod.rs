@@ -16,6 +16,7 @@ mod duty_range;
 mod example;
 mod leads;
 mod look;
+mod made;
 mod one_motion;
 mod preview;
 mod questions;

@@ -22,7 +22,7 @@ use crate::log::timing::{jitter, median, median_interval};
 /// Rows that tell a course.
 const FEWEST: usize = 20;
 /// More columns than this are not compared with each other.
-const MOST: usize = 16;
+pub(super) const MOST: usize = 16;
 /// Share of its steps that rise in a clock, and of those that are about as long as the middle one; a file may hold two recordings.
 const RISES: f64 = 0.95;
 const EVEN: f64 = 0.8;
@@ -83,7 +83,7 @@ pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
 }
 
 /// The columns of the rows that are complete; one that is blank in many of them tells nothing and changes nowhere.
-fn columns(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(super) fn columns(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut widths: Vec<f64> = rows.iter().map(|row| row.len() as f64).collect();
     let width = median(&mut widths) as usize;
     let value = |row: &Vec<f64>, k: usize| row.get(k).copied().filter(|value| value.is_finite());
@@ -197,7 +197,7 @@ fn stands_beside_row_numbers(columns: &[Vec<f64>], k: usize) -> bool {
 }
 
 /// Whether column `k` is one before it once more, or what is missing of it to a target, or the difference of two.
-fn is_made(columns: &[Vec<f64>], k: usize) -> bool {
+pub(super) fn is_made(columns: &[Vec<f64>], k: usize) -> bool {
     let own = &columns[k];
     let near = MADE * span(own);
     let is_constant = |of: &dyn Fn(usize) -> f64| span(&(0..own.len()).map(of).collect::<Vec<_>>()) <= near;
