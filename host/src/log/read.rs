@@ -6,7 +6,6 @@ use std::path::Path;
 use super::guess::Known;
 use super::mapping::Mapping;
 use super::refused::other_than_refused;
-use super::text::cannot_read;
 use super::{Hold, Metadata, Record, apart, bam, formats, preamble, repair, servo, sysid, table, text};
 use crate::error::{BadInput, Error, Result};
 use crate::motor_file::MotorFile;
@@ -108,9 +107,8 @@ fn tests(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
     if let Some(records) = formats::read(path, options)? {
         return Ok(records);
     }
-    let mut input = text::open(path)?;
-    let start = input.fill_buf().map_err(|error| cannot_read(path, &error))?;
-    let json = Json::of(start);
+    let input = text::open(path)?;
+    let json = Json::of(input.decoded());
     match (options.format, json) {
         (Format::WpilibSysid, Some(_)) | (Format::Csv, Some(Json::Sysid)) => {
             sysid::read(path, input, options)

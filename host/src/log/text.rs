@@ -104,6 +104,11 @@ impl<R: Read> TextReader<R> {
         Ok(reader)
     }
 
+    /// What was decoded and not taken, with the line that is not whole: the beginning of the file, before anything was read.
+    pub fn decoded(&self) -> &[u8] {
+        &self.text.as_bytes()[self.taken..]
+    }
+
     /// Decodes `raw` behind the line that was not whole, and checks the lengths of the lines.
     fn decode(&mut self) -> io::Result<()> {
         self.text.drain(..self.taken);

@@ -105,9 +105,8 @@ impl Look {
 pub fn look(path: &Path) -> Result<Look> {
     match formats::look(path)? {
         None => {
-            let mut input = text::open(path)?;
-            let start = input.fill_buf().map_err(|error| text::cannot_read(path, &error))?;
-            match Json::of(start) {
+            let input = text::open(path)?;
+            match Json::of(input.decoded()) {
                 Some(Json::Other) => table_in(path, formats::json(path, input)?.text()),
                 Some(json) => {
                     let told = json.told().ok_or_else(|| json.refused(path))?;
