@@ -191,7 +191,8 @@ fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<
             other(source.quantity).map(|other| other.written.clone()).filter(|unit| !unit.is_empty())
         })
     });
-    Ok(Read { time_s, values, meta, map, structure, warnings })
+    let labels = driven.labels.or(moved.labels);
+    Ok(Read { time_s, values, meta, map, structure, labels, warnings })
 }
 
 fn ends(time_s: &[f64]) -> (f64, f64) {

@@ -32,6 +32,7 @@ mod held_back;
 mod hexadecimal;
 pub mod hold;
 mod json;
+mod labels;
 mod layout;
 mod line_ends;
 mod low_active;
@@ -101,6 +102,7 @@ use std::path::Path;
 #[cfg(feature = "cli")]
 pub(crate) use apart::halves;
 pub use args::{Loaded, ReadArgs, load};
+pub use labels::Labels;
 pub use metadata::{EncoderShaft, Metadata};
 pub use read::{Format, ReadOptions, read};
 pub use record::{Hold, Record, Warning};

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::Metadata;
+use super::labels::Labels;
 use super::mapping::Mapping;
 use super::motion::mean;
 use super::servo::Servo;
@@ -84,6 +85,8 @@ pub struct Record {
     pub meta: Metadata,
     /// What the voltage does between samples.
     pub hold: Hold,
+    /// What a column of words beside the numbers says, where there is one.
+    pub labels: Option<Labels>,
     /// The position loop that drives the motor, where the log has a target and no voltage.
     pub servo: Option<Servo>,
     /// The mapping by which it was read, where one was given.

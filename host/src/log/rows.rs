@@ -7,6 +7,7 @@ use super::choice::{Columns, TimeSource, Wanted};
 use super::clock::Clock;
 use super::direction;
 use super::fields::{Splitter, trimmed};
+use super::labels::Labels;
 use super::numbers::{OfFile, in_brackets, number};
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
@@ -27,6 +28,8 @@ pub(super) struct Rows<'a> {
     clock: &'a mut Clock,
     pub samples: Samples,
     pub structure: Structure,
+    /// A column of words, by its place.
+    pub labels: Option<(usize, Labels)>,
     /// The row in SI, time first.
     numbers: Vec<f64>,
     between: Between,
@@ -103,6 +106,7 @@ impl<'a> Rows<'a> {
             samples: Samples::new(path, headers.collect())
                 .cut_at_text(matches!(wanted.time, TimeSource::Rate(_))),
             structure: Structure::default(),
+            labels: Labels::sought(head, |k| wanted.reads(k)),
             numbers: vec![0.0; count + 1],
             between: Between::new(&wanted.values),
             several: Several::default(),
@@ -156,6 +160,11 @@ impl<'a> Rows<'a> {
                 self.samples.accept(place, &self.numbers)?;
                 if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
                     self.structure.saw(self.samples.len().saturating_sub(1), state);
+                }
+                if let Some((column, labels)) = &mut self.labels
+                    && let Some(text) = self.splitter.get(*column)
+                {
+                    labels.saw(self.numbers[0], text);
                 }
             }
             Err(Unread::Blank) => {

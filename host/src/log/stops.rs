@@ -1,6 +1,7 @@
 //! Hard stops: the shaft stands at one end of its way while the voltage pushes it on.
 
 use super::Record;
+use super::labels::Labels;
 use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
 use super::suspicion::Odd;
@@ -70,8 +71,9 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
         "hard_stop",
         "angle_rad",
         format!(
-            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}",
-            named.join(", from ")
+            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}{}",
+            named.join(", from "),
+            Labels::of(record.labels.as_ref(), &ranges)
         ),
         format!("{no_model} with {}, {instead}", skip.join(" ")),
     ))

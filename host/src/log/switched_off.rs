@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::guess::quoted;
+use super::labels::Labels;
 use super::motion::{peak, span, speed};
 use super::quantum::quantum;
 use super::suspicion::Odd;
@@ -55,8 +56,9 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
         let from = seen.before(rest, settled).unwrap_or(rest.start);
         (record.time_s[from], record.time_s[rest.end.min(last)])
     });
+    let times: Vec<(f64, f64)> = times.collect();
     let (mut named, mut skips) = (Vec::new(), Vec::new());
-    for (from, to) in times {
+    for (from, to) in &times {
         named.push(format!("{from:.3} s to {to:.3} s"));
         skips.push(format!("--skip {}", quoted(&format!("{}:{from:.3}..{to:.3}", record.name))));
     }
@@ -66,9 +68,10 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
         "voltage_v",
         format!(
             "the motor stands from {} at a drive of {level:.3} {of} that turns it steadily at {:.2} rad/s elsewhere, and its motion ended \
-             without a change of the drive: the driver was off while its command stayed, or something held the shaft",
+             without a change of the drive: the driver was off while its command stayed, or something held the shaft{}",
             named.join(" and from "),
-            settled * level.signum()
+            settled * level.signum(),
+            Labels::of(record.labels.as_ref(), &times)
         ),
         format!(
             "no model turns and stands at one drive: leave that out with {}, and log a duty of 0 while the driver is off (a column of the log \

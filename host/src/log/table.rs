@@ -6,6 +6,7 @@ use std::path::Path;
 use super::bursts::bursts;
 use super::choice::{Choice, Columns, TimeSource};
 use super::clock::Clock;
+use super::labels::Labels;
 use super::line_ends::read_row;
 use super::mapping::Mapping;
 use super::metadata::BEHIND_DUTY;
@@ -43,6 +44,8 @@ pub(super) struct Read {
     /// The mapping, with the units that the header says where it leaves them open.
     pub map: Option<Mapping>,
     pub structure: Structure,
+    /// What a column of words says, where there is one.
+    pub labels: Option<Labels>,
     pub warnings: Vec<Warning>,
 }
 
@@ -226,6 +229,7 @@ pub(super) fn record(path: &Path, name: String, mut read: Read, options: &ReadOp
         map: read.map,
         meta: read.meta,
         warnings: read.warnings,
+        labels: read.labels,
         time_s: read.time_s,
         ..Record::default()
     };

@@ -73,7 +73,8 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
     if let Some(fault) = rows.several.fault(path) {
         return Err(fault.into());
     }
-    let Rows { samples, mut structure, held, bracketed, twice, ticks, numbered, .. } = rows;
+    let Rows { samples, mut structure, labels, held, bracketed, twice, ticks, numbered, .. } = rows;
+    let labels = labels.and_then(|(_, labels)| labels.usable());
     structure.restarts = samples.restarts().to_vec();
     structure.at_text = matches!(wanted.time, TimeSource::Rate(_));
     let samples_read = samples.len();
@@ -214,7 +215,7 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
             *values = signs(path, column, values)?;
         }
     }
-    Ok(Read { time_s, values, meta: meta.clone(), map: map.clone(), structure, warnings })
+    Ok(Read { time_s, values, meta: meta.clone(), map: map.clone(), structure, labels, warnings })
 }
 
 /// Gives a column of whole numbers the signs that its type took away, and tells the width of the type; an angle wraps there, which is
