@@ -24,7 +24,7 @@ pub(super) fn layout(lines: &[&str]) -> Option<Layout> {
     }
     let told =
         |key: &str| rows.iter().find(|row| row[0] == key).map_or_else(String::new, |row| row[1].clone());
-    let names = vec!["Time".into(), told("Source")];
+    let names = vec!["Time".to_owned(), told("Source")];
     let units = vec![told("Horizontal Units"), told("Vertical Units")];
     Some(Layout { first: BEFORE, names, units, ..new(separator) })
 }

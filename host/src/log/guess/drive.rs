@@ -139,7 +139,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     others.retain(|k| !is_of_another(&sample.with_units[*k], &sought));
     if let (None, Some(motion)) = (drive, motion) {
         let columns = made::Columns::of(&sample.rows, of(&[Time]).map(|clock| clock.index));
-        let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]) && !columns.are_made(*k);
+        let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]) && !columns.is_made(*k);
         others.retain(|k| drives(k) && !is_motion_again(&sample.rows, motion.index, *k));
     }
     // The first other column that may be what is absent, and the options for either meaning.
@@ -151,8 +151,9 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     };
     // What a mapping that is proposed assumes of the time.
     let of_the_clock = || {
-        let said =
-            |clock| guessed_unit(&sample.names[clock.index], clock).or_else(|| other_rate(sample, clock));
+        let said = |clock: &Part| {
+            guessed_unit(&sample.names[clock.index], clock).or_else(|| other_rate(sample, clock))
+        };
         of(&[Time]).and_then(said).map(|said| format!(" ({said})")).unwrap_or_default()
     };
     let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);

@@ -18,7 +18,7 @@ impl Columns {
     }
 
     /// Whether column `k` is made of others, or rises from each row to the next; of a few rows, and among very many columns, nothing is.
-    pub fn are_made(&self, k: usize) -> bool {
+    pub fn is_made(&self, k: usize) -> bool {
         let Some(own) = self.all.get(k).filter(|own| own.len() >= FEWEST_TICKS && span(own) > 0.0) else {
             return false;
         };
@@ -52,9 +52,9 @@ mod tests {
             rows.push(vec![t, speed, target, target - speed, (speed - before) / 0.02, 7e6 + 2e4 * t, drive]);
         }
         let columns = Columns::of(&rows, Some(0));
-        let made: Vec<bool> = (0..7).map(|k| columns.are_made(k)).collect();
+        let made: Vec<bool> = (0..7).map(|k| columns.is_made(k)).collect();
         assert_eq!(made[3..], [true, true, true, false]);
         assert!(!made[1], "a speed");
-        assert!(!Columns::of(&rows[..10], Some(0)).are_made(3), "too few rows");
+        assert!(!Columns::of(&rows[..10], Some(0)).is_made(3), "too few rows");
     }
 }
