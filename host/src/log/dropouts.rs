@@ -15,7 +15,7 @@ pub(super) const LONGEST_SPIKE: usize = 3;
 /// The usual steps are those but for this share of them: scatter, and readings that are wrong otherwise, are among the rest.
 const USUAL: f64 = 0.9;
 /// What the usual steps do not allow has this share of the usual speeds: a slow shaft that sticks stops and goes on by itself ...
-const FAST: f64 = 0.2;
+pub(super) const FAST: f64 = 0.2;
 /// ... and the reading before and after differs from the next one by less than this share of the fall, as where nothing slows down.
 const SUDDEN: f64 = 0.5;
 /// A drive that holds on keeps this share of what it was in so many samples before.

@@ -10,7 +10,7 @@ use super::motion::{peak, span};
 use super::timing::median;
 
 /// An edge changes the voltage by more than this share of its range; what changes less holds.
-const EDGE: f64 = 0.05;
+pub(super) const EDGE: f64 = 0.05;
 /// It holds for so many readings behind those that may be garbled.
 const FEWEST: usize = 12;
 /// The garbled ones go further than any of these by this factor, ...

@@ -5,11 +5,12 @@ use super::edges::{garbled_behind_edges, keep_drive};
 use super::motion::peak;
 use super::repair::{far_steps, leave_out, named};
 use super::sentinels::{at_the_ends, in_passes, picked};
+use super::unread::{is_long, unread_speeds};
 use super::wraps::wrapped;
 use super::{Record, Warning};
 
 /// A spike of speed is this many times the fastest other reading.
-const SPIKE_SPEED: f64 = 3.0;
+pub(super) const SPIKE_SPEED: f64 = 3.0;
 /// ... or goes so many times as far at once as any two others lie apart.
 const SUDDEN: f64 = 8.0;
 /// More readings of a voltage than this share are no accident of a transmission.
@@ -63,13 +64,26 @@ fn first_of(rules: [Rule<'_>; 3], values: &[f64]) -> Vec<usize> {
     rules.into_iter().map(|rule| rule(values)).find(|found| !found.is_empty()).unwrap_or_default()
 }
 
+/// The samples of `record` at which its speed is garbled, and those that are so behind an edge of the drive. Among long runs of a number for nothing
+/// neither is to be seen: they are cut out later, and their shorter ones belong to these.
+fn garbled_of_speed(record: &Record) -> (Vec<usize>, Vec<usize>) {
+    let Some(speed) = record.speed_rad_s.as_deref() else { return (Vec::new(), Vec::new()) };
+    let unread = unread_speeds(record);
+    let mut is_read = vec![true; speed.len()];
+    unread.iter().for_each(|run| is_read[run.clone()].fill(false));
+    let kept: Vec<usize> = (0..speed.len()).filter(|k| is_read[*k]).collect();
+    let (speed, volts) = (picked(speed, &kept), picked(&record.voltage_v, &kept));
+    let of_all = |found: Vec<usize>| found.into_iter().map(|place| kept[place]).collect::<Vec<usize>>();
+    let mut garbled = of_all(garbled_speeds(&speed, &volts));
+    garbled.extend(unread.into_iter().filter(|run| !is_long(run)).flatten());
+    garbled.sort_unstable();
+    (garbled, of_all(garbled_behind_edges(&speed, &volts)))
+}
+
 pub(super) fn leave_out_spikes(record: &mut Record) {
     let angle = record.angle_rad.as_deref().filter(|x| wrapped(x).is_none());
     let angle = angle.map(garbled_angles).unwrap_or_default();
-    let volts = &record.voltage_v;
-    let mut speed = record.speed_rad_s.as_deref().map(|w| garbled_speeds(w, volts)).unwrap_or_default();
-    let behind_edges =
-        record.speed_rad_s.as_deref().map(|w| garbled_behind_edges(w, volts)).unwrap_or_default();
+    let (mut speed, behind_edges) = garbled_of_speed(record);
     if !behind_edges.is_empty() {
         keep_drive(&record.time_s, &mut record.voltage_v, &behind_edges);
         speed.extend(behind_edges);

@@ -90,6 +90,7 @@ pub mod timing;
 mod together;
 mod unit_check;
 pub mod units;
+mod unread;
 mod unsigned;
 mod usable;
 mod voltages;

@@ -13,6 +13,7 @@ use super::samples::FEWEST_SAMPLES;
 use super::sentinels::between_jumps;
 use super::slow_sensor::leave_out_held;
 use super::timing::median_interval;
+use super::unread::unread_speeds;
 use super::wraps::unwrap_angle;
 use super::{Record, Warning};
 
@@ -25,6 +26,8 @@ const PAUSE_INTERVALS: f64 = 10.0;
 const PAUSE_S: f64 = 0.25;
 /// What to do about records that were cut.
 const SEPARATE: &str = "log without pauses, and read the counter in full width; nothing is to be done if these are separate tests";
+/// ... and about readings that are none.
+const CABLE: &str = "check the sensor's cable and the transmission of the log";
 /// Times named in a message.
 const NAMED: usize = 5;
 
@@ -45,7 +48,10 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     resets.sort_unstable();
     resets.dedup();
     resets.retain(|k| pauses.binary_search(k).is_err());
-    let unread = record.angle_rad.as_deref().map(|angle| between_jumps(angle, &resets)).unwrap_or_default();
+    let unread = Unread {
+        angle: record.angle_rad.as_deref().map(|angle| between_jumps(angle, &resets)).unwrap_or_default(),
+        speed: unread_speeds(&record),
+    };
     let mut parts = cut(record, &pauses, &resets, &unread);
     parts.iter_mut().for_each(leave_out_held);
     parts
@@ -111,22 +117,37 @@ fn pauses(record: &Record) -> Vec<usize> {
     (0..record.len().saturating_sub(1)).filter(pause).collect()
 }
 
-/// Cuts behind the samples `pauses` and `resets`; parts too short to teach anything are left out, and those `unread` between two resets.
-fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &[Range<usize>]) -> Vec<Record> {
-    let mut ends: Vec<usize> = pauses.iter().chain(resets).map(|k| k + 1).chain([record.len()]).collect();
+/// Runs of samples at which nothing was read.
+struct Unread {
+    angle: Vec<Range<usize>>,
+    speed: Vec<Range<usize>>,
+}
+
+impl Unread {
+    fn runs(&self) -> impl Iterator<Item = &Range<usize>> {
+        self.angle.iter().chain(&self.speed)
+    }
+}
+
+/// Cuts behind the samples `pauses` and `resets`, and around what is `unread`, which is left out; so are parts too short to teach anything.
+fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &Unread) -> Vec<Record> {
+    let around = unread.runs().flat_map(|run| [run.start, run.end]).filter(|k| *k > 0);
+    let mut ends: Vec<usize> =
+        pauses.iter().chain(resets).map(|k| k + 1).chain(around).chain([record.len()]).collect();
     ends.sort_unstable();
     ends.dedup();
     let begins = [0].into_iter().chain(ends.iter().copied());
     let all: Vec<(usize, usize)> = begins.zip(ends.iter().copied()).collect();
-    let is_read = |(a, b): &(usize, usize)| !unread.iter().any(|run| run.start <= *a && *b <= run.end);
+    let is_read = |(a, b): &(usize, usize)| !unread.runs().any(|run| run.start <= *a && *b <= run.end);
     let read: Vec<(usize, usize)> = all.iter().copied().filter(is_read).collect();
     let kept: Vec<(usize, usize)> = read.iter().copied().filter(|(a, b)| b - a >= FEWEST_SAMPLES).collect();
     if all.len() == 1 || kept.is_empty() {
         return vec![record];
     }
+    let starts = |runs: &[Range<usize>]| runs.iter().map(|run| run.start).collect::<Vec<usize>>();
     let behind = |samples: &[usize]| samples.iter().map(|k| k + 1).collect::<Vec<usize>>();
     let mut resets = behind(resets);
-    resets.retain(|k| !unread.iter().any(|run| run.start == *k || run.end == *k));
+    resets.retain(|k| !unread.angle.iter().any(|run| run.start == *k || run.end == *k));
     let mut said = Vec::new();
     for (what, when, samples, fix) in [
         ("pauses: the log pauses", "before", behind(pauses), SEPARATE),
@@ -139,8 +160,15 @@ fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &[Range<usize
         (
             "garbled_readings: the angle jumps to one number, stands there and jumps back, where nothing was read, which is left out",
             "from",
-            unread.iter().map(|run| run.start).collect(),
-            "check the sensor's cable and the transmission of the log",
+            starts(&unread.angle),
+            CABLE,
+        ),
+        (
+            "garbled_readings: the speed jumps to one number, stands there and jumps back without an edge of the drive, where nothing was read, \
+             which is left out",
+            "from",
+            starts(&unread.speed),
+            CABLE,
         ),
     ] {
         if !samples.is_empty() {

@@ -13,9 +13,9 @@ use super::repair::APART;
 /// A column is looked at so often at most.
 const PASSES: usize = 4;
 /// No reading is off by fewer than so many of the smallest steps.
-const FEW_COUNTS: f64 = 4.0;
+pub(super) const FEW_COUNTS: f64 = 4.0;
 /// Where more than this share of the column would be no reading, its ends belong to it.
-const MOST: f64 = 0.4;
+pub(super) const MOST: f64 = 0.4;
 
 /// What `find` finds among `count` samples, and again among those that it leaves: it is told which pass it is, from 0, and the samples
 /// that are left, and gives places among these in order.
