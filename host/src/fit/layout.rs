@@ -152,12 +152,13 @@ impl Layout {
         for kind in kinds {
             for p in kind.spec().parameters {
                 let unit_value = p.typical * p.scale.unit(rig);
+                let [low, high] = p.bounds(rig);
                 axes.push(Axis {
                     name: format!("{kind}.{}", p.name),
                     unit: p.unit,
                     unit_value,
-                    low: p.low / p.typical,
-                    high: p.high / p.typical,
+                    low: low / p.typical,
+                    high: high / p.typical,
                     // A strength cannot be less than nothing, and a share not more than all.
                     ends: [p.strength && p.low != 0.0, p.strength && (p.unit, p.high) != ("1", 1.0)],
                     delta: 4e-3,
@@ -271,6 +272,16 @@ mod tests {
             assert!((a - b).abs() < 1e-12);
         }
         assert_eq!(layout.axes[4].name, "stribeck.level");
+    }
+
+    #[test]
+    fn a_size_ends_where_there_is_none_larger_whatever_a_count_comes_to() {
+        let highest = |count_rad: f64| {
+            let layout = Layout::new(&[Kind::Eccentricity], &Rig { count_rad, ..RIG }, &PRIOR);
+            layout.plain(4, layout.axes[4].high)
+        };
+        assert!((highest(1e-4) - 60e-4).abs() < 1e-12, "60 counts");
+        assert!((highest(0.1) - 0.5 / 50.0).abs() < 1e-12, "half a radian of the encoder's shaft");
     }
 
     #[test]

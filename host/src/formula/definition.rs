@@ -193,6 +193,7 @@ impl Written {
                 low: p.low,
                 high: p.high,
                 typical: p.typical,
+                most: None,
                 searched: true,
                 strength: k == 0,
             })

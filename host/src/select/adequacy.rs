@@ -41,12 +41,13 @@ impl Adequacy {
     /// A torque that the model lacks depends on voltage, speed, angle or time. Where what is left does not, it is noise or a disturbance:
     /// no more than two runs of one programme differ by, or, where nothing was run twice, of any size that a disturbance may have.
     ///
-    /// A model with a value where its search ends is at no minimum, and one that kS-kV-kA beats lacks what that has: what they leave is
-    /// not looked at.
+    /// A model with a value where its search ends is at no minimum, one that kS-kV-kA beats lacks what that has, and effects beside a motor of which
+    /// the records determine nothing may be anything: what they leave is not looked at.
     pub fn of(evidence: &Evidence, plain: &Fitted, model: &Fitted, floor: f64) -> Self {
         let error = simulated(&evidence.whole, &model.values()).unwrap_or_default().rmse;
         let is_beaten = evidence.usual.as_ref().is_some_and(|usual| error > BEATEN * usual.rmse);
-        if is_beaten || model.is_at_the_end() {
+        let is_open = !model.kinds().is_empty() && !model.knows_the_motor(evidence);
+        if is_beaten || model.is_at_the_end() || is_open {
             return Self::Something;
         }
         let values = model.values();

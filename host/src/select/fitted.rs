@@ -49,8 +49,8 @@ pub struct Fitted {
     crossed: OnceLock<Vec<f64>>,
     /// Its simulation error on all records of the fit, once it was asked for.
     simulated: OnceLock<f64>,
-    /// Whether the records determine its gain, once that was asked for.
-    knows_gain: OnceLock<bool>,
+    /// Whether the records determine its gain, and its time constant, once that was asked for.
+    knows: OnceLock<[bool; 2]>,
 }
 
 impl Fitted {
@@ -90,7 +90,7 @@ impl Fitted {
             scored,
             crossed: OnceLock::new(),
             simulated: OnceLock::new(),
-            knows_gain: OnceLock::new(),
+            knows: OnceLock::new(),
         }
     }
 
@@ -243,13 +243,21 @@ impl Fitted {
     /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
     /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
     pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
-        !self.knows_gain(data) && other.knows_gain(data)
+        !self.knows(data)[0] && other.knows(data)[0]
     }
 
-    /// Whether the records determine its gain.
-    fn knows_gain(&self, data: &Evidence) -> bool {
-        let told = || Spread::of(&data.train, &self.values()).parameter(0).identifiable;
-        *self.knows_gain.get_or_init(told)
+    /// Whether the records determine anything of the motor itself beside its effects: its gain or its time constant.
+    pub fn knows_the_motor(&self, data: &Evidence) -> bool {
+        self.knows(data).contains(&true)
+    }
+
+    /// Whether the records determine its gain, and its time constant.
+    fn knows(&self, data: &Evidence) -> [bool; 2] {
+        let told = || {
+            let spread = Spread::of(&data.train, &self.values());
+            [0, 1].map(|k| spread.parameter(k).identifiable)
+        };
+        *self.knows.get_or_init(told)
     }
 
     /// Whether an effect that it has beyond those of `other` is a trifle beside the highest voltage.

@@ -199,8 +199,9 @@ fn limit(
         return Some(limit(None));
     }
     // No search looks below the row's lowest size.
-    let lowest = (of.low / of.typical).max(0.0);
-    let halved = (0..SIZES).map(|k| of.high.abs() / of.typical.abs() * 0.5_f64.powi(k as i32));
+    let [low, high] = of.bounds(&problem.rig);
+    let lowest = (low / of.typical).max(0.0);
+    let halved = (0..SIZES).map(|k| high.abs() / of.typical.abs() * 0.5_f64.powi(k as i32));
     let factors: Vec<f64> = halved.filter(|f| *f >= lowest).collect();
     let xs: Vec<Vec<f64>> = factors.iter().map(|f| at(*f)).collect();
     let signals: Vec<Vec<Vec<f64>>> =

@@ -102,3 +102,19 @@ fn a_driver_that_floats_is_looked_for_beside_friction_that_stops_the_motor() {
     assert_eq!(shares(Kind::Coast).len(), plain.len() + 1);
     assert!(shares(Kind::Coast).iter().any(|share| *share > 0.3) && plain.iter().all(|share| *share < 0.3));
 }
+
+#[test]
+fn readings_that_are_noise_alone_determine_nothing_of_the_motor() {
+    let case = Case::new(32, &[], CALM);
+    let (evidence, base) = prepare(&case.records, &[], &case.motor).unwrap();
+    assert!(base.knows_the_motor(&evidence));
+    let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    let noise = Record {
+        voltage_v: time_s.iter().map(|t| 6.0 * (2.0 * t).sin()).collect(),
+        angle_rad: Some((0..400).map(|k| 0.01 * f64::from(k * k).sin()).collect()),
+        time_s,
+        ..Record::default()
+    };
+    let (evidence, base) = prepare(&[noise], &[], &MotorFile::default()).unwrap();
+    assert!(!base.knows_the_motor(&evidence));
+}

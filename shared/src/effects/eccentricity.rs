@@ -2,10 +2,20 @@
 
 use core::f64::consts::TAU;
 
-use super::spec::{EXPLICIT, Port, Scale, Spec, strength, Search};
+use super::spec::{EXPLICIT, Parameter, Port, Scale, Search, Spec, at_most, strength};
 use super::{Effect, Memory, Setting};
 use crate::scalar::Scalar;
 use crate::step::State;
+
+/// The reading errs by the distance of the track's centre from the shaft's over the track's radius, rad (Heidenhain, *Position Encoders for Servo
+/// Drives*: 412 seconds of arc by micrometre over the diameter in millimetres). Half a millimetre on a radius of 5 mm is a tenth; half of the
+/// radius is no mounting.
+const LARGEST: f64 = 0.5;
+
+/// A part of the reading error, in counts.
+const fn part(name: &'static str, meaning: &'static str) -> Parameter {
+    at_most(LARGEST, Scale::EncoderRadian, strength(name, "rad", meaning, Scale::Count, [-60.0, 1.5, 60.0]))
+}
 
 pub(super) const SPEC: Spec = Spec {
     name: "eccentricity",
@@ -16,8 +26,8 @@ pub(super) const SPEC: Spec = Spec {
     source: "eccentric scale error of rotary encoders",
     signature: "residual angle repeats with every revolution of the encoder's shaft, at any speed, without inertia",
     parameters: &[
-        strength("sine", "rad", "sine part of the reading error", Scale::Count, [-60.0, 1.5, 60.0]),
-        strength("cosine", "rad", "cosine part of the reading error", Scale::Count, [-60.0, 1.5, 60.0]),
+        part("sine", "sine part of the reading error"),
+        part("cosine", "cosine part of the reading error"),
     ],
     probes: &[
         &[1.0, 0.0], &[0.0, 1.0], &[-1.0, 0.0], &[0.0, -1.0],

@@ -51,6 +51,8 @@ pub enum Scale {
     Degree,
     /// A count of the encoder, rad of the output shaft.
     Count,
+    /// A radian of the shaft that the encoder is on, rad of the output shaft.
+    EncoderRadian,
 }
 
 impl Scale {
@@ -67,6 +69,8 @@ impl Scale {
             Self::Millisecond => 1e-3,
             Self::Degree => core::f64::consts::PI / 180.0,
             Self::Count => rig.count_rad,
+            Self::EncoderRadian if rig.encoder_on_motor => 1.0 / rig.gear_ratio,
+            Self::EncoderRadian => 1.0,
         }
     }
 }
@@ -86,6 +90,8 @@ pub struct Parameter {
     pub low: f64,
     /// Highest value.
     pub high: f64,
+    /// The largest size there is of either sign, in a scale of its own: where `low` and `high` go on beyond it on a rig, they end there.
+    pub most: Option<(f64, Scale)>,
     /// A size one meets; the step of searches.
     pub typical: f64,
     /// The effect vanishes when this parameter is zero.
@@ -99,6 +105,14 @@ impl Parameter {
     #[must_use]
     pub fn plain(&self, size: f64, rig: &Rig) -> f64 {
         size * self.scale.unit(rig)
+    }
+
+    /// Lowest and highest value on `rig`, in units of its scale there.
+    #[must_use]
+    pub fn bounds(&self, rig: &Rig) -> [f64; 2] {
+        let most =
+            self.most.map_or(f64::INFINITY, |(size, scale)| size * scale.unit(rig) / self.scale.unit(rig));
+        [self.low.max(-most), self.high.min(most)]
     }
 }
 
@@ -220,7 +234,12 @@ pub(super) const fn strength(
     scale: Scale,
     [low, typical, high]: [f64; 3],
 ) -> Parameter {
-    Parameter { name, unit, meaning, scale, low, high, typical, strength: true, searched: true }
+    Parameter { name, unit, meaning, scale, low, high, most: None, typical, strength: true, searched: true }
+}
+
+/// The same parameter of which there is no larger size than `most` of `scale`, whatever its own scale comes to.
+pub(super) const fn at_most(most: f64, scale: Scale, parameter: Parameter) -> Parameter {
+    Parameter { most: Some((most, scale)), ..parameter }
 }
 
 /// A parameter that shapes an effect.
@@ -231,7 +250,7 @@ pub(super) const fn shape(
     scale: Scale,
     [low, typical, high]: [f64; 3],
 ) -> Parameter {
-    Parameter { name, unit, meaning, scale, low, high, typical, strength: false, searched: true }
+    Parameter { name, unit, meaning, scale, low, high, most: None, typical, strength: false, searched: true }
 }
 
 /// A parameter that no search can find downhill: the data show it, or it is zero.
