@@ -1,6 +1,11 @@
 //! Hard stops: the shaft stands at one end of its way while the voltage pushes it on.
+//!
+//! A stop ends the motion at once. What slows down to where it stands by and by had no drive any more.
+
+use std::ops::Range;
 
 use super::Record;
+use super::guess::quoted;
 use super::labels::Labels;
 use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
@@ -23,6 +28,11 @@ const SAME: f64 = 0.03;
 /// slowly.
 const MOVES_ON: f64 = 0.95;
 const BELOW_USUAL: f64 = 0.75;
+/// A shaft that slows down has these shares of its usual speed in two rows or more, and for longer than the shaft stays at a stop, where a row
+/// passes over more than so many counts. A stop leaves one row of them: that in which it was met.
+const SLOWING: Range<f64> = 0.1..0.8;
+const FEWEST_ROWS: usize = 2;
+const FEW_COUNTS: f64 = 4.0;
 /// Ranges named in a message.
 const NAMED: usize = 4;
 
@@ -33,15 +43,36 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     if record.servo.is_some() || record.meta.get("kp").is_some() {
         return None;
     }
-    let near = (SOFT * span(angle)).max(2.0 * quantum(angle).unwrap_or(0.0));
+    let count = quantum(angle).unwrap_or(0.0);
+    let near = (SOFT * span(angle)).max(2.0 * count);
     let speed = slope(&record.time_s, angle);
     let ends = ends(angle);
     let found: Vec<_> = [(ends.1, 1.0), (ends.0, -1.0)]
         .into_iter()
-        .filter_map(|(end, outwards)| Some((end, stays(record, angle, &speed, near, end, outwards)?)))
+        .filter_map(|(end, outwards)| {
+            Some((end, stays(record, angle, &speed, [near, count], end, outwards)?))
+        })
         .collect();
     let (end, volts) = found.first().map(|(end, (volts, _))| (*end, *volts))?;
-    let ranges: Vec<(f64, f64)> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
+    let ranges: Vec<Stay> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
+    let times: Vec<(f64, f64)> = ranges.iter().map(|stay| (stay.from, stay.until)).collect();
+    let said = Labels::of(record.labels.as_ref(), &times);
+    if let [Stay { from, until, slowed_s: Some(slowed_s) }] = ranges.as_slice() {
+        return Some((
+            "switched_off",
+            "voltage_v",
+            format!(
+                "the motor stands at {end:.2} rad from {from:.3} s to {until:.3} s, at up to {volts:.1} V, which moves it elsewhere, and it slowed \
+                 down to there for {slowed_s:.2} s, which a stop gives no time for: the driver was off while its command stayed, or something \
+                 soft held the shaft{said}"
+            ),
+            format!(
+                "no model turns and stands at one drive: leave that out with --skip {}, and log a duty of 0 while the driver is off (a column of \
+                 the log may tell when: command, state, power, enable)",
+                quoted(&format!("{}:{from:.3}..{until:.3}", record.name))
+            ),
+        ));
+    }
     // A driver that was off lets the shaft stand anywhere: hardly twice at one end.
     let (cause, no_model, instead) = if ranges.len() == 1 {
         (
@@ -59,11 +90,11 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     };
     let more = ranges.len().saturating_sub(NAMED);
     let named: Vec<String> =
-        ranges.iter().take(NAMED).map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
+        ranges.iter().take(NAMED).map(|stay| format!("{:.3} s to {:.3} s", stay.from, stay.until)).collect();
     let skip: Vec<String> = ranges
         .iter()
-        .map(|(from, to)| {
-            format!("--skip {}", super::guess::quoted(&format!("{}:{from:.3}..{to:.3}", record.name)))
+        .map(|stay| {
+            format!("--skip {}", quoted(&format!("{}:{:.3}..{:.3}", record.name, stay.from, stay.until)))
         })
         .collect();
     let rest = if more > 0 { format!(" and {more} times more") } else { String::new() };
@@ -71,23 +102,32 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
         "hard_stop",
         "angle_rad",
         format!(
-            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}{}",
-            named.join(", from "),
-            Labels::of(record.labels.as_ref(), &ranges)
+            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}{said}",
+            named.join(", from ")
         ),
         format!("{no_model} with {}, {instead}", skip.join(" ")),
     ))
 }
 
-/// The highest voltage that pushed against `end`, and from where its motion ended until when the shaft stood within `near` of it.
+/// A time in which the shaft stands at an end of its way.
+struct Stay {
+    /// When its motion ended, s.
+    from: f64,
+    /// When it left, s.
+    until: f64,
+    /// For how long it had slowed down before, s, where it did.
+    slowed_s: Option<f64>,
+}
+
+/// The highest voltage that pushed against `end`, and the times in which the shaft stood within `near` of it; a step of the angle is a `count`.
 fn stays(
     record: &Record,
     angle: &[f64],
     speed: &[f64],
-    near: f64,
+    [near, count]: [f64; 2],
     end: f64,
     outwards: f64,
-) -> Option<(f64, Vec<(f64, f64)>)> {
+) -> Option<(f64, Vec<Stay>)> {
     let (time, volts) = (&record.time_s, &record.voltage_v);
     let (slow, highest) = (0.1 * peak(speed), peak(volts));
     // The voltages that move it freely in this direction.
@@ -133,7 +173,11 @@ fn stays(
             let unchanged = |i: &usize| (volts[*i] - volts[begin]).abs() <= SAME * highest;
             let under_it: Vec<usize> = (left..begin).rev().take_while(unchanged).collect();
             let from = last_motion(&under_it, along, slow).unwrap_or(begin.saturating_sub(1));
-            ranges.push((time[from], until));
+            let way = |k: usize| (angle[k + 1] - angle[k]) * outwards;
+            let slowing = slowing(&under_it, way, FEW_COUNTS * count);
+            let slowed_s: f64 = slowing.iter().map(|k| time[k + 1] - time[*k]).sum();
+            let slowed_s = (slowing.len() >= FEWEST_ROWS && slowed_s > STAY_S).then_some(slowed_s);
+            ranges.push(Stay { from: time[from], until, slowed_s });
         }
         left = k;
     }
@@ -149,6 +193,18 @@ fn last_motion(samples: &[usize], along: impl Fn(usize) -> f64, slow: f64) -> Op
     }
     let least = MOVES_ON * quantile(&mut moving, BELOW_USUAL);
     samples.iter().copied().find(|k| along(*k) >= least)
+}
+
+/// The last of `samples`, the latest first, in which the shaft was slowing down: the `way` that it goes in each is less than usual there, which
+/// is more than a `few` counts.
+fn slowing(samples: &[usize], way: impl Fn(usize) -> f64, few: f64) -> Vec<usize> {
+    let mut moving: Vec<f64> = samples.iter().map(|k| way(*k)).filter(|way| *way > 0.0).collect();
+    if moving.is_empty() {
+        return Vec::new();
+    }
+    let usual = quantile(&mut moving, BELOW_USUAL);
+    let slower = samples.iter().copied().take_while(|k| way(*k) < SLOWING.end * usual);
+    slower.filter(|k| usual > few && SLOWING.contains(&(way(*k) / usual))).collect()
 }
 
 #[cfg(test)]
@@ -194,23 +250,33 @@ mod tests {
         assert!(fix.contains("--skip \"a run:") || fix.contains("--skip a run:"), "{fix}");
     }
 
-    /// A robot that drives faster and faster, and whose driver goes off at the end of its log: its command stays, and the wheels run down.
-    #[test]
-    fn a_shaft_that_stands_once_may_have_lost_its_driver_and_its_run_down_is_left_out_too() {
+    /// A robot that drives faster and faster, and whose driver goes off at the end of its log: its command stays, and the wheels lose this share of
+    /// their speed in each row.
+    fn robot(loses: f64) -> Record {
         let time_s: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.1).collect();
         let command = |k: usize| 2.0 * (1 + k / 40) as f64;
         let (mut w, mut x) = (0.0, 0.0);
         let angles = (0..200).map(|k| {
-            let driven = if k < 180 { command(k) } else { 0.0 };
-            w += 0.5 * (driven - w);
+            w += if k < 180 { 0.5 * (command(k) - w) } else { -loses * w };
             x += 0.1 * w;
             x
         });
         let angle_rad = Some(angles.collect());
         let voltage_v = (0..200).map(command).collect();
-        let record = Record { name: "run".into(), time_s, voltage_v, angle_rad, ..Record::default() };
-        let (name, _, why, fix) = hard_stop(&record).unwrap();
+        Record { name: "run".into(), time_s, voltage_v, angle_rad, ..Record::default() }
+    }
+
+    #[test]
+    fn a_shaft_that_stands_at_once_and_once_met_a_stop_or_has_lost_its_driver() {
+        let (name, _, why, fix) = hard_stop(&robot(1.0)).unwrap();
         assert!(name == "hard_stop" && why.contains("a stop, or the driver was off"), "{why}");
+        assert!(fix.contains("--skip run:17.") && fix.contains("..19.900"), "{fix}");
+    }
+
+    #[test]
+    fn a_shaft_that_runs_down_to_where_it_stands_has_lost_its_driver_and_its_run_down_is_left_out_too() {
+        let (name, _, why, fix) = hard_stop(&robot(0.5)).unwrap();
+        assert!(name == "switched_off" && why.contains("slowed down to there for 0.30 s"), "{why}");
         // It ran at full speed until 17.9 s, and the slope over two intervals shows the run-down one sample before.
         assert!(
             fix.contains("--skip run:17.8") && fix.contains("..19.900") && fix.contains("enable"),
