@@ -15,6 +15,8 @@ use super::weak::Weak;
 const EXPLAINS: f64 = 0.35;
 /// ... and of what the other one leaves.
 const BETTER: f64 = 0.4;
+/// What goes on one way in more than this share of its rows goes on at a drive that holds, where a speed settles.
+const GOES_ON: f64 = 0.5;
 /// Under either sign the motor turns about as far per volt: within this factor.
 const ALIKE: f64 = 2.0;
 
@@ -47,12 +49,20 @@ pub(super) fn angle_as_speed(seen: &Seen) -> Option<Odd> {
     ))
 }
 
+/// Whether `values` go one way only, in most rows: so does a counter of a shaft that is driven faster and faster, and no speed.
+fn goes_on_one_way(values: &[f64]) -> bool {
+    let moved = |way: f64| values.windows(2).filter(|pair| way * (pair[1] - pair[0]) > 0.0).count();
+    let [forward, backward] = [moved(1.0), moved(-1.0)];
+    forward.min(backward) == 0 && forward.max(backward) as f64 > GOES_ON * values.len() as f64
+}
+
 /// Counts that were taken for those of the angle and are those since the row before. Of an angle in other units a stiff spring makes the
 /// same.
 pub(super) fn speed_as_angle(seen: &Seen) -> Option<Odd> {
     let record = seen.record;
     let counted = record.map.as_ref()?.source(Quantity::Angle)?.written.starts_with("counts");
-    let counts = record.angle_rad.as_ref().filter(|_| counted && record.speed_rad_s.is_none())?;
+    let is_open = |counts: &&Vec<f64>| counted && record.speed_rad_s.is_none() && !goes_on_one_way(counts);
+    let counts = record.angle_rad.as_ref().filter(is_open)?;
     let as_speed = Record { angle_rad: None, speed_rad_s: Some(counts.clone()), ..record.clone() };
     let (speed, angle) = is_rather(seen, &as_speed)?;
     let unit = format!("counts/s*{}", (1e3 / median_interval(&record.time_s)).round() / 1e3);
@@ -157,6 +167,25 @@ mod tests {
         let mut turned = Record { map, ..motor() };
         turned.angle_rad.iter_mut().flatten().for_each(|x| *x = -*x);
         assert_eq!(speed_as_angle(&Seen::of(&turned)), None);
+    }
+
+    /// The wheels of a robot whose drive rises in steps, and whose driver goes off at the end though the command stays.
+    #[test]
+    fn a_counter_that_only_rises_is_no_speed_and_a_speed_settles() {
+        let driven = |k: usize| if k < 180 { (12 * (k / 30)) as f64 } else { 0.0 };
+        let mut counted = 0.0;
+        let count = |k: usize| {
+            counted += driven(k);
+            counted
+        };
+        let counts: Vec<f64> = (0..200).map(count).collect();
+        assert!(goes_on_one_way(&counts));
+        let backward: Vec<f64> = counts.iter().map(|x| -x).collect();
+        assert!(goes_on_one_way(&backward));
+        let settling: Vec<f64> = (0..180).map(driven).collect();
+        assert!(!goes_on_one_way(&settling) && !goes_on_one_way(&[5.0; 200]));
+        let scattering: Vec<f64> = (0..200).map(|k| driven(k) + (k as f64).sin()).collect();
+        assert!(!goes_on_one_way(&scattering));
     }
 
     #[test]
