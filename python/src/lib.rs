@@ -93,12 +93,13 @@ fn add(
     motor_path: Option<PathBuf>,
     motor_text: Option<&str>,
     own: Vec<PathBuf>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, NativeModel)> {
     let library = library(&own)?;
     let effect = kinds(&[effect], &library)?[0];
     let asked = asked(given, validate, motor(motor_path, motor_text)?, 0, &library)?;
     let model = model.0.clone();
-    let done = watched(py, None, move |observer| {
+    let done = watched(py, progress, move |observer| {
         motorlens::add(&model, effect, &asked.records, &asked.options, observer)
     })?;
     let document = json!({

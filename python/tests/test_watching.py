@@ -33,15 +33,33 @@ def test_progress_is_a_bar_that_leaves_a_line_for_each_model_and_nothing_else(lo
     said = io.StringIO()
     with contextlib.redirect_stderr(said):
         motorlens.discover(logs["training"][:2], motor=logs["motor"], progress=True)
-    # What a terminal shows: a carriage return goes back to the line's first column.
-    lines = []
-    for line in said.getvalue().split("\n"):
-        shown = ""
-        for part in line.split("\r"):
-            shown = part + shown[len(part) :]
-        lines.append(shown.rstrip())
+    lines = shown(said.getvalue())
     assert lines[0].startswith("base model: rmse") and lines[-1] == "" and all("rmse" in x for x in lines[:-1]), lines
     assert "[##########..........] trying" in said.getvalue(), said.getvalue()
+
+
+def shown(said):
+    # What a terminal shows: a carriage return goes back to the line's first column.
+    lines = []
+    for line in said.split("\n"):
+        left = ""
+        for part in line.split("\r"):
+            left = part + left[len(part) :]
+        lines.append(left.rstrip())
+    return lines
+
+
+def test_adding_an_effect_shows_both_models_and_a_bar_between_them(logs):
+    plain = motorlens.fit(logs["training"][:2], motor=logs["motor"]).model
+    said, events = io.StringIO(), []
+    with contextlib.redirect_stderr(said):
+        motorlens.add(plain, "coulomb", logs["training"][:2], motor=logs["motor"], progress=True)
+    first, second, rest = shown(said.getvalue())
+    assert first.startswith("base model: rmse") and second.startswith("coulomb: rmse") and rest == ""
+    assert "[##########..........] trying coulomb" in said.getvalue(), said.getvalue()
+    added = motorlens.add(plain, "coulomb", logs["training"][:2], motor=logs["motor"], progress=events.append)
+    assert [event.get("effects") for event in events] == [[], None, ["coulomb"]]
+    assert events[-1]["rmse"] == pytest.approx(added.document["after"]["train"]["rmse"])
 
 
 def test_a_tools_run_through_the_records_moves_the_bar():
@@ -76,11 +94,14 @@ def test_a_progress_function_sees_the_models_and_stops_the_search_by_raising(log
         motorlens.discover(logs["training"], motor=logs["motor"], progress=stop)
 
 
-@pytest.mark.parametrize("call", ["discover(r, motor=m)", "same(r, r, m, effects=['coulomb', 'backlash'])", "plan(r, m)"])
+@pytest.mark.parametrize(
+    "call",
+    ["discover(r, motor=m)", "add(plain, 'backlash', r, motor=m)", "same(r, r, m, effects=['coulomb', 'backlash'])", "plan(r, m)"],
+)
 def test_ctrl_c_ends_a_search_soon(logs, call):
-    words = ["import motorlens", "print('begun', flush=True)"]
     records = logs["training"] + logs["repeats"]
-    words.append(f"r, m = {[str(path) for path in records]!r}, {str(logs['motor'])!r}")
+    words = ["import motorlens", f"r, m = {[str(path) for path in records]!r}, {str(logs['motor'])!r}"]
+    words += ["plain = motorlens.fit(r[:1], motor=m).model", "print('begun', flush=True)"]
     words.append(f"while True: motorlens.{call}")
     child = subprocess.Popen([sys.executable, "-c", "\n".join(words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     child.stdout.readline()

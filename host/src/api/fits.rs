@@ -116,7 +116,9 @@ pub fn add(
     options: &Options,
     observer: Observer,
 ) -> Result<estimate::Addition> {
-    watched(observer, move |_| estimate::add(model, effect, records, &options.validation, &options.motor))
+    watched(observer, move |tell| {
+        estimate::add(model, effect, records, &options.validation, &options.motor, &mut told(tell))
+    })
 }
 
 /// Whether two sets of records come from one motor. Models with `effects` are fitted to either set and to both; without `effects`, those

@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use super::discover::unit;
 use super::input::LogArgs;
-use super::{Console, next, prose, wrap};
+use super::{Console, next, prose, watch, wrap};
 use crate::atomic_file;
+use crate::diagnose::discover::Progress;
 use crate::error::Result;
 use crate::estimate::{Addition, add, effect_by_name};
 use crate::estimate::{Errors, Moved};
@@ -56,7 +57,16 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let model = Model::read(&args.model)?;
     let logs = args.input.load(&library.and_those_of(&model.values().kinds()))?;
     logs.warn(console);
-    let done = add(&model, effect, &logs.records, &logs.validation, &logs.motor)?;
+    // As it is, and with the effect: the story tells both.
+    let bar = watch::bar(console, 2, "fits");
+    let mut progress = |progress: Progress| match progress {
+        Progress::Rung(_) => bar.inc(1),
+        Progress::Trying { effect, .. } => bar.set_message(format!("trying {effect}")),
+        Progress::Anew(_) => {}
+    };
+    let done = add(&model, effect, &logs.records, &logs.validation, &logs.motor, &mut progress);
+    bar.finish_and_clear();
+    let done = done?;
     if let Some(path) = &args.out {
         done.model.write(path)?;
     }

@@ -8,7 +8,9 @@ use crate::compare::free_run::simulated;
 use crate::compare::measures::Measures;
 use crate::compare::problem_of;
 use crate::diagnose::contained::{covers, parts};
+use crate::diagnose::discover::Progress;
 use crate::diagnose::evidence::Evidence;
+use crate::diagnose::ladder::Rung;
 use crate::error::{Error, Result};
 use crate::findings::Supposed;
 use crate::fit::layout::Values;
@@ -26,6 +28,13 @@ pub struct Errors {
     pub train: Measures,
     /// On records kept out, where there are any.
     pub validation: Option<Measures>,
+}
+
+impl Errors {
+    /// Those of a model with `effects`, for whoever watches.
+    fn of_model(&self, effects: Vec<Kind>) -> Progress {
+        Progress::Rung(Rung { effects, train: self.train, validation: self.validation })
+    }
 }
 
 /// A parameter before and after.
@@ -66,7 +75,8 @@ pub struct Addition {
     pub model: Model,
 }
 
-/// Adds `effect` to `model` and refits everything to `records`; the `validation` records are only scored.
+/// Adds `effect` to `model` and refits everything to `records`; the `validation` records are only scored. `progress` is told of the model refitted
+/// as it is, of the trial, and of the model with the effect.
 ///
 /// # Errors
 /// An effect that the model has already or cannot have; records that no fit can use.
@@ -76,6 +86,7 @@ pub fn add(
     records: &[Record],
     validation: &[Record],
     motor: &MotorFile,
+    progress: &mut dyn FnMut(Progress),
 ) -> Result<Addition> {
     let values = model.values();
     if values.kinds().contains(&effect) {
@@ -86,18 +97,24 @@ pub fn add(
     check_all_usable(validation)?;
     let problem = problem_of(model, records, motor)?;
     let evidence = Evidence::new(problem, records, validation, motor);
-    let old = select::fitted_from(&evidence, &values);
-    let new = select::with(&evidence, &old, effect);
-    let new = new.ok_or_else(|| cannot_join(&values.kinds(), effect))?;
-    let better = new.beats(&old, &evidence, &old);
-
     let whole = &evidence.whole;
-    let (old_values, new_values) = (old.simulating(&evidence).values(), new.simulating(&evidence).values());
     let unseen = kept_out(whole, validation, motor);
     let errors = |v: &Values| Errors {
         train: simulated(whole, v).unwrap_or_default(),
         validation: unseen.as_ref().and_then(|unseen| simulated(unseen, v)),
     };
+
+    let old = select::fitted_from(&evidence, &values);
+    let before = errors(&old.simulating(&evidence).values());
+    progress(before.of_model(values.kinds()));
+    progress(Progress::Trying { depth: values.effects.len(), effect });
+    let new = select::with(&evidence, &old, effect);
+    let new = new.ok_or_else(|| cannot_join(&values.kinds(), effect))?;
+    let better = new.beats(&old, &evidence, &old);
+    let new_values = new.simulating(&evidence).values();
+    let after = errors(&new_values);
+    progress(after.of_model(new_values.kinds()));
+
     let gain = new.gain_over(&old);
     let why = format!(
         "with {effect} the likelihood of blocks held out gains {gain}, and the cross-validated simulation error is {:.0} % of what it was{}",
@@ -111,8 +128,7 @@ pub fn add(
         seed: None,
     };
     let parameters = estimates(whole, &new_values);
-    let before = estimates_of(&whole.layout(&values.kinds()), &values);
-    let moved = before
+    let moved = estimates_of(&whole.layout(&values.kinds()), &values)
         .into_iter()
         .zip(&parameters)
         .map(|((name, before), after)| Moved { name, unit: after.unit.clone(), before, after: after.value })
@@ -122,8 +138,8 @@ pub fn add(
         worth: better,
         why,
         given: errors(&values),
-        before: errors(&old_values),
-        after: errors(&new_values),
+        before,
+        after,
         moved,
         parameters,
         supposed: Supposed::by(&new_values.kinds(), records, motor, &whole.rig),

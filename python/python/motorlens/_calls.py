@@ -88,11 +88,17 @@ def add(
     validate: Iterable[Record] = (),
     motor: KnownMotor = None,
     effect_files: EffectFiles = (),
+    progress: Progress = None,
 ) -> Addition:
-    """Adds ``effect`` to ``model``, refits, and says whether it is worth it. The rest is as in :func:`discover`."""
+    """Adds ``effect`` to ``model``, refits, and says whether it is worth it.
+
+    ``progress`` sees the model refitted as it is, the effect on trial, and the model with it. The rest is as in :func:`discover`.
+    """
     path, text = as_motor(motor)
     given, judges = as_records(records), as_records(validate, "validation record")
-    document, native = _native.add(model._native, effect, given, judges, path, text, list(effect_files))
+    # The first half is the model as it is.
+    with watching(progress, trials=2) as told:
+        document, native = _native.add(model._native, effect, given, judges, path, text, list(effect_files), told)
     found = json.loads(document)
     parameters = as_frame(found["parameters"])
     worth, why, supposes = found["worth_adding"], found["why"], found["supposes"]

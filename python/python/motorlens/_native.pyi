@@ -99,6 +99,7 @@ def add(
     motor_path: Optional[_Path],
     motor_text: Optional[str],
     own: list[_Path],
+    progress: _Told,
 ) -> tuple[str, NativeModel]: ...
 def plan(
     given: list[_Given],

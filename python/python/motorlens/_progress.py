@@ -19,8 +19,8 @@ _WIDTH = 20
 class _Bar:
     """Effects tried on the model so far, generations, or steps run; a line stays for each model that was fitted."""
 
-    def __init__(self, generations: int) -> None:
-        self.generations = generations
+    def __init__(self, generations: int, trials: int) -> None:
+        self.generations, self.trials = generations, trials
         self.library = len(json.loads(_native.effects([])))
         self.depth = self.tried = self.shown = 0
 
@@ -29,7 +29,7 @@ class _Bar:
             if event["depth"] != self.depth:
                 self.depth, self.tried = event["depth"], 0
             self.tried += 1
-            self._bar(self.tried, self.library - self.depth, f"trying {event['trying']}")
+            self._bar(self.tried, self.trials or self.library - self.depth, f"trying {event['trying']}")
         elif "generation" in event:
             self._bar(event["generation"], self.generations, f"IAE {event['iae']:.4g}")
         elif "share" in event:
@@ -63,14 +63,19 @@ def _watched() -> bool:
 
 
 @contextlib.contextmanager
-def watching(progress: Progress, generations: int = 0) -> Iterator[Optional[Callable[[str], object]]]:
-    """What the native part calls with each event in JSON, while the call lasts."""
+def watching(
+    progress: Progress, generations: int = 0, trials: int = 0
+) -> Iterator[Optional[Callable[[str], object]]]:
+    """What the native part calls with each event in JSON, while the call lasts.
+
+    A bar is full after so many ``generations``, or ``trials`` of effects (0: all that the model does not have).
+    """
     if progress is None:
         progress = _watched()
     if progress is False:
         yield None
         return
-    bar = _Bar(generations) if progress is True else None
+    bar = _Bar(generations, trials) if progress is True else None
     told = bar or progress
     assert callable(told)
     try:
