@@ -173,27 +173,36 @@ pub fn run(args: &Args, console: &Console) -> Result<()> {
         let files = [Some(&args.out), beside.as_ref()].into_iter().flatten();
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
         let said: String = lacking.iter().chain(&to_know).map(|s| format!("  {s}\n")).collect();
-        let kept = match &price {
-            Some(price)
-                if !args.on.is_empty() && exported.carried == model.values() && !price.is_too_high() =>
-            {
-                // What was run was so in its steps; elsewhere the price is that of the effects, and longer steps have their own.
-                let is_slower = longer_step_s(&model, format, &options).is_some();
-                let kept = match price.tool {
-                    Some(tool) => format!("Nothing is lost in {tool}"),
-                    None if is_slower && price.step_s.is_none() => {
-                        "In its usual steps nothing would be lost".into()
-                    }
-                    None => "Nothing is lost".into(),
-                };
-                format!("  {kept}: {}.\n", price.clause())
-            }
-            _ => String::new(),
-        };
-        format!("{}\n{said}{kept}", files.join(", "))
+        let is_slower = longer_step_s(&model, format, &options).is_some();
+        let kept = kept(&exported, &model, price.as_ref(), is_slower).map(|s| format!("  {s}\n"));
+        format!("{}\n{said}{}", files.join(", "), kept.unwrap_or_default())
     });
     console.next("get gains for a controller", &format!("motorlens tune {}", next::shell(&args.model)));
     Ok(())
+}
+
+/// That nothing of `model` is lost, where that was measured or holds by construction; what was not run elsewhere is not said to cost nothing there.
+fn kept(exported: &Exported, model: &Model, price: Option<&Cost>, is_slower: bool) -> Option<String> {
+    if exported.carried != model.values() || price.is_some_and(Cost::is_too_high) {
+        return None;
+    }
+    match (exported.stepper, price) {
+        (Stepper::Mujoco(_), None) => Some(
+            "Every effect of the model is written; --on LOG runs it in MuJoCo and tells what its own steps cost."
+                .into(),
+        ),
+        (Stepper::Mujoco(_), Some(price)) if price.tool.is_none() => {
+            Some("Every effect of the model is written.".into())
+        }
+        (_, Some(price)) if price.errors.is_some() => {
+            let there = price.tool.map_or(String::new(), |tool| format!(" in {tool}"));
+            Some(format!("Nothing is lost{there}: {}.", price.clause()))
+        }
+        (Stepper::Program(_), None) if !is_slower => {
+            Some("Nothing is lost: its steps are those of the model itself.".into())
+        }
+        _ => None,
+    }
 }
 
 /// What it costs, with a bar while MuJoCo runs.

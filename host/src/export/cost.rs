@@ -46,7 +46,7 @@ pub struct Cost {
     pub on: String,
     /// rad or rad/s.
     pub unit: &'static str,
-    /// The whole model against what the target has of it.
+    /// The whole model against what the target has of it; where its tool did not run it, without what that tool's own steps cost.
     pub all: Apart,
     /// Each effect by itself.
     pub each: Vec<Of>,

@@ -75,8 +75,8 @@ pub fn told(
         let why = price.not_run.as_ref()?;
         let target = capital(format.title());
         Some(format!(
-            "{target} did not run it on {}: {why}. Its figures are those of the model in motorlens.",
-            price.on
+            "{target} did not run it on {}: {why}. What its own steps cost in {} only that run tells; other figures are motorlens' own.",
+            price.on, price.unit
         ))
     });
     Told {
