@@ -1,6 +1,7 @@
 //! Exported programs run like the model itself. Where there is no compiler or interpreter, the test says so.
 
 mod exported;
+mod program;
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -98,6 +99,25 @@ fn every_pair_of_effects_runs_in_c_like_the_model() {
         cc.args(["-std=c99", "-O0", "-DMOTOR_MAIN", "-o"]).arg(&binary).arg(&source).arg("-lm");
         assert!(cc.status().unwrap().success(), "{:?}", model.values().kinds());
         assert_same(&model, &angles(Command::new(&binary)));
+    }
+}
+
+/// What holds of the C for every pair holds of the unit, whose archive stores its source as it is. No compiler is asked for its binary.
+#[test]
+fn the_source_of_a_unit_for_co_simulation_is_the_exported_c_for_every_pair_of_effects() {
+    if std::env::var_os("MOTORLENS_LONG_TESTS").is_none() {
+        return;
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let [file, unit] = ["m.json", "motor.fmu"].map(|name| directory.path().join(name));
+    for model in pairs() {
+        model.write(&file).unwrap();
+        let words = "export m.json --format fmu --out motor.fmu --quiet";
+        let mut command = program::command(directory.path(), words);
+        program::ran(command.env("CC", "no-such-compiler")).ends(0);
+        let archive = String::from_utf8_lossy(&std::fs::read(&unit).unwrap()).into_owned();
+        let c = export(&Model::read(&file).unwrap(), Format::C, &OPTIONS).unwrap().text();
+        assert!(archive.contains(&c), "{:?}", model.values().kinds());
     }
 }
 
