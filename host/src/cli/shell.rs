@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
   motorlens completions bash > ~/.local/share/bash-completion/completions/motorlens
   motorlens completions fish > ~/.config/fish/completions/motorlens.fish
   motorlens completions zsh > \"${fpath[1]}/_motorlens\"
-  motorlens completions powershell >> $PROFILE")]
+  motorlens completions powershell | Out-String | Invoke-Expression   # in $PROFILE")]
 pub struct Completions {
     /// The shell
     #[arg(value_enum)]
