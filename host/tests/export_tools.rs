@@ -176,29 +176,44 @@ for line in sys.stdin:
     assert!((volts - cosine).abs() < 1e-6, "{volts}");
 }
 
-/// Units that do not fit, such as radians where a class takes metres, do not compile.
+/// Units that do not fit, such as radians where a class takes metres, do not compile; what does gives the volts of a steady speed, at an angle
+/// at which the weight pulls with its cosine part alone.
 #[test]
-fn the_lines_for_cpp_compile_with_wpilibs_own_headers() {
+fn the_lines_for_cpp_run_with_wpilibs_own_library() {
     let Some(python) = python() else { return };
-    let script = "
+    let script = r#"
 import pathlib, subprocess, sys, native.wpimath, native.wpiutil
 lines = pathlib.Path(sys.argv[1]).read_text().split('--- C++ (radians)')[1].split('--- Python')[0]
-source = pathlib.Path(sys.argv[1] + '.cpp')
-source.write_text(lines)
-include = [f'-I{path}/include' for package in (native.wpimath, native.wpiutil) for path in package.__path__]
-subprocess.check_call(['c++', '-std=c++20', '-fsyntax-only', *include, str(source)])
-";
+source, program = pathlib.Path(sys.argv[1] + '.cpp'), sys.argv[1] + '.bin'
+source.write_text(f'{lines}\n#include <cstdio>\nint main() {{ std::printf("%.9f", ({sys.argv[2]}).value()); }}\n')
+homes = [path for package in (native.wpimath, native.wpiutil) for path in package.__path__]
+flags = [flag for home in homes for flag in (f'-I{home}/include', f'-L{home}/lib', f'-Wl,-rpath,{home}/lib')]
+subprocess.check_call(['c++', '-std=c++20', '-o', program, str(source), *flags, '-lwpimath', '-lwpiutil'])
+sys.exit(subprocess.call([program]))
+"#;
     let directory = tempfile::tempdir().unwrap();
-    for (name, effects) in [
-        ("simple", vec![(Kind::Coulomb, &[0.3][..])]),
-        ("lift", vec![(Kind::ConstantLoad, &[0.4][..])]),
-        ("arm", vec![(Kind::Gravity, &[0.8, 0.5][..])]),
-        ("late", vec![(Kind::Delay, &[0.0061][..])]),
+    let weight = [0.8_f64, 0.5];
+    let simple = "feedforward.Calculate(2_rad_per_s)";
+    let lift = format!("{simple} + kG");
+    let arm = format!("feedforward.Calculate({:?}_rad, 2_rad_per_s)", -weight[0].atan2(weight[1]));
+    let back_emf = 2.0 / 0.9;
+    for (name, effects, call, volts) in [
+        ("simple", vec![(Kind::Coulomb, &[0.3][..])], simple, 0.3 + back_emf),
+        ("lift", vec![(Kind::ConstantLoad, &[0.4][..])], lift.as_str(), 0.4 + back_emf),
+        (
+            "arm",
+            vec![(Kind::Coulomb, &[0.3][..]), (Kind::Gravity, &weight[..])],
+            arm.as_str(),
+            0.3 + weight[1] + back_emf,
+        ),
+        ("late", vec![(Kind::Delay, &[0.0061][..])], simple, back_emf),
     ] {
         let file = directory.path().join(name);
         std::fs::write(&file, export(&model(&effects), Format::Wpilib, &OPTIONS).unwrap().content).unwrap();
-        let ran = Command::new(&python).args(["-c", script]).arg(&file).output().unwrap();
+        let ran = Command::new(&python).args(["-c", script]).arg(&file).arg(call).output().unwrap();
         assert!(ran.status.success(), "{name}: {}", String::from_utf8_lossy(&ran.stderr));
+        let said: f64 = String::from_utf8(ran.stdout).unwrap().parse().unwrap();
+        assert!((said - volts).abs() < 1e-6, "{name}: {said} V, not {volts} V");
     }
 }
 
