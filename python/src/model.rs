@@ -54,25 +54,25 @@ impl NativeModel {
         }
         Ok(NativeRun(self.0.start_moving(step_s, angle_rad, speed_rad_s)))
     }
-    /// Gains and trials in JSON, and for each trial the times, the wanted and the reached angles.
+    /// Gains, trials and steps in JSON, and for each trial and each step its course.
     fn tune<'py>(
         &self,
         py: Python<'py>,
         period_s: f64,
         phase_margin_deg: f64,
         limit_v: Option<f64>,
-    ) -> PyResult<(String, Vec<[Bound<'py, PyBytes>; 3]>)> {
+    ) -> PyResult<(String, Vec<Course<'py>>, Vec<Course<'py>>)> {
         let options = tune::Options { period_s, phase_margin_deg, limit_v };
         let tuned = py.detach(|| tune(&self.0, &options)).map_err(|e| failed(&e))?;
-        let courses = tuned.trials.iter().map(|trial| {
-            let course = &trial.course;
+        let columns = |course: &tune::Course| -> Course<'py> {
             [&course.time_s, &course.wanted, &course.reached].map(|column| bytes(py, column))
-        });
-        let courses = courses.collect();
+        };
+        let trials = tuned.trials.iter().map(|trial| columns(&trial.course)).collect();
+        let steps = tuned.steps.iter().map(|step| columns(&step.course)).collect();
         let mut document = json!(tuned);
         document["schema"] = json!(1);
         document["period_s"] = json!(period_s);
-        Ok((text(&document)?, courses))
+        Ok((text(&document)?, trials, steps))
     }
     /// The file, a second file with its ending, notes, and what is lacking with its cost in sentences.
     fn export<'py>(
@@ -118,6 +118,9 @@ impl NativeModel {
         Ok((PyBytes::new(py, &done.content), beside, notes, lost))
     }
 }
+
+/// The times, what was wanted and what was reached.
+pub(crate) type Course<'py> = [Bound<'py, PyBytes>; 3];
 
 /// What [`NativeModel::export`] gives.
 pub(crate) type Exported<'py> = (Bound<'py, PyBytes>, Option<(String, String)>, Vec<String>, Vec<String>);

@@ -146,6 +146,12 @@ def test_gains_follow_from_a_model_and_friction_compensation_pays(found):
     assert tuned.feedforward["ks_v"] == pytest.approx(0.3, abs=0.02)
     errors = tuned.trials.set_index("compensation")["position_rms"]
     assert len(tuned.courses) == len(errors) and errors.iloc[1] > 2 * errors.iloc[-1], errors
+    assert len(tuned.step_responses) == len(tuned.steps)
+    for response, (_, row) in zip(tuned.step_responses, tuned.steps.iterrows()):
+        assert (response.of, response.compensation) == (row["of"], row["compensation"])
+        assert response.time_s.shape == response.wanted.shape == response.reached.shape
+        assert response.wanted[-1] == pytest.approx(row["height"])
+        assert max(0, response.reached.max() / row["height"] - 1) == pytest.approx(row["overshoot"], abs=1e-9)
     ideal, real = tuned.courses[0], tuned.courses[1]
     assert ideal.time_s.shape == ideal.wanted_rad.shape == real.reached_rad.shape
     rms = np.sqrt(np.mean((real.wanted_rad - real.reached_rad) ** 2))

@@ -21,9 +21,10 @@ def test_answers_show_themselves_in_a_notebook(logs, found):
     page = found._repr_html_()
     assert "coulomb.level" in page and "data:image/png;base64" in page
     compared = motorlens.compare(found.model, logs["held_out"], motor=logs["motor"])
-    for answer, shown in [(compared, "rmse"), (found.model.tune(), "kS")]:
+    # Of a controller the tracking, and the steps.
+    for answer, shown, pictures in [(compared, "rmse", 1), (found.model.tune(), "overshoot", 2)]:
         page = answer._repr_html_()
-        assert shown in page and "data:image/png;base64" in page
+        assert shown in page and page.count("data:image/png;base64") == pictures
     fit = motorlens.fit(logs["training"][:1], motor=logs["motor"])
     alike = motorlens.same(logs["training"][:1], logs["training"][:1], logs["motor"], effects="coulomb")
     assert "tau_m" in fit._repr_html_() and "no difference shows: " in alike._repr_html_()

@@ -187,7 +187,7 @@ def simulate(
 
     ``effects`` are names, with or without a size (``"coulomb=0.3"``); ``hidden`` is a seed that picks effects and does not tell.
     ``effect_files`` are paths of descriptions of effects of your own, which ``effects`` may name.
-    ``options`` are those of ``motorlens simulate``: ``seed=2``, ``seconds=8``, ``rate=500``, ``excitation="steps"``. Returns a
+    ``options`` are those of ``motorlens simulate``: ``seed=2``, ``seconds=8`` (s), ``rate=500`` (Hz), ``excitation="staircase"``. Returns a
     dict with the paths: ``motor``, ``training``, ``repeats``, ``held_out``.
     """
     words = ["--out", os.fspath(out)]

@@ -27,6 +27,7 @@ _Table = tuple[str, dict[str, bytes]]
 _Given = Union[NativeRecord, _Path, _Table]
 _Told = Optional[Callable[[str], object]]
 _Run = tuple[str, str, bytes, bytes, bytes]
+_Course = tuple[bytes, bytes, bytes]
 
 class MotorlensError(Exception): ...
 
@@ -60,7 +61,7 @@ class NativeModel:
     def start(self, step_s: float, angle_rad: float, speed_rad_s: float) -> NativeRun: ...
     def tune(
         self, period_s: float, phase_margin_deg: float, limit_v: Optional[float]
-    ) -> tuple[str, list[tuple[bytes, bytes, bytes]]]: ...
+    ) -> tuple[str, list[_Course], list[_Course]]: ...
     def export(
         self,
         format: str,

@@ -26,7 +26,7 @@ OPTIONAL = ("current_a", "supply_v")
 
 
 class Log(Mapping[str, np.ndarray]):
-    """A record of a log file, as :func:`read` made it: its columns by name, arrays of one length in SI units."""
+    """A record of a log file, as :func:`read` made it: its columns by name, arrays (n,) in SI units."""
 
     def __init__(self, native: _native.NativeRecord) -> None:
         self._native = native

@@ -28,6 +28,21 @@ class Course:
 
 
 @dataclass(frozen=True)
+class StepResponse:
+    """A loop's answer to a step of what is wanted, with all effects or without, at each of n periods of the controller."""
+
+    #: position or velocity.
+    of: str
+    compensation: str
+    #: (n,), s.
+    time_s: np.ndarray
+    #: (n,), rad of the output shaft; of the velocity rad/s.
+    wanted: np.ndarray
+    #: (n,), rad of the output shaft; of the velocity rad/s.
+    reached: np.ndarray
+
+
+@dataclass(frozen=True)
 class Tuned:
     """Gains with their margins, and what the effects cost in tracking under them."""
 
@@ -47,6 +62,8 @@ class Tuned:
     #: Which compensation pays, a sentence each.
     advice: list[str]
     courses: list[Course] = field(repr=False)
+    #: Those of ``steps``, in the same order.
+    step_responses: list[StepResponse] = field(repr=False)
     document: dict[str, Any] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -58,7 +75,7 @@ class Tuned:
             f"{name}: kp {gains['kp']:.4g}, ki {gains['ki']:.4g}, kd {gains['kd']:.4g}"
             for name, gains in (("velocity", self.velocity), ("position", self.position))
         ]
-        return as_page("; ".join(loops), self.trials, *self.advice, self.plot)
+        return as_page("; ".join(loops), self.trials, *self.advice, self.plot, self.steps, self.plot_steps)
 
     def plot(self, axes: Any = None) -> Any:
         """How far each trial is from what was wanted, over time, and returns the axes. Needs matplotlib."""
@@ -71,6 +88,22 @@ class Tuned:
         axes.set(xlabel="time / s", ylabel="tracking error / rad")
         axes.legend()
         return axes
+
+    def plot_steps(self) -> Any:
+        """The steps of the position and of the velocity under each compensation, and returns the figure. Needs matplotlib."""
+        from matplotlib import pyplot
+
+        figure, places = pyplot.subplots(1, 2, figsize=(10, 3.5))
+        for of, unit, axes in zip(("position", "velocity"), ("rad", "rad/s"), places):
+            responses = [response for response in self.step_responses if response.of == of]
+            for response in responses:
+                axes.plot(response.time_s, response.reached, label=response.compensation)
+            for response in responses[:1]:
+                axes.plot(response.time_s, response.wanted, color="black", linewidth=0.8)
+            axes.set(xlabel="time / s", ylabel=f"{of} / {unit}")
+            axes.legend(fontsize="small")
+        figure.tight_layout()
+        return figure
 
 
 def _step(step: dict[str, Any]) -> dict[str, Any]:
@@ -89,7 +122,7 @@ def tune(
     voltage of the controller (V; the model's supply if not given).
     """
     limit = None if limit_v is None else float(limit_v)
-    text, courses = model._native.tune(float(period_s), float(phase_margin_deg), limit)
+    text, courses, answers = model._native.tune(float(period_s), float(phase_margin_deg), limit)
     found = json.loads(text)
     rows = [
         {
@@ -104,6 +137,10 @@ def tune(
         Course(row["compensation"], *(np.frombuffer(column).copy() for column in columns))
         for row, columns in zip(rows, courses)
     ]
+    responses = [
+        StepResponse(step["of"], step["compensation"], *(np.frombuffer(column).copy() for column in columns))
+        for step, columns in zip(found["steps"], answers)
+    ]
     return Tuned(
         found["velocity"],
         found["position"],
@@ -113,5 +150,6 @@ def tune(
         as_frame([_step(step) for step in found["steps"]]),
         found["advice"],
         runs,
+        responses,
         found,
     )
