@@ -2,9 +2,9 @@
 //!
 //! The program `motorlens` is this library and a command line. [`discover`] takes plain slices; [`discover_records`] takes what
 //! [`record`] or [`log::read`] made, with records to judge by; [`fit()`], [`add()`] and [`plan()`] are its parts. [`compare()`] holds a model
-//! against records, and [`same()`] two sets of records against each other. An effect is a [`Kind`]. A [`Model`] simulates ([`Model::simulate`]), runs step by step ([`Model::start`]), is
-//! written for other tools ([`export`]) and gets its gains ([`tune`]). All quantities are SI and of the output shaft; torques are
-//! volts, as voltage and motion tell no more.
+//! against records, and [`same()`] two sets of records against each other. An effect is a [`Kind`]. A [`Model`] simulates
+//! ([`Model::simulate`]), runs step by step ([`Model::start`]), is written for other tools ([`export`]) and gets its gains ([`tune`]). All
+//! quantities are SI and of the output shaft; torques are volts, as voltage and motion tell no more.
 //!
 //! Features, all on by default: `cli` (the program), `serve` (the page in a browser), `device` (boards at a serial port), and `logs`,
 //! the readers that need a crate: `log-xlsx` (spreadsheets), `log-parquet`, `log-mat` (MATLAB, HDF5), `log-mcap` and `log-npz`, each by

@@ -5,9 +5,13 @@
 //! deviations of the difference, from the intervals of [`crate::fit::uncertainty`]; the bar is Bonferroni's for all parameters
 //! that both sets determine. Intervals are those of the place that a fit came to: two effects that do alike trade along a curve, and two
 //! fits of one motor may end at either end of it. So a difference counts only where the likelihood ratio says so too, that is, where
-//! one model of both leaves more error than chance would, taking every sample for independent. A model that does not explain everything gives other values on every record of one motor, which
-//! intervals do not know: so each record (or half of the only one) is fitted by itself too, and what parts the records of a set
-//! counts as uncertainty of the set, in parameters and in errors.
+//! one model of both leaves more error than chance would, taking every sample for independent.
+//!
+//! A model that does not explain everything gives other values on every record of one motor, which intervals do not know: so each record
+//! (or half of the only one) is fitted by itself too, and what parts the records of a set counts as uncertainty of the set, in parameters
+//! and in errors.
+
+use std::cell::Cell;
 
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
@@ -97,7 +101,7 @@ pub struct Comparison {
     pub open: Vec<String>,
 }
 
-/// Compares `first` and `second` by models with `effects`.
+/// Compares `first` and `second` by models with `effects`. `progress` is told after each fit what share of all is done, 0 to 1.
 ///
 /// # Errors
 /// Records that no fit can use.
@@ -121,14 +125,28 @@ pub struct Comparison {
 /// # let one = run("one", [6.0, 0.0, -4.0, 2.0, 9.0], 0.9)?;
 /// # let other = run("other", [-3.0, 7.0, 0.0, -8.0, 4.0], 1.2)?;
 /// // Two records, of motors that turn 0.9 and 1.2 rad/s per volt.
-/// let found = same(&[one], &[other], &MotorFile::default(), &[])?;
+/// let found = same(&[one], &[other], &MotorFile::default(), &[], &|share| eprintln!("{:.0} %", 100.0 * share))?;
 /// assert_eq!(found.verdict, Verdict::Different);
 /// # Ok::<(), motorlens::Error>(())
 /// ```
-pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[Kind]) -> Result<Comparison> {
+pub fn same(
+    first: &[Record],
+    second: &[Record],
+    motor: &MotorFile,
+    effects: &[Kind],
+    progress: &dyn Fn(f64),
+) -> Result<Comparison> {
     let how = estimate::Options { effects: effects.to_vec(), ..estimate::Options::default() };
-    let fit = |records: &[Record]| estimate::fit(records, &[], motor, &how, &mut |_, _| {});
     let sets = [first, second];
+    let pieces = sets.map(pieces);
+    let fits = 3 + pieces.iter().map(Vec::len).sum::<usize>();
+    let done = Cell::new(0_usize);
+    let fit = |records: &[Record]| {
+        let fitted = estimate::fit(records, &[], motor, &how, &mut |_, _| {});
+        done.set(done.get() + 1);
+        progress(done.get() as f64 / fits as f64);
+        fitted
+    };
     let [own, other] = [fit(first)?, fit(second)?];
     let all: Vec<Record> = sets.concat();
     let both = fit(&all)?;
@@ -141,7 +159,7 @@ pub fn same(first: &[Record], second: &[Record], motor: &MotorFile, effects: &[K
             other: error(second, &own.model)?,
         },
     ];
-    let alone = sets.map(|set| Alone::new(set, &fit));
+    let alone = pieces.map(|pieces| Alone::new(pieces, &fit));
     let within = alone
         .iter()
         .zip([&own, &other])
@@ -167,18 +185,22 @@ fn rmse(records: &[Record], model: &Model, motor: &MotorFile) -> Result<f64> {
     Ok(simulated(&problem, &model.values()).unwrap_or_default().rmse)
 }
 
-/// Each record of a set by itself, or each half of the only one.
+/// The records of a set, or the halves of the only one.
+fn pieces(records: &[Record]) -> Vec<Record> {
+    match records {
+        [only] => {
+            let middle = only.len() / 2;
+            vec![part(only, 0..middle, 1), part(only, middle..only.len(), 2)]
+        }
+        several => several.to_vec(),
+    }
+}
+
+/// The pieces of a set, each with a fit of its own.
 struct Alone(Vec<(Record, Fit)>);
 
 impl Alone {
-    fn new(records: &[Record], fit: &dyn Fn(&[Record]) -> Result<Fit>) -> Self {
-        let pieces = match records {
-            [only] => {
-                let middle = only.len() / 2;
-                vec![part(only, 0..middle, 1), part(only, middle..only.len(), 2)]
-            }
-            several => several.to_vec(),
-        };
+    fn new(pieces: Vec<Record>, fit: &dyn Fn(&[Record]) -> Result<Fit>) -> Self {
         // A piece that teaches nothing by itself tells nothing of how pieces differ.
         Self(
             pieces

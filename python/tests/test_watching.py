@@ -63,13 +63,17 @@ def test_adding_an_effect_shows_both_models_and_a_bar_between_them(logs):
     assert events[-1]["rmse"] == pytest.approx(added.document["after"]["train"]["rmse"])
 
 
-def test_a_tools_run_through_the_records_moves_the_bar():
+def test_the_share_of_a_call_that_is_done_moves_the_bar(logs):
     from motorlens._progress import watching
 
     said = io.StringIO()
     with contextlib.redirect_stderr(said), watching(True) as told:
         told('{"share": 0.25}')
-    assert "[#####...............] MuJoCo" in said.getvalue() and said.getvalue().endswith("\r"), said.getvalue()
+    assert "[#####...............] 25% done" in said.getvalue() and said.getvalue().endswith("\r"), said.getvalue()
+    first, second, events = logs["training"][:2], logs["training"][2:3], []
+    motorlens.same(first, second, motor=logs["motor"], effects="coulomb", progress=events.append)
+    # Each set, both, each record of the first, and the halves of the second's only one.
+    assert [event["share"] for event in events] == pytest.approx([k / 7 for k in range(1, 8)])
 
 
 def test_progress_shows_in_a_notebook(logs):

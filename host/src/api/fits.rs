@@ -164,6 +164,6 @@ pub fn same(
             Some(kinds) => kinds.to_vec(),
             None => search::discover(first, &[], motor, &options.asked(), &mut told(tell))?.effects,
         };
-        crate::same::same(first, second, motor, &kinds)
+        crate::same::same(first, second, motor, &kinds, &|share| tell(Event::Running { share }))
     })
 }

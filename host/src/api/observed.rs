@@ -36,9 +36,9 @@ pub enum Event {
         /// Its best integral of the absolute error.
         iae: f64,
     },
-    /// A tool that an export is for runs through the records.
+    /// A call goes on whose work is known beforehand: an export's tool runs through the records, two sets of records are fitted.
     Running {
-        /// How much of them it has run through, 0 to 1.
+        /// How much of it is done, 0 to 1.
         share: f64,
     },
 }

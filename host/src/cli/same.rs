@@ -6,7 +6,7 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::prose::figure;
-use super::{Console, next};
+use super::{Console, next, watch};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
@@ -63,7 +63,10 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         let options = discover::Options { library: library.kinds().to_vec(), ..discover::Options::default() };
         discover(&first, &[], &motor, &options, &mut |_| {})?.effects
     };
-    let document = Document { schema: 1, comparison: same(&first, &second, &motor, &effects)? };
+    let bar = watch::bar(console, 100, "% of the fits");
+    let compared = same(&first, &second, &motor, &effects, &|share| bar.set_position((100.0 * share) as u64));
+    bar.finish_and_clear();
+    let document = Document { schema: 1, comparison: compared? };
     console.answer(&document, || text(&document.comparison));
     let list = |paths: &[PathBuf]| paths.iter().map(|path| next::shell(path)).collect::<Vec<_>>().join(" ");
     let (first, second, read) = (list(&args.first), list(&args.second), next::as_read());

@@ -17,7 +17,7 @@ _WIDTH = 20
 
 
 class _Bar:
-    """Effects tried on the model so far, generations, or steps run; a line stays for each model that was fitted."""
+    """Effects tried on the model so far, generations, or the share of a call that is done; a line stays for each model that was fitted."""
 
     def __init__(self, generations: int, trials: int) -> None:
         self.generations, self.trials = generations, trials
@@ -33,7 +33,7 @@ class _Bar:
         elif "generation" in event:
             self._bar(event["generation"], self.generations, f"IAE {event['iae']:.4g}")
         elif "share" in event:
-            self._bar(round(100 * event["share"]), 100, "MuJoCo runs through the records")
+            self._bar(round(100 * event["share"]), 100, f"{event['share']:.0%} done")
         else:
             self._line(f"{', '.join(event['effects']) or 'base model'}: rmse {event['rmse']:.4g}")
 
