@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::effect_trace::{EffectTrace, Pair, SPAN_S};
-use super::residual_views::{FEWEST_IN_BIN, reach};
+use super::residual_views::{FEWEST_IN_BIN, reach, turn, within_turn};
 
 /// A way of looking at an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,11 @@ impl View {
         match self {
             Self::Speed | Self::CountedSpeed => even(widest(|t| &t.motion.speed_rad_s), 32),
             Self::SlowSpeed => even(SLOW * widest(|t| &t.motion.speed_rad_s), 40),
-            Self::OutputAngle => (0.0, 360.0, 45),
+            Self::OutputAngle => {
+                let (low, high) =
+                    turn(all.iter().flat_map(|t| t.motion.angle_rad.iter().map(|x| x.to_degrees())));
+                (low, high, 45)
+            }
             Self::Travel => {
                 let ways = || all.iter().flat_map(|t| t.motion.angle_rad.iter().map(|x| travel(t, *x)));
                 let (low, high) = (ways().fold(f64::MAX, f64::min), ways().fold(f64::MIN, f64::max));
@@ -103,8 +107,8 @@ impl View {
         }
     }
 
-    /// The moments of a record that belong here.
-    fn moments(self, t: &EffectTrace, shafts: &Shafts) -> Vec<Moment> {
+    /// The moments of a record that belong here; `low` is the lowest place of the axis.
+    fn moments(self, t: &EffectTrace, shafts: &Shafts, low: f64) -> Vec<Moment> {
         let motion = &t.motion;
         let (speed, volts) = (&motion.speed_rad_s, &motion.voltage_v);
         let plain = |at: f64, pair: &Pair, k: usize, sign: f64| Moment {
@@ -129,7 +133,7 @@ impl View {
         let degrees = |x: f64, turns: f64| (x * turns / TAU).rem_euclid(1.0) * 360.0;
         match self {
             Self::Speed | Self::SlowSpeed => by(&t.torque, &|k| speed[k]),
-            Self::OutputAngle => by(&t.torque, &|k| degrees(motion.angle_rad[k], 1.0)),
+            Self::OutputAngle => by(&t.torque, &|k| within_turn(motion.angle_rad[k].to_degrees(), low)),
             Self::Travel => by(&t.torque, &|k| travel(t, motion.angle_rad[k])),
             Self::Ripple => {
                 let turns = shafts.gear_ratio * shafts.order / periods(shafts.order);
@@ -168,7 +172,8 @@ impl View {
     pub fn sorted(self, all: &[EffectTrace], shafts: &Shafts) -> Sorted {
         let (low, high, bins) = self.axis(all, shafts);
         let mut sums = vec![(0_usize, 0.0, 0.0, 0.0); bins];
-        for m in all.iter().flat_map(|t| self.moments(t, shafts)).filter(|m| m.at >= low && m.at < high) {
+        for m in all.iter().flat_map(|t| self.moments(t, shafts, low)).filter(|m| m.at >= low && m.at < high)
+        {
             let bin = (((m.at - low) / (high - low) * bins as f64) as usize).min(bins - 1);
             let sum = &mut sums[bin];
             *sum = (sum.0 + 1, sum.1 + m.weight, sum.2 + m.weight * m.seen, sum.3 + m.weight * m.said);

@@ -85,14 +85,28 @@ pub fn by_voltage(all: &[ResidualTorque]) -> Binned {
     binned(samples, -reach, reach * (1.0 + 1e-9), 32)
 }
 
-/// By angle, folded to one turn of a shaft that turns `turns_per_turn` times for one of the output: 1 for the
-/// output shaft, the gear ratio for the motor's. Angles in degrees of that shaft.
+/// By angle of a shaft that turns `turns_per_turn` times for one of the output: 1 for the output shaft, the gear ratio for the motor's. Angles
+/// in degrees of that shaft, turns laid over each other; a motion of less than a turn stays as it is.
 pub fn by_angle(all: &[ResidualTorque], turns_per_turn: f64) -> Binned {
+    let degrees = |x: &f64| (x * turns_per_turn).to_degrees();
+    let (low, high) = turn(all.iter().flat_map(|r| r.angle_rad.iter().map(degrees)));
     let samples = all.iter().flat_map(|r| {
-        let degrees = |x: &f64| Some((x * turns_per_turn / TAU).rem_euclid(1.0) * 360.0);
-        r.angle_rad.iter().map(degrees).zip(&r.torque_v)
+        let places = r.angle_rad.iter().map(|x| Some(within_turn(degrees(x), low)));
+        places.zip(&r.torque_v)
     });
-    binned(samples, 0.0, 360.0, 45)
+    binned(samples, low, high, 45)
+}
+
+/// Between which of these `angles`, degrees, a motion is laid out: all that it passes where that is less than a turn, else 0 to 360.
+pub(super) fn turn(angles: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) =
+        angles.fold((f64::MAX, f64::MIN), |(low, high), at| (f64::min(low, at), f64::max(high, at)));
+    if low < high && high - low < 360.0 { (low, high + 1e-9) } else { (0.0, 360.0) }
+}
+
+/// `degrees` within the turn that begins at `low`.
+pub(super) fn within_turn(degrees: f64, low: f64) -> f64 {
+    low + (degrees - low).rem_euclid(360.0)
 }
 
 /// Time looked at before and after a reversal, s.
@@ -168,7 +182,9 @@ pub fn autocorrelation(runs: &[&FreeRun]) -> Autocorrelation {
     let count: usize = errors.iter().map(Vec::len).sum();
     let power: f64 = errors.iter().flatten().map(|e| e * e).sum();
     let mut out = Autocorrelation { bound: 2.576 / (count.max(1) as f64).sqrt(), ..Default::default() };
-    for lag in 1..=LAGS {
+    // Of a lag longer than half a record too few pairs are left to tell anything.
+    let longest = errors.iter().map(Vec::len).max().unwrap_or(0) / 2;
+    for lag in 1..=LAGS.min(longest) {
         let product: f64 = errors
             .iter()
             .map(|e| e.iter().zip(e.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
@@ -209,13 +225,17 @@ const HIGHEST_ORDER: f64 = 16.0;
 /// Orders looked at.
 const ORDERS: usize = 128;
 
-/// How strongly the residual torque repeats along the motor's turn, for orders up to 16 of it. The output shaft's
-/// own order is 1 / `gear_ratio`.
+/// How strongly the residual torque repeats along the motor's turn, for orders up to 16 of it, in records in which it turns once at least;
+/// empty where there are none. The output shaft's own order is 1 / `gear_ratio`.
 pub fn orders(all: &[ResidualTorque], gear_ratio: f64) -> Spectrum {
     let mut out = Spectrum::default();
     let mut sums = vec![(0.0, 0.0); ORDERS];
     let mut count = 0_usize;
-    for r in all {
+    let turns_round = |r: &&ResidualTorque| {
+        let angles = || r.angle_rad.iter().copied();
+        angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min) >= TAU / gear_ratio
+    };
+    for r in all.iter().filter(turns_round) {
         let mean = r.torque_v.iter().sum::<f64>() / r.torque_v.len().max(1) as f64;
         // A few thousand samples of a record tell its harmonics.
         let every = r.torque_v.len().div_ceil(12_000).max(1);
@@ -232,9 +252,12 @@ pub fn orders(all: &[ResidualTorque], gear_ratio: f64) -> Spectrum {
             count += 1;
         }
     }
+    if count == 0 {
+        return out;
+    }
     for (k, (re, im)) in sums.into_iter().enumerate() {
         out.order.push((k + 1) as f64 * HIGHEST_ORDER / ORDERS as f64);
-        out.amplitude_v.push(2.0 / count.max(1) as f64 * f64::hypot(re, im));
+        out.amplitude_v.push(2.0 / count as f64 * f64::hypot(re, im));
     }
     out
 }
@@ -263,6 +286,28 @@ mod tests {
         let around = around_reversals(&friction);
         let (before, after) = (around.mean_v[2], around.mean_v[around.mean_v.len() - 2]);
         assert!(before > 0.3 && after < -0.3, "{before} {after}");
+    }
+
+    #[test]
+    fn a_motion_of_less_than_a_turn_is_laid_out_whole_and_more_is_laid_over_itself() {
+        let (low, high) = turn([-100.0, 20.0, 95.0].into_iter());
+        assert!(low == -100.0 && high > 95.0 && high < 96.0, "{low} {high}");
+        assert_eq!([-100.0, 0.0, 95.0].map(|at| within_turn(at, low)), [-100.0, 0.0, 95.0]);
+        assert_eq!(turn([-100.0, 300.0].into_iter()), (0.0, 360.0));
+        assert_eq!(within_turn(-90.0, 0.0), 270.0);
+        assert_eq!(turn(std::iter::empty()), (0.0, 360.0));
+    }
+
+    #[test]
+    fn a_record_tells_no_lags_longer_than_half_of_it_and_no_orders_of_less_than_a_turn() {
+        let mut run = made(|x, _| 0.1 * x.sin());
+        for column in [&mut run.time_s, &mut run.measured, &mut run.simulated, &mut run.voltage_v] {
+            column.truncate(300);
+        }
+        let lags = autocorrelation(&[&run]).lag_s;
+        assert!(lags.last().is_some_and(|lag| *lag <= 0.15), "{lags:?}");
+        let short = [residual_torque(&run, &BASE)];
+        assert_eq!(orders(&short, 1.0), Spectrum::default());
     }
 
     #[test]

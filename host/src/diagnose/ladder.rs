@@ -10,6 +10,7 @@ use crate::fit::layout::Values;
 use crate::fit::noise::Noise;
 use crate::select::fitted::Fitted;
 use crate::select::gain::Gain;
+use crate::sentence::listed;
 
 /// A model of the sequence, with its errors.
 #[derive(Debug, Clone, Serialize)]
@@ -63,34 +64,74 @@ fn unseen(evidence: &Evidence, values: &Values) -> Option<Measures> {
     evidence.kept_out.as_ref().and_then(|kept_out| simulated(kept_out, values))
 }
 
-/// The `candidates` of the first step in order, with the share of the error that each takes away from `base`, as multiples of the noise.
+/// A change of the error by less than this share is none.
+const HARDLY: f64 = 0.005;
+
+/// The `candidates` of a step on `base` in order, with the share of the error above the `noise` that each takes away: every effect once, by the
+/// best model that it completes.
 pub(crate) fn rank(base: &Fitted, candidates: &[Fitted], noise: &Noise, evidence: &Evidence) -> Vec<Ranked> {
-    let excess = |model: &Fitted| model.noise.over(noise) - 1.0;
-    candidates
-        .iter()
-        .filter_map(|c| {
-            let effect = *c.kinds().last()?;
-            let gain = c.gain_over(base);
-            let percent = 100.0 * c.noise.over(noise) / base.noise.over(noise);
-            Some(Ranked {
-                effect,
-                score: (1.0 - excess(c) / excess(base).max(1e-9)).clamp(0.0, 1.0),
-                validation: unseen(evidence, &c.values()),
-                evidence: evidence_of(effect, percent, &gain),
-            })
-        })
-        .collect()
+    let mut all: Vec<Ranked> = Vec::new();
+    for candidate in candidates {
+        let Some(effect) = candidate.kinds().last().copied() else { continue };
+        if all.iter().any(|ranked| ranked.effect == effect) {
+            continue;
+        }
+        let [left, before] = [candidate, base].map(|model| model.noise.over(noise));
+        let added: Vec<&str> = candidate
+            .kinds()
+            .iter()
+            .filter(|kind| !base.kinds().contains(kind))
+            .map(|kind| kind.name())
+            .collect();
+        all.push(Ranked {
+            effect,
+            score: share(before, left),
+            validation: unseen(evidence, &candidate.values()),
+            evidence: evidence_of(&added, 100.0 * left / before, &candidate.gain_over(base)),
+        });
+    }
+    all
 }
 
-/// What speaks for `effect`, which leaves so many `percent` of the error, in words.
-fn evidence_of(effect: Kind, percent: f64, gain: &Gain) -> String {
+/// The share of what stands above the noise that is taken away, where errors of so many times the noise stood `before` and are `left`; none
+/// where hardly anything stood above it.
+fn share(before: f64, left: f64) -> f64 {
+    if before - 1.0 < HARDLY { 0.0 } else { ((before - left) / (before - 1.0)).clamp(0.0, 1.0) }
+}
+
+/// What speaks for the effects that were `added`, which leave so many `percent` of the error, in words.
+fn evidence_of(added: &[&str], percent: f64, gain: &Gain) -> String {
+    let names = listed(added);
+    let (change, them) = if added.len() == 1 { ("changes", "it") } else { ("change", "them") };
     // What only steps of the voltage show may leave the whole error as it was.
-    let left = if percent < 99.5 {
+    let left = if percent < 100.0 * (1.0 - HARDLY) {
         format!(
-            "with {effect} the model leaves {percent:.0} % of what the base model leaves, every time scale alike; "
+            "with {names} the model leaves {percent:.0} % of what it leaves without {them}, every time scale alike; "
         )
     } else {
-        format!("{effect} hardly changes the error as a whole; ")
+        format!("{names} hardly {change} the error as a whole; ")
     };
     format!("{left}on blocks held out its likelihood gains {gain}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_nothing_stands_above_the_noise_no_effect_explains_a_share_of_it() {
+        assert_eq!(share(1.0, 1.0), 0.0);
+        assert_eq!(share(1.0 + 1e-6, 1.0), 0.0);
+        assert_eq!(share(3.0, 2.0), 0.5);
+        assert_eq!(share(3.0, 4.0), 0.0);
+    }
+
+    #[test]
+    fn the_evidence_of_a_pair_names_both_of_its_effects() {
+        let gain = Gain { total: 40.0, sure: 1.2 };
+        let pair = evidence_of(&["coulomb", "delay"], 100.0, &gain);
+        assert!(pair.starts_with("coulomb and delay hardly change the error as a whole; "), "{pair}");
+        let one = evidence_of(&["delay"], 60.0, &gain);
+        assert!(one.starts_with("with delay the model leaves 60 % of what it leaves without it,"), "{one}");
+    }
 }

@@ -183,10 +183,10 @@ fn pair(figure: Figure, name: &str, at: &[f64], seen: &[f64], said: &[f64], y: &
 fn figure(kind: Kind, view: View, look: Option<&str>, sorted: &Sorted) -> Figure {
     let (title, x, y) = titles(view);
     let name = kind.name();
-    let mut x = Axis::titled(x);
-    if matches!(view, View::OutputAngle | View::EncoderAngle) {
-        (x.range, x.step) = (Some([0.0, 360.0]), Some(60.0));
-    }
+    let x = match view {
+        View::OutputAngle | View::EncoderAngle => Axis::of_angles(x, &sorted.at),
+        _ => Axis::titled(x),
+    };
     let unit = y.rsplit(['(', ')']).nth(1).unwrap_or_default();
     let look = look.map_or(String::new(), |look| {
         if one_sided(view, &sorted.at) {

@@ -10,6 +10,8 @@ use crate::compare::residual_views::{
 
 /// Height of a figure of this step, CSS pixels.
 const HEIGHT: u32 = 240;
+/// What is said in the place of an empty figure.
+const TOO_LITTLE: &str = "These records are too short, or stay too close to one value, to see anything here.";
 
 /// A side from which the residual torque is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,19 +65,21 @@ impl Side {
 
     /// Residual torque in bins along this side.
     pub fn binned(self, torques: &Torques, gear_ratio: f64) -> Binned {
-        match self {
+        let seen = match self {
             Self::Speed => by_speed(&torques.records),
             Self::Voltage => by_voltage(&torques.records),
             Self::OutputAngle => by_angle(&torques.records, 1.0),
             Self::MotorAngle => by_angle(&torques.records, gear_ratio),
             Self::Reversal => around_reversals(&torques.records),
-        }
+        };
+        // One bin depends on nothing.
+        if seen.at.len() > 1 { seen } else { Binned::default() }
     }
 
     /// What the bins of the model say, in one line.
     fn reading(self, base: &Binned, seen: &Binned) -> String {
         if seen.at.is_empty() {
-            return "These records are too short to see anything here.".into();
+            return TOO_LITTLE.into();
         }
         let share = 100.0 * seen.explained;
         let (before, after) = (swing(base), swing(seen));
@@ -128,10 +132,10 @@ fn step_in_words(seen: &Binned) -> String {
 
 /// A view of the residual torque: base model and model over one axis, with the spread of the model.
 pub fn view(side: Side, id: &str, base: &Binned, model: &Binned, names: [&str; 2]) -> Figure {
-    let mut x = Axis::titled(side.axis());
-    if matches!(side, Side::OutputAngle | Side::MotorAngle) {
-        (x.range, x.step) = (Some([0.0, 360.0]), Some(60.0));
-    }
+    let x = match side {
+        Side::OutputAngle | Side::MotorAngle => Axis::of_angles(side.axis(), &model.at),
+        _ => Axis::titled(side.axis()),
+    };
     let curve = |role, name: &str, on, seen: &Binned| Curve {
         draw: Draw::Dotted,
         ..Curve::line(role, name, on, Numbers::new(seen.mean_v.iter().copied(), 4))
@@ -208,7 +212,9 @@ fn memory(records: &[&Shown], against: &str) -> Figure {
     let (base, model) = (of(|r| &r.base), of(|r| &r.model));
     let outside = model.correlation.iter().filter(|c| c.abs() > model.bound).count();
     let share = 100 * outside / model.correlation.len().max(1);
-    let reading = if share > 5 {
+    let reading = if model.correlation.is_empty() {
+        TOO_LITTLE.to_owned()
+    } else if share > 5 {
         format!(
             "{share} % of the lags leave the 99 % bounds: the error is correlated in time, so it is not only noise."
         )
@@ -274,6 +280,7 @@ mod tests {
         let seen = binned(&[-1.0, 1.0], &[0.3, -0.3], 0.634);
         assert_eq!(view(Side::Speed, "s", &seen, &seen, ["base model", "model"]).share_percent, Some(63.0));
         let nothing = binned(&[], &[], 0.0);
+        assert!(Side::Voltage.reading(&nothing, &nothing).contains("too short"));
         assert_eq!(view(Side::Speed, "s", &seen, &nothing, ["base model", "model"]).share_percent, None);
     }
 

@@ -75,6 +75,17 @@ impl Axis {
     pub fn titled(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
     }
+
+    /// An axis of the angles `at`, degrees, in order: the turn from 0 to 360 where they fill most of it, else what they need.
+    pub fn of_angles(title: impl Into<String>, at: &[f64]) -> Self {
+        let fills = |low: f64, high: f64| low >= 0.0 && high <= 360.0 && high - low > 180.0;
+        match at {
+            [low, .., high] if fills(*low, *high) => {
+                Self { range: Some([0.0, 360.0]), step: Some(60.0), ..Self::titled(title) }
+            }
+            _ => Self::titled(title),
+        }
+    }
 }
 
 /// Curves over one vertical axis.
@@ -193,4 +204,18 @@ pub fn change_in_words(before: f64, after: f64, unit: &str, [falls, rises, stays
     }
     let way = if after > before { rises } else { falls };
     format!("{way} from {old} to {new}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_have_the_axis_of_a_turn_only_where_they_fill_most_of_it() {
+        let range = |at: &[f64]| Axis::of_angles("Angle (deg)", at).range;
+        assert_eq!(range(&[4.0, 180.0, 356.0]), Some([0.0, 360.0]));
+        assert_eq!(range(&[-100.0, 0.0, 95.0]), None);
+        assert_eq!(range(&[1.0, 20.0]), None);
+        assert_eq!(range(&[]), None);
+    }
 }

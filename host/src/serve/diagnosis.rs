@@ -56,7 +56,8 @@ impl Diagnosis {
         let noise = evidence.noise_under(best.as_ref().unwrap_or(model));
         let ranked = ladder::rank(model, &candidates, &noise, evidence);
         let suspects = ranked.into_iter().enumerate().map(|(place, ranked)| {
-            let tried = candidates.get(place).filter(|_| place < DRAWN);
+            let completed = |c: &&Fitted| c.kinds().last() == Some(&ranked.effect);
+            let tried = candidates.iter().find(completed).filter(|_| place < DRAWN);
             let drawn = |c: &Fitted| evidence::of(evidence, ranked.effect, &c.values());
             Suspect { figures: tried.map_or_else(Vec::new, drawn), ranked }
         });
