@@ -19,6 +19,7 @@ mod effects;
 mod exam;
 mod export;
 mod fit;
+mod help;
 mod input;
 #[cfg(feature = "device")]
 mod interrupt;
@@ -36,6 +37,7 @@ mod shell;
 mod simulate;
 #[cfg(feature = "device")]
 mod strip;
+mod table;
 mod tune;
 mod watch;
 mod wrap;
@@ -43,7 +45,7 @@ mod wrap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use console::Console;
 
@@ -159,7 +161,9 @@ pub fn command() -> clap::Command {
 ///
 /// Exit status: 0 done, 2 wrong usage, 3 bad input, 4 the device, 1 the machine itself.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let parsed = help::with_whole_examples(command()).try_get_matches();
+    let read = |given| Cli::from_arg_matches(&given).map_err(|error| error.format(&mut command()));
+    let cli = match parsed.and_then(read) {
         Ok(cli) => cli,
         Err(error) => return refuse(&error),
     };
@@ -213,8 +217,7 @@ fn library(files: &[PathBuf]) -> Result<Library> {
 
 /// What clap could not parse; help and version arrive here too.
 fn refuse(error: &clap::Error) -> ExitCode {
-    // A reader that has gone away needs no help text.
-    let _ = error.print();
+    help::print(error);
     if error.use_stderr() && std::env::args_os().any(|a| a == "--json") {
         let text = error.render().to_string();
         let why = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();

@@ -6,6 +6,8 @@ use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
 use super::prose::figure;
+use super::table::{Row, table};
+use super::wrap::known_width;
 use super::{Console, next, watch};
 use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
@@ -105,27 +107,24 @@ fn text(c: &Comparison) -> String {
         c.why,
         if names.is_empty() { "no effects".into() } else { names.join(", ") }
     );
-    text += &format!(
-        "{:<12} {:>12} {:>14} {:>14}   rms, {}\n",
-        "", "own model", "model of both", "other's model", c.unit
-    );
-    for (name, e) in ["first set", "second set"].iter().zip(&c.errors) {
-        text += &format!("{name:<12} {:>12} {:>14} {:>14}\n", figure(e.own), figure(e.both), figure(e.other));
-    }
-    text += &format!("\n{:<24} {:>20} {:>20} {:>11}\n", "parameter", "first", "second", "deviations");
+    let width = known_width().unwrap_or(usize::MAX);
+    let errors = ["first set", "second set"].into_iter().zip(&c.errors).map(|(name, e)| Row {
+        name: name.into(),
+        cells: [e.own, e.both, e.other].map(figure).into(),
+        remark: String::new(),
+    });
+    let heads = ["own model", "model of both", "other's model"];
+    text += &table(&format!("rms, {}", c.unit), &heads, &errors.collect::<Vec<_>>(), width);
     // A 95 % interval, as half its width.
     let cell =
         |[value, low, high]: [f64; 3]| format!("{} \u{b1} {}", figure(value), figure(0.5 * (high - low)));
-    for p in &c.parameters {
-        let mark = if p.differs { "  differs" } else { "" };
-        text += &format!(
-            "{:<24} {:>20} {:>20} {:>11.1}{mark}\n",
-            format!("{} / {}", p.name, p.unit),
-            cell(p.first),
-            cell(p.second),
-            p.deviations
-        );
-    }
+    let parameters = c.parameters.iter().map(|p| Row {
+        name: format!("{} / {}", p.name, p.unit),
+        cells: vec![cell(p.first), cell(p.second), format!("{:.1}", p.deviations)],
+        remark: if p.differs { "differs".into() } else { String::new() },
+    });
+    text.push('\n');
+    text += &table("parameter", &["first", "second", "deviations"], &parameters.collect::<Vec<_>>(), width);
     if !c.open.is_empty() && not_compared.is_empty() {
         text += &format!("Not determined by both: {}.\n", c.open.join(", "));
     }

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::table::{Row, table};
+use super::wrap::known_width;
 use super::{Console, next, prose};
 use crate::atomic_file;
 use crate::error::{Error, Result};
 use crate::model_file::Model;
-use crate::tune::{Loop, Options, Step, Tuned, plot, tune};
+use crate::tune::{Loop, Options, Step, Tracking, Trial, Tuned, plot, tune};
 
 /// Options of `tune`.
 #[derive(Debug, clap::Args)]
@@ -87,40 +89,36 @@ fn text(tuned: &Tuned, period: f64) -> String {
             load.parameters.iter().map(|p| format!("{} {:.4} {}", p.name, p.value, p.unit)).collect();
         text += &format!("{}: command -f, {}; {}\n", load.effect, load.equation, values.join(", "));
     }
+    let width = known_width().unwrap_or(usize::MAX);
     text.push('\n');
-    text += &format!(
-        "{:<44} {:>11} {:>11} {:>11} {:>13}\n",
-        "a move there and back", "rms / rad", "worst", "at the end", "rms / rad/s"
-    );
-    for t in &tuned.trials {
-        text += &format!(
-            "{:<44} {:>11} {:>11} {:>11} {:>13}\n",
-            t.compensation,
-            prose::figure(t.position.rms),
-            prose::figure(t.position.worst),
-            prose::figure(t.position.at_the_end),
-            prose::figure(t.velocity.rms)
-        );
-    }
+    let heads = ["rms / rad", "worst", "at the end", "rms / rad/s"];
+    let rows: Vec<Row> = tuned.trials.iter().map(tracked).collect();
+    text += &table("a move there and back", &heads, &rows, width);
     for steps in Step::by_loop(&tuned.steps) {
         let Some(first) = steps.first() else { continue };
         let head = format!("a step of the {} by {} {}", first.of, prose::figure(first.height), first.unit());
-        text += &format!("\n{head:<44} {:>8} {:>8} {:>8} {:>8}\n", "rise / s", "beyond", "settled", "left");
-        let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
-        for step in steps {
-            let moves = step.limit_cycle.map_or_else(String::new, |cycle| {
-                let [amplitude, frequency] = [cycle.amplitude_rad, cycle.frequency_hz].map(prose::figure);
-                format!("  keeps moving by \u{b1}{amplitude} rad at {frequency} Hz")
-            });
-            text += &format!(
-                "{:<44} {:>8} {:>7.0}% {:>8} {:>8}{moves}\n",
-                step.compensation,
-                time(step.rise_s),
-                100.0 * step.overshoot,
-                time(step.settling_s),
-                prose::figure(step.left)
-            );
-        }
+        let rows: Vec<Row> = steps.into_iter().map(stepped).collect();
+        text.push('\n');
+        text += &table(&head, &["rise / s", "beyond", "settled", "left"], &rows, width);
     }
     text + "\n" + &tuned.advice.join("\n") + "\n"
+}
+
+/// How a move is followed.
+fn tracked(trial: &Trial) -> Row {
+    let Tracking { rms, worst, at_the_end } = trial.position;
+    let cells = [rms, worst, at_the_end, trial.velocity.rms].map(prose::figure);
+    Row { name: trial.compensation.into(), cells: cells.into(), remark: String::new() }
+}
+
+/// How a step is answered.
+fn stepped(step: &Step) -> Row {
+    let time = |time: Option<f64>| time.map_or_else(|| "never".into(), prose::figure);
+    let moves = step.limit_cycle.map_or_else(String::new, |cycle| {
+        let [amplitude, frequency] = [cycle.amplitude_rad, cycle.frequency_hz].map(prose::figure);
+        format!("keeps moving by \u{b1}{amplitude} rad at {frequency} Hz")
+    });
+    let beyond = format!("{:.0}%", 100.0 * step.overshoot);
+    let cells = [time(step.rise_s), beyond, time(step.settling_s), prose::figure(step.left)];
+    Row { name: step.compensation.into(), cells: cells.into(), remark: moves }
 }

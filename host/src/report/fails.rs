@@ -222,7 +222,7 @@ fn memory(records: &[&Shown], against: &str) -> Figure {
         format!("{share} % of the lags leave the 99 % bounds: what is left looks like noise.")
     };
     let curves = both(&base.correlation, &model.correlation, against);
-    let plain = panel("Autocorrelation of the error (1)", curves);
+    let plain = panel("Autocorrelation (1)", curves);
     let y = Axis { range: Some([-1.05, 1.05]), ..plain.y };
     Figure {
         share_percent: None,
