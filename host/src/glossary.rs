@@ -79,8 +79,12 @@ const BASE: [[&str; 5]; 8] = [
     ["a3/a1", "a3/a1", "1/s^2", "1 / (tau_m tau_e): the product of both rates", TRANSFER],
 ];
 
-/// Words of the verdict and the plots, each with its meaning.
-pub const WORDS: [[&str; 2]; 9] = [
+/// What stands in the equations and is no parameter, nor explained beside them.
+pub const SYMBOLS: &str = "v: voltage at the motor, v_log: as it was logged, supply: of the driver, nominal: the rated one, all in V; \
+                           T: torque; n: gear ratio; K_t: torque constant; R: winding resistance";
+
+/// Words of the verdict, the plots and the equations, each with its meaning.
+pub const WORDS: [[&str; 2]; 10] = [
     [
         "noise level",
         "the rms noise of the readings: from a repeated record where there is one, else from the encoder's counts",
@@ -108,6 +112,7 @@ pub const WORDS: [[&str; 2]; 9] = [
         "kS-kV-kA",
         "the usual model of robot teams: v = kS sign(w) + kV w + kA dw/dt, fitted to the same records",
     ],
+    ["symbols of the equations", SYMBOLS],
 ];
 
 /// The parameters of the base model and of `kinds`.

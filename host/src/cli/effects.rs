@@ -124,7 +124,7 @@ fn base() -> String {
         .iter()
         .map(|t| format!("  {:<14} {:<12} {}\n", t.symbol, t.unit, t.meaning))
         .collect();
-    format!("base model\n{equations}{parameters}\n")
+    format!("base model\n{equations}  {}\n{parameters}\n", glossary::SYMBOLS)
 }
 
 /// Every effect with its equation and its parameters.

@@ -29,7 +29,8 @@ pub fn print(answer: &clap::Error) {
     let text = answer.render();
     let for_stderr = answer.use_stderr();
     let coloured = if for_stderr { ::console::colors_enabled_stderr() } else { ::console::colors_enabled() };
-    let text = if coloured { text.ansi().to_string() } else { text.to_string() }.replace(HELD, " ");
+    let text = if coloured { text.ansi().to_string() } else { text.to_string() };
+    let text = text.replace(HELD, " ");
     // A reader that has gone away needs no help text.
     let _ =
         if for_stderr { write!(std::io::stderr(), "{text}") } else { write!(std::io::stdout(), "{text}") };

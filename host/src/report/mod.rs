@@ -123,6 +123,7 @@ pub fn html(story: &Story) -> Result<String> {
         "title": story.title,
         "summary": words::summary(&story.ladder, story.floor, story.unit, &story.standing),
         "standing": story.standing,
+        "headline": words::first_sentence(&story.standing.headline),
         "figures": figures,
         "cards": cards,
         "nothing_missing": words::nothing_missing(story.model.effects.is_empty()),

@@ -98,6 +98,7 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
         vec![curve("base", &shown.against, &base_left), slid("left", curve("model", "model", &left))];
     let measures = shown.model.measures();
     let told = Yardstick::new(floor, &measures, unit);
+    let [error, beside] = [measures.rmse, shown.base.measures().rmse].map(|rmse| told.words(rmse));
     let noise = Some([-2.0 * floor, 2.0 * floor]);
     panels.push(Panel { floor: noise, ..panel(format!("Residual ({unit})"), 170, residuals) });
     let volts = Curve { draw: Draw::Steps, ..curve("voltage", "voltage", &run.voltage_v) };
@@ -108,10 +109,13 @@ fn drawn(id: &str, shown: &Shown, floor: f64, window: Option<Window>, points: us
         id: id.into(),
         title: format!("{} ({})", run.record, if shown.unseen { "validation" } else { "fit" }),
         reading: format!(
-            "{}: the error is {} with the model and {} with the one beside it ({}); {}{}.",
+            "{}: the error is {error} with the model and {} ({}); {}{}.",
             if shown.unseen { "Validation record" } else { "Record fitted" },
-            told.words(measures.rmse),
-            told.words(shown.base.measures().rmse),
+            if beside == error {
+                "with the one beside it".to_owned()
+            } else {
+                format!("{beside} with the one beside it")
+            },
             shown.against,
             told.noise_in_words(),
             run.quantity

@@ -56,6 +56,14 @@ pub fn unbroken(text: &str) -> String {
     told
 }
 
+/// The first sentence of a headline, which is its verdict, and what is said beside that.
+pub fn first_sentence(headline: &str) -> (&str, &str) {
+    let mut ends = headline.match_indices(". ").map(|(dot, _)| dot + 1);
+    let begins = |end: &usize| headline[*end..].trim_start().starts_with(char::is_uppercase);
+    let end = ends.find(begins).unwrap_or(headline.len());
+    (&headline[..end], headline[end..].trim_start())
+}
+
 /// The errors behind `standing`, in the measured unit.
 pub fn summary(ladder: &[Rung], floor: f64, unit: &'static str, standing: &Standing) -> String {
     // Beside a headline that doubts the last step, all steps together would praise it.
@@ -172,6 +180,16 @@ pub fn record_rows(story: &Story) -> Vec<RecordRow> {
 mod tests {
     use super::*;
     use crate::findings::NextStep;
+
+    #[test]
+    fn a_headline_is_its_first_sentence_and_a_decimal_point_ends_none() {
+        let said = first_sentence(
+            "Gravity (1.3 V) explains 98 %; what is left is 2.2 x the noise. The size supposes 5 V.",
+        );
+        assert_eq!(said.0, "Gravity (1.3 V) explains 98 %; what is left is 2.2 x the noise.");
+        assert_eq!(said.1, "The size supposes 5 V.");
+        assert_eq!(first_sentence("Nothing to say"), ("Nothing to say", ""));
+    }
 
     #[test]
     fn whole_numbers_have_no_decimals_and_no_line_begins_with_a_unit() {

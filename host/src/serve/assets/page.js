@@ -216,7 +216,13 @@ function showStanding({ verdict, badge, headline, next, also }) {
   $("verdict").dataset.verdict = badge === "Data problem" ? "bad_data" : verdict || next.action;
   $("badge").textContent = badge;
   // No line begins with the unit of the number before it.
-  $("headline").textContent = onPage(headline).replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
+  const told = onPage(headline).replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0"), end = told.search(/(?<=\.) (?=[A-Z])/);
+  $("headline").textContent = end < 0 ? told : told.slice(0, end);
+  if (end >= 0) {
+    const beside = document.createElement("span");
+    beside.textContent = told.slice(end);
+    $("headline").append(beside);
+  }
   $("next").textContent = next.action === "export" ? "Save the model" : next.label;
   $("next").title = next.command;
   $("next").hidden = false;
