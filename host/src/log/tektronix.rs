@@ -17,7 +17,9 @@ pub(super) fn layout(lines: &[&str]) -> Option<Layout> {
     let separator = Separator::Byte(b',');
     let rows: Vec<Vec<String>> = lines.iter().take(TOLD).map(|line| fields(line, &separator)).collect();
     let is_row = |row: &Vec<String>| {
-        row.get(BEFORE..BEFORE + 2).is_some_and(|pair| pair.iter().all(|text| is_number(text)))
+        let (channel, beside) = row.split_at(row.len().min(BEFORE + 2));
+        channel.get(BEFORE..).is_some_and(|pair| pair.len() == 2 && pair.iter().all(|text| is_number(text)))
+            && beside.iter().all(String::is_empty)
     };
     if !rows.iter().all(is_row) {
         return None;
@@ -75,6 +77,14 @@ mod tests {
         assert!((record.time_s[0] + 0.98).abs() < 1e-9);
         assert_eq!(record.voltage_v[60], -3.0);
         assert!((record.speed_rad_s.unwrap()[10] - 104.7 * 0.5_f64.sin()).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_table_with_more_than_one_channel_is_no_such_file() {
+        let table = channel("CH1", "V", voltage).replace(",\n", ",1.5\n");
+        let (_directory, path) = file(table.as_bytes());
+        let said = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(!said.contains("CH1.CSV+CH2.CSV"), "{said}");
     }
 
     #[test]
