@@ -71,7 +71,7 @@ impl Splitter {
     }
 
     /// Leaves out the columns before this one.
-    pub fn from_column(self, first: usize) -> Self {
+    pub fn begun_at(self, first: usize) -> Self {
         Splitter { first, ..self }
     }
 

@@ -64,7 +64,7 @@ impl Preamble {
     pub fn splitter(&self) -> Splitter {
         Splitter::of(self.separator.clone(), self.stamped)
             .without_tag(self.tag.clone())
-            .from_column(self.first)
+            .begun_at(self.first)
             .without_units(self.beside.clone())
             .with_hex(self.hex.clone())
     }
@@ -151,7 +151,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let rows = lines.split_off(layout.rows.min(lines.len()));
     let mut splitter = Splitter::of(layout.separator.clone(), layout.stamped)
         .without_tag(layout.tag.clone())
-        .from_column(layout.first);
+        .begun_at(layout.first);
     let (mut beside, mut hex) = (beside::Units::default(), Hexadecimal::default());
     let (mut widest, mut thousands) = (0, Thousands::default());
     for (_, row) in &rows {

@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_number_for_nothing_is_told_beside_edges_of_the_drive_and_to_the_end_of_a_record() {
-        let mut record = driven(|t| if (t / 0.03) as usize % 3 == 0 { 8.0 } else { 5.0 });
+        let mut record = driven(|t| if ((t / 0.03) as usize).is_multiple_of(3) { 8.0 } else { 5.0 });
         record.speed_rad_s.as_mut().unwrap()[600..].fill(65_535.0);
         assert_eq!(unread_speeds(&record).first(), Some(&(600..800)));
     }
