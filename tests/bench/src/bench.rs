@@ -109,7 +109,7 @@ struct Around<R> {
     control: u64,
     sleep: u64,
     /// What the main loop is led to from its sleep.
-    leads_to: Option<u64>,
+    leads_to: Option<&'static [u64]>,
     terminal: Terminal,
     served: u64,
     stray: Option<String>,
@@ -121,9 +121,9 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         let (machine, plant) = (session.board_mut(), &mut self.scene.plant);
         let at = access.virtual_time;
         // The last time counts: what an earlier sleep has left on the stack is found too.
-        if let Some(instruction) = self.leads_to
+        if let Some(program) = self.leads_to
             && [TIM4_SR, PWR_CSR].contains(&access.address)
-            && upset::lead_to(instruction, self.sleep, host).expect("the stack is in memory")
+            && upset::lead_to(program, self.sleep, host).expect("the stack is in memory")
         {
             self.scene.circling = Some(Duration::from_nanos(at.0));
         }
@@ -199,8 +199,9 @@ impl<R: Remote> Driver<Machine> for Around<R> {
         scene.plant.wire_emergency(stop.at, machine);
         let upset = scene.upset.take();
         match upset {
-            Some(Upset::Circle) => self.leads_to = Some(machine::BRANCH_TO_ITSELF),
+            Some(Upset::Circle) => self.leads_to = Some(machine::CIRCLE),
             Some(Upset::Fault) => self.leads_to = Some(machine::UNDEFINED),
+            Some(Upset::Nmi) => self.leads_to = Some(machine::ASK_FOR_NMI),
             Some(Upset::Straight) => self.leads_to = None,
             _ => {}
         }

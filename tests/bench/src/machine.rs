@@ -117,10 +117,13 @@ pub fn address_of(image: &Path, variable: &str) -> u64 {
     found.unwrap_or_else(|| panic!("the image has no variable {variable}")).1
 }
 
-/// Three instructions of Thumb; the last is permanently undefined (ARMv7-M Architecture Reference Manual A7.7.191).
+/// An instruction of Thumb.
 pub const WAIT_FOR_INTERRUPT: u64 = 0xbf30;
-pub const BRANCH_TO_ITSELF: u64 = 0xe7fe;
-pub const UNDEFINED: u64 = 0xde00;
+/// Programs of Thumb by their halves: one that runs in a circle; one that is permanently undefined (ARMv7-M Architecture Reference Manual
+/// A7.7.191); and one that asks for the NMI, by NMIPENDSET in ICSR (B3.2.4), whose address and value stand behind it.
+pub const CIRCLE: &[u64] = &[0xe7fe];
+pub const UNDEFINED: &[u64] = &[0xde00];
+pub const ASK_FOR_NMI: &[u64] = &[0x4801, 0x4902, 0x6001, 0xe7fe, 0xed04, 0xe000, 0x0000, 0x8000];
 
 /// Where the image's main loop waits for the next interrupt.
 ///

@@ -30,7 +30,10 @@ pub enum Upset {
     /// After its next sleep the main loop comes upon an instruction without a meaning, which is a fault of the core; also once the program is
     /// started anew.
     Fault,
-    /// Neither of the two once it is started anew.
+    /// After its next sleep the main loop asks for the NMI, as the clock security does of a crystal that stops (RM0090 7.2.7) and the emulated
+    /// clocks do not; also once the program is started anew.
+    Nmi,
+    /// None of the three once it is started anew.
     Straight,
     /// The crystal stops.
     ClockLoss,
@@ -59,7 +62,7 @@ impl Upset {
             Upset::Hang => host.hold(true),
             Upset::GoOn => host.hold(false),
             // The next interrupt of the main loop's sleep does it.
-            Upset::Circle | Upset::Fault | Upset::Straight => {}
+            Upset::Circle | Upset::Fault | Upset::Nmi | Upset::Straight => {}
             Upset::ClockLoss => {
                 machine
                     .mcu
@@ -71,13 +74,15 @@ impl Upset {
     }
 }
 
-/// Lets the main loop, which slept before this interrupt, come back from it to this instruction: where it comes back to stands in the frame
+/// Lets the main loop, which slept before this interrupt, come back from it to this program: where it comes back to stands in the frame
 /// that the core has put on the stack (ARMv7-M Architecture Reference Manual B1.5.6). False where it did not sleep.
-pub(crate) fn lead_to(instruction: u64, sleep: u64, host: &mut dyn Host) -> Result<bool, Error> {
+pub(crate) fn lead_to(program: &[u64], sleep: u64, host: &mut dyn Host) -> Result<bool, Error> {
     let mut found = false;
     for place in STACK.step_by(4) {
         if host.read(place, Width::W32)? == sleep + 2 {
-            host.write(STACK.start, Width::W16, instruction)?;
+            for (place, half) in (STACK.start..).step_by(2).zip(program) {
+                host.write(place, Width::W16, *half)?;
+            }
             host.write(place, Width::W32, STACK.start)?;
             found = true;
         }

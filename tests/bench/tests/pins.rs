@@ -183,7 +183,7 @@ fn a_main_loop_that_runs_in_a_circle() {
 
 #[test]
 fn a_crystal_that_stops() {
-    // The emulated core gets no NMI of it, so what is shown is the timer's break, which comes before any program.
+    // The emulated core gets no NMI of it, so what is shown is the timer's break, which comes before any program; the NMI's handler is below.
     let done = off_after(OFF, 1000, DriveMode::LockedAntiPhase, |since, scene| {
         if since.is_zero() {
             scene.upset = Some(Upset::ClockLoss);
@@ -191,6 +191,24 @@ fn a_crystal_that_stops() {
         scene.enough = since > Duration::from_millis(300);
     });
     assert!(!done.scene.plant.driven());
+}
+
+/// What the clock security asks for then: the handler takes the pins from the timer, and the board tells of it after the restart.
+#[test]
+fn a_crystal_that_stops_is_told_after_the_restart_and_the_log_is_there() {
+    let done = off_after(OFF, 1000, DriveMode::SignMagnitudeBrake, |since, scene| {
+        if since.is_zero() {
+            scene.upset = Some(Upset::Nmi);
+        } else if since >= BEFORE_THE_RESTART {
+            scene.upset = Some(Upset::Straight);
+        }
+        // It comes at the main loop's next sleep.
+        let handled = since > OFF + OFF && since < BEFORE_THE_RESTART;
+        assert!(!(handled && scene.plant.by_timer()), "{since:?}: no handler was there");
+    });
+    assert_log(&done, Cause::Watchdog, 400);
+    assert_eq!((done.remote.run().status.reset, done.session.resets().len()), (Reset::Clock, 1));
+    machine::assert_clean(&done.session);
 }
 
 #[test]
