@@ -297,9 +297,12 @@ mod tests {
 
     #[test]
     fn conversions_fall_evenly_on_the_period_at_every_rate_and_pwm_frequency() {
-        // The STM32F4's rounds and a Pico's, ticks of the core's clock.
-        let pico: std::vec::Vec<u32> = (97..=129).step_by(4).map(|apart| 2 * apart * 125 / 48).collect();
-        for (core, rounds) in [(84_000_000_u32, &[216, 268, 320][..]), (125_000_000, &pico)] {
+        // The STM32F4's rounds, a Pico's and a Pico 2's, ticks of the core's clock.
+        let [pico, pico_2] = [125, 150].map(|mega_hz| {
+            (97..=129).step_by(4).map(|apart| 2 * apart * mega_hz / 48).collect::<std::vec::Vec<u32>>()
+        });
+        let boards = [(84_000_000_u32, &[216, 268, 320][..]), (125_000_000, &pico), (150_000_000, &pico_2)];
+        for (core, rounds) in boards {
             for interval_us in [500, 625, 800, 1000, 1600, 2000, 10_000] {
                 let interval = interval_us * (core / 1_000_000);
                 for pwm_hz in (5_000_u32..=50_000).step_by(1_000) {
