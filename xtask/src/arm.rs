@@ -154,3 +154,17 @@ pub fn build_program(target: &'static str, directory: &Path, name: &str) -> Resu
     process::run(compiler.cargo("build", directory).arg("--release"))?;
     Ok(compiler.artifact(name))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the README's first command for a board builds, which names none.
+    #[test]
+    fn the_nucleo_is_the_board_that_is_built_where_none_is_named() {
+        let manifest = std::fs::read_to_string(image_directory().join("Cargo.toml")).expect("the manifest");
+        let default = format!("default = [\"{}\"]", BOARDS[1].feature);
+        assert!(manifest.lines().any(|line| line == default), "no {default} in {manifest}");
+        assert_eq!(BOARDS[1].feature, "nucleo-f446re");
+    }
+}

@@ -93,6 +93,9 @@ fn the_readmes_commands_check_the_wires_capture_and_fit_on_the_board_as_they_are
     let gain = fit["fit"]["gain"]["value"].as_f64().expect("a number");
     let truth = Motor::paper().gain();
     assert!((gain / truth - 1.0).abs() < 0.05, "{gain} on the board for {truth} rad/s per V");
+    // The README says 0.7 s.
+    let micros = fit["fit"]["micros"].as_u64().expect("a number");
+    assert!(micros < 800_000, "{micros} us");
 }
 
 #[test]
