@@ -23,6 +23,7 @@ mod npm;
 mod peers;
 mod pico;
 mod pico2;
+mod picos;
 mod process;
 mod python;
 mod real_logs;

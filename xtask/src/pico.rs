@@ -7,73 +7,35 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use motorlens_shared::excitation::{Programme, Shape};
-use motorlens_shared::link::{Sample, Scaling};
-use motorlens_shared::quickfit::{Arithmetic, Fixed, Keeper, QuickFit, Request, fit};
-use object::{Object, ObjectSymbol, SymbolKind};
+use motorlens_shared::quickfit::{Fixed, QuickFit};
 use serde::Deserialize;
 
+use crate::picos::{
+    COUNTS, Fault, HUNG, SILENT_MS, WIRED, angles, captured, checked, fault, fitted, measured, panic_of,
+    same_fit,
+};
 use crate::report::Count;
-use crate::{arm, documented, emulated, process, uf2};
+use crate::{arm, emulated, process, uf2};
 
 /// One short programme, so that an emulator that is slower than the chip ends soon.
 const PROGRAMME: [&str; 8] =
     ["--programme", "multisine", "--seconds", "1", "--rate", "500", "--counts-per-rev", COUNTS];
 /// Its rate as a number.
 const RATE_HZ: u16 = 500;
-/// Counts of the encoder in a turn of the output shaft.
-pub const COUNTS: &str = "1320";
-/// What the README prints first for a board that is wired.
-const CHECK: &str = "device check --port PORT";
-/// And then; here each of its runs takes so long, s, instead of eight: an emulator is four times slower than the chip.
-const CAPTURE: &str = "capture --port PORT --programme default --counts-per-rev COUNTS --out DIR";
-const SHORTENED: [&str; 2] = ["--seconds", "1"];
-/// And at last; here after a run that leaves as many samples for it as one of eight seconds does, of which every fifth is kept.
-const FIT: &str = "device fit --port PORT --counts-per-rev COUNTS --coulomb";
-const KEPT: u64 = 1600;
-const KEPT_RUN: [&str; 6] = ["--rate", "2000", "--keep-every", "1", "--counts-per-rev", COUNTS];
-const KEPT_RUN_S: f32 = 0.8;
 /// Volts at which the emulated motor, with its dry friction, breaks away and has made the counts by which that is seen.
 const BREAKAWAY_V: RangeInclusive<f64> = 0.48..=1.5;
-/// What the emulated board's converter has at its inputs.
-const WIRED: [&str; 4] = ["--divider", "11", "--amplifier", "165"];
+/// The largest current of its runs, A.
+const CURRENT_A: RangeInclusive<f64> = 0.3..=3.0;
+/// The README says 8.5 s of such a fit, us.
+const FIT_US: u32 = 10_000_000;
 /// Ticks of full voltage: the core's clock by the frequency of the PWM.
 const TOP: u16 = (125_000_000_u32 / 20_000) as u16;
-/// The stated supply, mV.
-const SUPPLY_MV: u16 = 12_000;
-/// Pins are off so soon after a fault, ms, at every sampling rate.
-pub const OFF_MS: RangeInclusive<f64> = 0.0..=2.0;
-/// And so soon after the host's last word: half a second, of which some may be over when the line goes silent.
-pub const SILENT_MS: RangeInclusive<f64> = 300.0..=502.0;
 /// The run at each rate and driver: a step of so many volts and seconds.
 const STEP_V: f32 = 9.0;
 const STEP_S: f32 = 0.5;
 
-/// What is done to the emulated Pico.
-struct Fault {
-    /// Its name there.
-    name: &'static str,
-    /// The test's.
-    test: &'static str,
-    /// The driver, as board and `capture` call it.
-    driver: &'static str,
-    /// More for `capture`.
-    options: &'static [&'static str],
-    /// When the pins have to be off, ms after it.
-    off_ms: RangeInclusive<f64>,
-    /// What the host says of it, after the watchdog's restart where there is one; nothing where the watchdog stands too, and the board
-    /// does not come back.
-    told: &'static str,
-}
-
-/// A fault at a driver with an enable, after which the pins are off at once.
-const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fault {
-    Fault { name, test, driver: "brake", options: &[], off_ms: OFF_MS, told }
-}
-
 /// With a limit of the current that the motor's own stays below.
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
-/// What the board tells after a restart that it has noted no other reason for.
-pub const HUNG: &str = "because the firmware hung";
 const FAULTS: [Fault; 13] = [
     fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
     Fault {
@@ -150,7 +112,9 @@ pub fn tests() -> Result<Count> {
             Ok(fit)
         })?;
         ensure!(ended.success, "{ended:?}");
-        same_fit::<Fixed>(&QuickFit::deserialize(&ended.document["fit"])?, &out, RATE_HZ, TOP)
+        let fit = QuickFit::deserialize(&ended.document["fit"])?;
+        ensure!(fit.micros < FIT_US, "{} us", fit.micros);
+        same_fit::<Fixed>(&fit, &out, RATE_HZ, TOP)
     });
     emulated::case(
         &mut count,
@@ -158,87 +122,31 @@ pub fn tests() -> Result<Count> {
         || {
             let ended = capture_with("none", &WIRED, "wired")?;
             ensure!(ended.success, "{ended:?}");
-            let log = out.join("wired/multisine-9v.csv");
-            let [supply, current] = [column(&log, "supply_v")?, column(&log, "current_a")?];
-            let off = supply.iter().map(|v| (v - 12.0).abs()).fold(0.0, f64::max);
-            ensure!(off < 0.012, "the supply is {off} V off");
             // The motor's own: what a volt less back-EMF drives through its resistance.
-            let most = current.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-            let mean = current.iter().sum::<f64>() / current.len() as f64;
-            ensure!((0.3..3.0).contains(&most) && mean.abs() < 0.3, "{most} A at most, {mean} A in the mean");
-            Ok(())
+            measured(&out.join("wired/multisine-9v.csv"), &CURRENT_A, 0.3)
         },
     );
     emulated::case(
         &mut count,
         "the README's check finds the wires right and where the motor breaks away",
-        || {
-            let check =
-                documented::line(&process::root(), CHECK).context("the README prints no such command")?;
-            let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref()], |port| {
-                let mut command = emulated::motorlens(&["--json"]);
-                command.args(check.as_run(port, &out));
-                Ok(command)
-            })?;
-            ensure!(ended.success && ended.document["ok"] == true, "{ended:?}");
-            for way in [0, 1] {
-                let volts = ended.document["breakaway_v"][way].as_f64();
-                ensure!(volts.is_some_and(|volts| BREAKAWAY_V.contains(&volts)), "{ended:?}");
-            }
-            Ok(())
-        },
+        || checked("pico.js", &image, &[], &BREAKAWAY_V, &out).map(|_| ()),
     );
     emulated::case(
         &mut count,
         "the README's capture of the default protocol, in shorter runs, loses no sample",
-        || {
-            let out = out.join("readme");
-            let capture =
-                documented::line(&process::root(), CAPTURE).context("the README prints no such command")?;
-            let ended = emulated::talk("pico.js", &[image.as_os_str(), "none".as_ref()], |port| {
-                let mut command = emulated::motorlens(&["--json"]);
-                command.args(capture.as_run(port, &out)).args(SHORTENED);
-                Ok(command)
-            })?;
-            ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
-            let logs = ended.document["logs"].as_array().context("no logs")?;
-            ensure!(logs.len() == 7, "not seven logs: {ended:?}");
-            ensure!(logs.iter().all(|log| log["missing"] == 0 && log["samples"] == 1000), "{ended:?}");
-            Ok(())
-        },
+        || captured("pico.js", &image, &out),
     );
     emulated::case(
         &mut count,
         "the README's fit of a whole run with its friction feeds the watchdog on a core without a floating-point unit",
-        || {
-            let fit = documented::line(&process::root(), FIT).context("the README prints no such command")?;
-            let programme = out.join("kept.json");
-            let shape = Shape::Multisine { amplitude_v: 9.0, low_hz: 2.0, high_hz: 20.0, tones: 8, seed: 2 };
-            let kept = Programme::single("kept", shape, KEPT_RUN_S);
-            std::fs::write(&programme, serde_json::to_string(&kept)?)?;
-            let board: [&OsStr; 3] = [image.as_os_str(), "none".as_ref(), "2".as_ref()];
-            let ended = emulated::talk("pico.js", &board, |port| {
-                let mut capture = emulated::motorlens(&["--quiet", "capture", "--port", port]);
-                capture.args(KEPT_RUN).arg("--programme").arg(&programme).arg("--out").arg(out.join("kept"));
-                process::run(&mut capture)?;
-                let mut command = emulated::motorlens(&["--json"]);
-                command.args(fit.as_run(port, &out));
-                Ok(command)
-            })?;
-            ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
-            ensure!(ended.document["fit"]["samples"] == KEPT, "{ended:?}");
-            Ok(())
-        },
+        || fitted("pico.js", &image, &out),
     );
     at_each_rate(&mut count, &image, &out)?;
-    let control = format!("panic:{}", address_of("CONTROL")?);
+    let panic = panic_of(&arm::PICOS[0])?;
     for fault in &FAULTS {
         emulated::case(&mut count, fault.test, || {
-            let done = if fault.name == "panic" { control.as_str() } else { fault.name };
-            let board: [&OsStr; 4] = [image.as_os_str(), done.as_ref(), "1".as_ref(), fault.driver.as_ref()];
-            let options: Vec<&str> = [&PROGRAMME[..], fault.options, &["--drive", fault.driver]].concat();
-            let logs = out.join(format!("{}-{}", fault.name, fault.driver));
-            emulated::capture("pico.js", &board, &options, &logs)?.was_stopped(fault.told, &fault.off_ms)
+            let done = if fault.name == "panic" { panic.as_str() } else { fault.name };
+            fault.stops("pico.js", &image, done, &PROGRAMME, &out)
         });
     }
     Ok(count)
@@ -308,66 +216,4 @@ fn stepped(image: &Path, programme: &Path, rate: &str, driver: &str, out: &Path)
     let span = angles.iter().fold(0.0_f64, |most, angle| most.max((angle - angles[0]).abs()));
     ensure!(span > 0.5, "the shaft turned by {span} rad");
     Ok((span, log))
-}
-
-/// Where the Pico's image keeps a variable.
-fn address_of(variable: &str) -> Result<u64> {
-    let image = arm::build_pico(&arm::PICOS[0])?;
-    let bytes = std::fs::read(&image).with_context(|| format!("cannot read {}", image.display()))?;
-    let file = object::File::parse(&*bytes)?;
-    // Mangled: the name's length stands before it.
-    let mangled = format!("{}{variable}", variable.len());
-    let found = file.symbols().find(|symbol| {
-        symbol.kind() == SymbolKind::Data && symbol.name().is_ok_and(|name| name.contains(&mangled))
-    });
-    Ok(found.with_context(|| format!("the image has no variable {variable}"))?.address())
-}
-
-/// Fits the last of the logs in a directory, of 500 samples, as the board does in its arithmetic `A`, with `top` ticks of full voltage, and
-/// fails where a bit differs.
-pub fn same_fit<A: Arithmetic>(board: &QuickFit, logs: &Path, rate_hz: u16, top: u16) -> Result<()> {
-    let mut last = None;
-    for entry in std::fs::read_dir(logs)? {
-        let entry = entry?;
-        let age = entry.metadata()?.modified()?;
-        if last.as_ref().is_none_or(|(latest, _)| age > *latest) {
-            last = Some((age, entry.path()));
-        }
-    }
-    let (_, log) = last.context("no logs")?;
-    let text = std::fs::read_to_string(&log)?;
-    ensure!(text.contains("# pwm_hz: 20000"), "another PWM: {}", log.display());
-    let rad_per_count = std::f64::consts::TAU / COUNTS.parse::<f64>()?;
-    let mut keeper = Keeper::new(Scaling { pwm_top: top, rate_hz }, 1);
-    for row in text.lines().skip_while(|line| !line.starts_with("time_s")).skip(1) {
-        let number = |place: usize| -> Result<f64> {
-            Ok(row.split(',').nth(place).with_context(|| format!("a short row: {row}"))?.parse()?)
-        };
-        // The log has volts and rad; the board has ticks and counts, which are whole.
-        let duty = (number(1)? * 1000.0 / f64::from(SUPPLY_MV) * f64::from(top)).round() as i16;
-        let count = (number(2)? / rad_per_count).round() as i32;
-        keeper.push(&Sample { duty, count, supply_mv: SUPPLY_MV, current_ma: 0, late_us: 0 });
-    }
-    let request = Request { rad_per_count: rad_per_count as f32, ..Request::default() };
-    let host =
-        fit::<A>(keeper.samples(), keeper.step_s(), &request, |_| (), || ()).context("nothing to fit")?;
-    println!("{} samples in {} us on the board: {:?}", board.samples, board.micros, board.gain);
-    let board = QuickFit { micros: 0, micros_search: 0, ..*board };
-    ensure!(board == host && board.samples == 500, "the board {board:?}, the host {host:?}");
-    Ok(())
-}
-
-/// The angles of a log, rad.
-fn angles(log: &Path) -> Result<Vec<f64>> {
-    column(log, "angle_rad")
-}
-
-/// A column of a log.
-fn column(log: &Path, name: &str) -> Result<Vec<f64>> {
-    let text = std::fs::read_to_string(log).with_context(|| format!("cannot read {}", log.display()))?;
-    let mut rows = text.lines().skip_while(|line| !line.starts_with("time_s"));
-    let head = rows.next().context("no head")?;
-    let place =
-        head.split(',').position(|other| other == name).with_context(|| format!("no {name}: {head}"))?;
-    rows.map(|row| row.split(',').nth(place).context("a short row")?.parse().context("no number")).collect()
 }

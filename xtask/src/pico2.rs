@@ -8,7 +8,9 @@ use anyhow::{Context, Result, ensure};
 use motorlens_shared::quickfit::{Float, QuickFit};
 use serde::Deserialize;
 
-use crate::pico::{COUNTS, HUNG, OFF_MS, SILENT_MS, same_fit};
+use crate::picos::{
+    COUNTS, Fault, HUNG, SILENT_MS, WIRED, captured, checked, fault, fitted, measured, panic_of, same_fit,
+};
 use crate::report::Count;
 use crate::{arm, emulated, process, uf2};
 
@@ -17,24 +19,51 @@ const PROGRAMME: [&str; 8] = programme("0.5");
 /// A run outlasts the half second after which a silent host is taken for gone.
 const LONGER: [&str; 8] = programme("1");
 const RATE_HZ: u16 = 1000;
+/// The README says 0.13 s of such a fit, us.
+const FIT_US: u32 = 200_000;
 /// Ticks of full voltage: the core's clock by the frequency of the PWM.
 const TOP: u16 = (150_000_000_u32 / 20_000) as u16;
-
-/// What is done to the board while its motor is driven, the test's name, when the pins have to be off, ms after it, and what the host says.
-type Fault = (&'static str, &'static str, RangeInclusive<f64>, &'static str);
-const FAULTS: [Fault; 7] = [
-    ("emergency", "the emergency contact takes the Pico 2's pins down", OFF_MS, "emergency input open"),
-    ("bounce", "so does one that opens for an instant", OFF_MS, "emergency input open"),
-    (
+/// Volts at which the emulated motor, which has no dry friction, has made the counts by which that it turns is seen.
+const BREAKAWAY_V: RangeInclusive<f64> = 0.05..=1.0;
+/// The largest current of its runs, A.
+const CURRENT_A: RangeInclusive<f64> = 0.3..=7.0;
+/// With a limit of the current that the motor's own stays below.
+const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "7"];
+const FAULTS: [Fault; 13] = [
+    fault("emergency", "emergency input open", "the emergency contact takes the Pico 2's pins down"),
+    Fault {
+        driver: "in-in",
+        ..fault(
+            "emergency",
+            "emergency input open",
+            "and both inputs of a driver that has no enable, at the Pico 2 too",
+        )
+    },
+    fault("bounce", "emergency input open", "so does one that opens for an instant"),
+    fault(
         "fault",
-        "so does a fault of its core, which is told after the restart",
-        OFF_MS,
         "because a fault of the chip's core",
+        "so does a fault of its core, which is told after the restart",
     ),
-    ("hang", "a program that hangs with interrupts off loses the bridge by the NMI", OFF_MS, HUNG),
-    ("circle", "a main loop that runs in a circle loses it by the sampling interrupt", OFF_MS, HUNG),
-    ("dead", "so does one whose sampling timer stands", OFF_MS, HUNG),
-    ("silent", "a host that falls silent for half a second stops the Pico 2's motor", SILENT_MS, "link lost"),
+    fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
+    fault("hang", HUNG, "a program that hangs with interrupts off loses the Pico 2's bridge by the NMI"),
+    fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
+    fault("dead", HUNG, "so does one whose sampling timer stands"),
+    Fault {
+        options: &WIRED,
+        ..fault("pumped", "measured supply", "a supply that is pumped up takes the Pico 2's pins down")
+    },
+    Fault { options: &LIMITED, ..fault("short", "over-current", "and so does a current above its limit") },
+    Fault {
+        off_ms: SILENT_MS,
+        ..fault("silent", "link lost", "a host that falls silent for half a second stops the Pico 2's motor")
+    },
+    fault("crystal", "", "a crystal that stops while the PLL swings on takes the Pico 2's pins down"),
+    fault(
+        "crystal-back",
+        "because the chip's crystal stopped",
+        "and where it swings again the watchdog starts the Pico 2 anew, which says so",
+    ),
 ];
 
 const fn programme(seconds: &'static str) -> [&'static str; 8] {
@@ -56,11 +85,44 @@ pub fn tests() -> Result<Count> {
         "four runs come from the Pico 2 without a gap, and its fit is the host's, to the bit",
         || captured_and_fitted(program, &image, &out.join("fit")),
     );
-    for (fault, test, off_ms, told) in FAULTS {
-        emulated::case(&mut count, test, || {
-            let board = [image.as_os_str(), fault.as_ref()];
-            emulated::capture(program, &board, &LONGER, &out.join(fault))?.was_stopped(told, &off_ms)
-        });
+    emulated::case(
+        &mut count,
+        "the Pico 2's log has the means of what its converter's inputs had, ripple and all",
+        || {
+            let out = out.join("wired");
+            let options = [&PROGRAMME[..], &WIRED].concat();
+            let ended = emulated::capture(program, &[image.as_os_str()], &options, &out)?;
+            ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
+            measured(&out.join("multisine-9v.csv"), &CURRENT_A, 0.5)
+        },
+    );
+    emulated::case(
+        &mut count,
+        "the README's check finds the Pico 2's wires right, its divider too, and where the motor breaks away",
+        || {
+            let ended = checked(program, &image, &WIRED, &BREAKAWAY_V, &out)?;
+            let findings = ended.document["findings"].as_array().context("no findings")?;
+            ensure!(
+                findings.iter().any(|found| found["check"] == "supply" && found["ok"] == true),
+                "{ended:?}"
+            );
+            Ok(())
+        },
+    );
+    emulated::case(
+        &mut count,
+        "the README's capture, in shorter runs, loses no sample of the Pico 2's",
+        || captured(program, &image, &out),
+    );
+    emulated::case(
+        &mut count,
+        "the README's fit of a whole run with its friction feeds the Pico 2's watchdog",
+        || fitted(program, &image, &out),
+    );
+    let panic = panic_of(&arm::PICOS[1])?;
+    for fault in &FAULTS {
+        let done = if fault.name == "panic" { panic.as_str() } else { fault.name };
+        emulated::case(&mut count, fault.test, || fault.stops(program, &image, done, &LONGER, &out));
     }
     Ok(count)
 }
@@ -80,7 +142,9 @@ fn captured_and_fitted(program: &str, image: &Path, out: &Path) -> Result<()> {
         Ok(fit)
     })?;
     ensure!(ended.success && ended.board.contains(" 0 resets"), "{ended:?}");
-    same_fit::<Float>(&QuickFit::deserialize(&ended.document["fit"])?, out, RATE_HZ, TOP)
+    let fit = QuickFit::deserialize(&ended.document["fit"])?;
+    ensure!(fit.micros < FIT_US, "{} us", fit.micros);
+    same_fit::<Float>(&fit, out, RATE_HZ, TOP)
 }
 
 /// A cargo command in the emulated board's workspace.

@@ -18,6 +18,37 @@ const AHEAD: i64 = 20_000;
 const READY_S: f64 = 0.002;
 /// TIMER0's alarms: a 1 takes one back.
 const ARMED: u32 = 0x400b_0020;
+/// What the converter's inputs have of supply and current: a divider, and an amplifier, V/A, around half of its own supply, V. And what the
+/// pulses of the bridge leave of themselves on the supply, V.
+const DIVIDER: f64 = 11.0;
+const AMPLIFIER: f64 = 0.165;
+const MIDDLE_V: f64 = 1.65;
+const RIPPLE_V: f64 = 0.6;
+/// So much a supply is pumped up, V, so much more current flows, A, and so long a crystal is still that comes back, s.
+const PUMPED_V: f64 = 7.0;
+const SHORT_A: f64 = 14.0;
+const STILL_S: f64 = 0.1;
+
+/// The driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driver {
+    /// PWM, two directions and an enable; it brakes in the off part.
+    Brake,
+    /// Two inputs and no enable.
+    InIn,
+}
+
+impl FromStr for Driver {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "brake" => Ok(Self::Brake),
+            "in-in" => Ok(Self::InIn),
+            _ => Err(format!("no driver is named {name}")),
+        }
+    }
+}
 
 /// What is done to it while its motor is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,10 +65,20 @@ pub enum Fault {
     Hang,
     /// Its main loop does, with interrupts on.
     Circle,
+    /// The control, to which the variable at this address points, looks borrowed, over which the program panics.
+    Panic(u32),
     /// The sampling timer's alarm is lost.
     Dead,
     /// Nothing of the host arrives for a second.
     Silent,
+    /// The supply is pumped up by a motor that brakes.
+    Pumped,
+    /// More current flows.
+    Short,
+    /// The crystal stops.
+    Crystal,
+    /// It does, and swings again.
+    CrystalBack,
 }
 
 impl FromStr for Fault {
@@ -53,7 +94,14 @@ impl FromStr for Fault {
             "circle" => Self::Circle,
             "dead" => Self::Dead,
             "silent" => Self::Silent,
-            _ => return Err(format!("no fault is named {name}")),
+            "pumped" => Self::Pumped,
+            "short" => Self::Short,
+            "crystal" => Self::Crystal,
+            "crystal-back" => Self::CrystalBack,
+            _ => {
+                let control = name.strip_prefix("panic:").and_then(|address| address.parse().ok());
+                control.map(Self::Panic).ok_or_else(|| format!("no fault is named {name}"))?
+            }
         })
     }
 }
@@ -65,7 +113,11 @@ pub struct Board {
     /// The host's controller.
     pub host: Host,
     motor: VirtualMotor,
+    driver: Driver,
     fault: Fault,
+    /// Beyond the motor's own.
+    pumped_v: f64,
+    short_a: f64,
     /// Counts that are shown beyond the motor's own, since which start.
     ahead: i64,
     starts: u32,
@@ -77,12 +129,15 @@ pub struct Board {
 
 impl Board {
     /// A board with the image of the UF2 file.
-    pub fn new(uf2: &[u8], fault: Fault) -> Self {
+    pub fn new(uf2: &[u8], driver: Driver, fault: Fault) -> Self {
         let mut board = Self {
             chip: Chip::new(uf2),
             host: Host::default(),
             motor: VirtualMotor::new(&Motor::small(), &[], 1),
+            driver,
             fault,
+            pumped_v: 0.0,
+            short_a: 0.0,
             ahead: 0,
             starts: 0,
             shown: 0,
@@ -106,12 +161,17 @@ impl Board {
         self.starts = self.chip.restarts();
     }
 
-    /// What the driver makes of its pins, V: enabled by GP9, forward by GP8, backward by GP11, its mean by GP6; `None` where the motor is let go.
+    /// What the driver makes of its pins, V: enabled by GP9, forward by GP8, backward by GP11, its mean by GP6, or by GP6 and GP7 alone; `None`
+    /// where the motor is let go.
     pub fn volts(&mut self) -> Option<f64> {
+        let supply = self.motor.motor().nominal_v;
+        let [first, second] = [6, 7].map(|pin| self.chip.share(pin));
+        if self.driver == Driver::InIn {
+            return (first > 0.0 || second > 0.0).then_some((first - second) * supply);
+        }
         let [enable, forward, backward] = [9, 8, 11].map(|pin| self.chip.share(pin) > 0.5);
         let sign = if forward { 1.0 } else { -1.0 };
-        let supply = self.motor.motor().nominal_v;
-        (enable && forward != backward).then(|| sign * self.chip.share(6) * supply)
+        (enable && forward != backward).then_some(sign * first * supply)
     }
 
     /// When the pins were off for good after the fault, ms after it.
@@ -138,8 +198,12 @@ impl Board {
             if self.fault == Fault::Silent && *since < SILENT_S {
                 self.host.sending.clear();
             }
+            if self.fault == Fault::CrystalBack && (*since - STILL_S).abs() < STEP_S / 2.0 {
+                self.chip.set_crystal(true);
+            }
         }
         self.motor.advance(STEP_S, applied.map_or(Bridge::Floating, Bridge::Volts));
+        self.show_supply_and_current();
         let edges = self.motor.counts() + self.ahead - self.shown;
         for _ in 0..edges.abs() {
             self.shown += edges.signum();
@@ -152,15 +216,23 @@ impl Board {
         self.host.turn(&mut self.chip);
     }
 
+    fn show_supply_and_current(&mut self) {
+        let supply = self.motor.motor().nominal_v + self.pumped_v;
+        let current = self.motor.current_a() + self.short_a;
+        let converter = &mut self.chip.beside.converter;
+        converter.pins = [supply / DIVIDER, MIDDLE_V + AMPLIFIER * current];
+        converter.ripple_v = RIPPLE_V / DIVIDER;
+    }
+
     fn injure(&mut self) {
         if self.since_s.is_some() || self.fault == Fault::None || self.driven_s < BEFORE_S {
             return;
         }
         let core = self.chip.core();
-        // Not in a handler, nor within a critical section: a loop that circles there keeps what it borrowed from the interrupts, and an alarm that is
-        // taken away is set again.
+        // Not in a handler, nor within a critical section: a loop that circles there keeps what it borrowed from the interrupts, an alarm that is
+        // taken away is set again, and a borrow that is made up is written over where one ends.
         let is_locked = core.regs.ipsr() != 0 || core.regs.primask != 0;
-        if is_locked && matches!(self.fault, Fault::Circle | Fault::Dead) {
+        if is_locked && matches!(self.fault, Fault::Circle | Fault::Dead | Fault::Panic(_)) {
             return;
         }
         self.since_s = Some(0.0);
@@ -168,6 +240,14 @@ impl Board {
             Fault::None | Fault::Silent => {}
             Fault::Emergency | Fault::Bounce => self.chip.set_contact(true),
             Fault::Dead => self.chip.write(ARMED, 1),
+            Fault::Panic(control) => {
+                // A `RefCell` begins with its flag.
+                let flag = self.chip.read(control);
+                self.chip.write(flag, 1);
+            }
+            Fault::Pumped => self.pumped_v = PUMPED_V,
+            Fault::Short => self.short_a = SHORT_A,
+            Fault::Crystal | Fault::CrystalBack => self.chip.set_crystal(false),
             Fault::Core => self.chip.go_to(UNDEFINED),
             Fault::Circle => self.chip.go_to(CIRCLE),
             Fault::Hang => {

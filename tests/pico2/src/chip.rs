@@ -27,7 +27,8 @@ const NMIPENDSET: u32 = 1 << 31;
 /// Exception numbers.
 const NMI: u32 = 2;
 const HARD_FAULT: u32 = 3;
-/// Tick generator of the watchdog (RP2350 data sheet 8.5.2): control and cycles to a tick.
+/// Tick generators of the first timer and of the watchdog (RP2350 data sheet 8.5.2): control and cycles to a tick.
+const TICKS_TIMER0: u32 = 0x4010_8018;
 const TICKS_WATCHDOG: u32 = 0x4010_8030;
 /// Where a test puts an instruction: RAM above all that the image uses. Twice a jump to itself, or an instruction without a meaning.
 const SPARE: u32 = 0x2007_ff00;
@@ -116,9 +117,24 @@ impl Chip {
         self.emulator.step().expect("the emulator steps in this thread");
         self.emulator.bus.resets_state = resets;
         self.cycles += u64::from(TURN);
+        self.convert();
         self.tick_watchdog();
         if self.beside.watchdog.expired() {
             self.restart();
+        }
+    }
+
+    /// The converter goes on, and the DMA puts what it reads into the RAM.
+    fn convert(&mut self) {
+        let Beside { converter, dma, .. } = &mut self.beside;
+        converter.advance(TURN);
+        while converter.asks()
+            && let Some(at) = dma.carry()
+        {
+            // A half of the word there: a write over the bus would cost the core time.
+            let (word, shift) = (at & !3, 8 * (at & 2));
+            let kept = self.emulator.peek(word) & !(0xffff << shift);
+            self.emulator.poke(word, kept | u32::from(converter.take()) << shift);
         }
     }
 
@@ -175,6 +191,14 @@ impl Chip {
         }
         self.inputs = self.inputs & !(1 << CONTACT) | u32::from(open) << CONTACT;
         self.show_inputs();
+    }
+
+    /// Stops the crystal, or lets it swing again: ticks are made of it (RP2350 data sheet 8.5). The PLL, which the core hangs on, swings on by
+    /// itself.
+    pub fn set_crystal(&mut self, swings: bool) {
+        for ticks in [TICKS_TIMER0, TICKS_WATCHDOG] {
+            self.write(ticks, swings.into());
+        }
     }
 
     fn show_inputs(&mut self) {

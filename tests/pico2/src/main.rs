@@ -1,5 +1,6 @@
-//! The emulated Pico 2 with what goes over its USB line on a TCP port: `motorlens-pico2 image.uf2 [fault [lines]]` prints the port, ends when so
-//! many have called and gone, one unless more are said, and prints how the driver was then. Between callers time stands still.
+//! The emulated Pico 2 with what goes over its USB line on a TCP port: `motorlens-pico2 image.uf2 [fault [lines [driver]]]` prints the port, ends
+//! when so many have called and gone, one unless more are said, and prints how the driver was then, which is `brake` or `in-in`. Between callers
+//! time stands still.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -20,10 +21,11 @@ const LIMIT: Duration = Duration::from_secs(10);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let image = arguments.next().ok_or("motorlens-pico2 image.uf2 [fault [lines]]")?;
+    let image = arguments.next().ok_or("motorlens-pico2 image.uf2 [fault [lines [driver]]]")?;
     let fault = arguments.next().as_deref().unwrap_or("none").parse()?;
     let lines: usize = arguments.next().as_deref().unwrap_or("1").parse()?;
-    let mut board = Board::new(&std::fs::read(image)?, fault);
+    let driver = arguments.next().as_deref().unwrap_or("brake").parse()?;
+    let mut board = Board::new(&std::fs::read(image)?, driver, fault);
     while board.chip.now() < READY_S {
         board.step();
     }

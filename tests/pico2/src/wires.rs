@@ -8,6 +8,8 @@ use rp2350_emu::threaded::CoreAtomics;
 
 use crate::chip::CORE_HZ;
 use crate::contact::{self, Contact};
+use crate::converter::{CONVERTER, Converter};
+use crate::dma::{DMA, Dma};
 use crate::missing::{may_be, substitute, substitute_short};
 use crate::registers::{address, written};
 use crate::usb::{USB, Usb};
@@ -37,6 +39,10 @@ pub struct Beside {
     pub watchdog: Watchdog,
     /// The contact's edges.
     pub contact: Contact,
+    /// The converter.
+    pub converter: Converter,
+    /// The DMA.
+    pub dma: Dma,
     /// The interrupts that are the NMI.
     pub nmi_mask: u32,
     /// Interrupts of the sampling timer so far.
@@ -61,6 +67,8 @@ impl CoreBus for Wires<'_> {
         let own = match register {
             contact::INTR | contact::INTE | contact::INTS => Some(self.beside.contact.read(register)),
             _ if USB.contains(&register) => self.beside.usb.read(register),
+            _ if CONVERTER.contains(&register) => Some(self.beside.converter.read(register)),
+            _ if DMA.contains(&register) => Some(self.beside.dma.read(register)),
             _ if PIO0.contains(&register) => {
                 self.beside.pio_turns = PIO_TURNS;
                 None
@@ -76,6 +84,8 @@ impl CoreBus for Wires<'_> {
         match register {
             contact::INTR | contact::INTE => return self.beside.contact.write(at, value),
             _ if USB.contains(&register) && self.beside.usb.write(at, value) => return,
+            _ if CONVERTER.contains(&register) => return self.beside.converter.write(at, value),
+            _ if DMA.contains(&register) => return self.beside.dma.write(at, value),
             _ if WATCHDOG.contains(&register) => return self.beside.watchdog.write(at, value),
             _ if PIO0.contains(&register) => self.beside.pio_turns = PIO_TURNS,
             _ if TICKS.contains(&register) && (register - TICKS.start) % 12 == 4 => {
