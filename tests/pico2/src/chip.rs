@@ -27,6 +27,7 @@ const NMIPENDSET: u32 = 1 << 31;
 /// Exception numbers.
 const NMI: u32 = 2;
 const HARD_FAULT: u32 = 3;
+const FIRST_INTERRUPT: u32 = 16;
 /// Tick generators of the first timer and of the watchdog (RP2350 data sheet 8.5.2): control and cycles to a tick.
 const TICKS_TIMER0: u32 = 0x4010_8018;
 const TICKS_WATCHDOG: u32 = 0x4010_8030;
@@ -89,7 +90,8 @@ impl Chip {
         if (pending as u32 & self.beside.nmi_mask != 0 || contact) && core.regs.ipsr() != NMI {
             core.ppb.write32(ICSR, NMIPENDSET);
         }
-        bus.atomics.set_irq_pending(0, pending & !u64::from(self.beside.nmi_mask));
+        // A line that is still up while its handler runs asks for it again when that has ended, not once more for what it has done since.
+        bus.atomics.set_irq_pending(0, pending & !u64::from(self.beside.nmi_mask) & !handled(core));
         let until = clock.cycles + u64::from(TURN);
         while core.cycles() < until && !core.is_halted() && !core.is_wfe_waiting() {
             core.ppb.update_latest_cycles(core.cycles());
@@ -233,6 +235,11 @@ impl Chip {
     pub fn core(&mut self) -> &mut rp2350_emu::CortexM33 {
         self.emulator.core_mut(0)
     }
+}
+
+/// The interrupt whose handler the core is in, as a bit.
+fn handled(core: &rp2350_emu::CortexM33) -> u64 {
+    core.regs.ipsr().checked_sub(FIRST_INTERRUPT).map_or(0, |interrupt| 1 << interrupt)
 }
 
 /// An emulator at the image's first instruction, as the boot ROM leaves the chip.
