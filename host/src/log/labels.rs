@@ -103,7 +103,7 @@ mod tests {
         let options = ReadOptions { map, supply_volts: Some(10.0), ..ReadOptions::default() };
         let records = read(&path, &options).unwrap();
         let told = suspicions(&records);
-        let stop = told.iter().find(|warning| warning.what.starts_with("hard_stop")).unwrap();
-        assert!(stop.what.contains("the column \"command\" says \"stop\" there"), "{}", stop.what);
+        let off = told.iter().find(|warning| warning.what.starts_with("switched_off")).unwrap();
+        assert!(off.what.contains("the column \"command\" says \"stop\" there"), "{}", off.what);
     }
 }
