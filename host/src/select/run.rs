@@ -109,6 +109,14 @@ pub fn run(
             next = step_up(data, base, model, &mut two);
             candidates.extend(two);
         }
+        if next.is_none()
+            && let Some(rival) = all.last().and_then(|before| tied(data, model, before, base))
+        {
+            // Which of the two is there may show only beside what it lacks.
+            let mut beside = forward(data, rival, library, WORTH, &mut |_| ());
+            next = step_up(data, base, model, &mut beside);
+            candidates.extend(beside);
+        }
         all.push(candidates);
         let Some(next) = next else { break };
         let next = simpler(data, next, model.score(), base);
@@ -167,6 +175,21 @@ pub fn step_up(data: &Evidence, base: &Fitted, model: &Fitted, candidates: &mut 
     let other = believed(data, base, model, others.take(TRIED).copied()).ok()?;
     // What is doubted does as well: then this is no better known.
     (!settled.iter().any(|doubted| doubted.is_as_good_as(&other, data, base))).then_some(other)
+}
+
+/// The best of the `candidates` that does as well as `accepted` by other effects and no more parameters: the records have not decided yet
+/// between the two.
+pub fn tied<'a>(
+    data: &Evidence,
+    accepted: &Fitted,
+    candidates: &'a [Fitted],
+    base: &Fitted,
+) -> Option<&'a Fitted> {
+    let is_other = |c: &&Fitted| c.size() <= accepted.size() && !is_kin(c, accepted);
+    let mut others: Vec<&Fitted> = candidates.iter().filter(is_other).collect();
+    // Best first: those that come after the one that is taken need not be cross-validated.
+    others.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    others.into_iter().find(|c| c.is_as_good_as(accepted, data, base))
 }
 
 /// The first of some `candidates` that beats `model` surely, searched to its end; else the first that outweighs it, or is surely late; else all

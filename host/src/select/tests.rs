@@ -5,7 +5,7 @@ use motorlens_virtual_motor::Kind as Hidden;
 
 use super::adequacy::Adequacy;
 use super::fitted::Fitted;
-use super::run::Rivals;
+use super::run::{Rivals, tied};
 use super::starts::besides;
 use crate::diagnose::discover::{Discovery, Options, discover, prepare, reading_noise};
 use crate::exam::case::{Case, Conditions};
@@ -117,4 +117,19 @@ fn readings_that_are_noise_alone_determine_nothing_of_the_motor() {
     };
     let (evidence, base) = prepare(&[noise], &[], &MotorFile::default()).unwrap();
     assert!(!base.knows_the_motor(&evidence));
+}
+
+#[test]
+fn of_two_effects_that_do_as_well_the_other_one_is_tied_and_one_that_does_worse_is_not() {
+    let of = |case: &Case, sizes: [(Kind, f64); 2]| {
+        let (evidence, base) = prepare(&case.records, &[], &case.motor).unwrap();
+        let [accepted, other] =
+            sizes.map(|(kind, size)| Fitted::of(&evidence, &base.values().with(kind, vec![size]), 3, 12));
+        tied(&evidence, &accepted, &[accepted.clone(), other], &base).map(|rival| rival.kinds().to_vec())
+    };
+    let plain = Case::new(32, &[], CALM);
+    let alike = of(&plain, [(Kind::Coulomb, 0.0), (Kind::ConstantLoad, 0.0)]);
+    assert_eq!(alike, Some(vec![Kind::ConstantLoad]));
+    let rubs = Case::new(31, &[Hidden::Coulomb], CALM);
+    assert_eq!(of(&rubs, [(Kind::Coulomb, 0.3), (Kind::Delay, 1e-3)]), None);
 }
