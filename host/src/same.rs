@@ -9,7 +9,8 @@
 //!
 //! A model that does not explain everything gives other values on every record of one motor, which intervals do not know: so each record
 //! (or half of the only one) is fitted by itself too, and what parts the records of a set counts as uncertainty of the set, in parameters
-//! and in errors.
+//! and in errors. Of a set that is one record nothing tells what another programme would give: where its model does not explain it, no
+//! difference is proof.
 
 use std::cell::Cell;
 
@@ -31,6 +32,8 @@ const AS_GOOD: f64 = 0.1;
 const TWICE: f64 = 2.0;
 /// Two-sided risk of calling any parameter different where none is.
 const RISK: f64 = 0.01;
+/// A model that leaves more times the noise than this on its own records lacks something.
+const UNEXPLAINED: f64 = 2.0;
 /// Half a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
@@ -174,7 +177,11 @@ pub fn same(
     for parameter in &mut parameters {
         parameter.differs &= likelihood_ratio > bar * bar;
     }
-    let (verdict, why) = judge(&errors, within, &parameters, bar);
+    let left = |(set, fit): (&[Record], &Fit)| {
+        (set.len() == 1).then(|| fit.train.rmse / fit.noise_level.max(f64::MIN_POSITIVE))
+    };
+    let lone = sets.into_iter().zip([&own, &other]).filter_map(left).fold(0.0, f64::max);
+    let (verdict, why) = judge(&errors, [within, lone], &parameters, bar);
     let unit = if first.iter().any(|r| r.angle_rad.is_some()) { "rad" } else { "rad/s" };
     let effects = effects.to_vec();
     Ok(Comparison { verdict, why, effects, errors, likelihood_ratio, within, unit, bar, parameters, open })
@@ -270,7 +277,14 @@ fn differences(first: &Fit, second: &Fit, alone: &[Alone; 2]) -> (Vec<Difference
     (parameters, open, bar)
 }
 
-fn judge(errors: &[Errors; 2], within: f64, parameters: &[Difference], bar: f64) -> (Verdict, String) {
+/// `within` is the share by which the model of a set is worse than those of its records, `lone` how many times the noise a set's model leaves where
+/// the set is one record.
+fn judge(
+    errors: &[Errors; 2],
+    [within, lone]: [f64; 2],
+    parameters: &[Difference],
+    bar: f64,
+) -> (Verdict, String) {
     let loss = errors.iter().map(|e| e.both / e.own.max(f64::MIN_POSITIVE) - 1.0).fold(0.0, f64::max);
     let names: Vec<&str> = parameters.iter().filter(|p| p.differs).map(|p| p.name.as_str()).collect();
     let percent = 100.0 * loss;
@@ -297,6 +311,15 @@ fn judge(errors: &[Errors; 2], within: f64, parameters: &[Difference], bar: f64)
             Verdict::Same,
             format!(
                 "one model is within {percent:.1} % of each set's own, and no parameter differs beyond its interval"
+            ),
+        ),
+        (false, false) if lone > UNEXPLAINED => (
+            Verdict::Open,
+            format!(
+                "one model of both leaves up to {percent:.0} % more error, and {} differ, but the model of a single record leaves {lone:.1} x \
+                 the noise: it lacks something, and then one motor has other values in every programme (give each set a second record, or \
+                 the effects that motorlens discover finds)",
+                names.join(", ")
             ),
         ),
         (false, false) => (

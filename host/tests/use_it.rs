@@ -239,6 +239,20 @@ fn other_values_that_fit_no_better_are_no_other_motor() {
     assert!(told["why"].as_str().unwrap().contains("fit no better"), "{told}");
 }
 
+/// Friction that rises towards rest is more Coulomb friction to a slow triangle than to fast steps.
+#[test]
+fn a_model_that_lacks_something_makes_no_second_motor_of_another_programme() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    run(here, "simulate --motor random --seed 3 --effect stribeck --rate 200 --seconds 4 --out s --quiet")
+        .ends(0);
+    let told =
+        run(here, "same s/prbs.csv -e coulomb -m s/motor.toml --json -- s/triangle.csv").ends(0).json();
+    assert_eq!(told["parameters"][0]["differs"], true, "{told}");
+    assert_eq!(told["verdict"], "open", "{told}");
+    assert!(told["why"].as_str().unwrap().contains("give each set a second record"), "{told}");
+}
+
 /// A log of counts and duty, as `discover` reads it with its options.
 #[test]
 fn what_an_export_costs_is_told_on_a_log_that_needs_options_to_be_read() {

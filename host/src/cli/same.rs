@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use motorlens_shared::effects::Kind;
 use serde::Serialize;
 
-use super::prose::figure;
+use super::prose::{self, figure};
 use super::table::{Row, table};
 use super::wrap::known_width;
 use super::{Console, next, watch};
@@ -13,7 +13,7 @@ use crate::diagnose::discover::{self, discover};
 use crate::error::{Error, Result};
 use crate::estimate::effect_by_name;
 use crate::formula::Library;
-use crate::log::{self, ReadArgs};
+use crate::log::{self, ReadArgs, Warning};
 use crate::model_file::Model;
 use crate::same::{Comparison, Verdict, same};
 
@@ -44,6 +44,7 @@ struct Document {
     schema: u32,
     #[serde(flatten)]
     comparison: Comparison,
+    data_faults: Vec<Warning>,
 }
 
 /// Fits, compares, and tells.
@@ -53,8 +54,12 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
         return Err(Error::usage(why, "give the options before --"));
     }
     let motor = args.reading.motor_file()?;
-    let load = |paths| Ok::<_, crate::error::Error>(log::load(paths, &args.reading)?.records);
-    let [first, second] = [load(&args.first)?, load(&args.second)?];
+    let [first, second] = [log::load(&args.first, &args.reading)?, log::load(&args.second, &args.reading)?];
+    // Each set by itself: two motors may disagree.
+    let of_content = [&first.records, &second.records].into_iter().flat_map(log::data_faults);
+    let data_faults = log::together(of_content.chain(first.warnings).chain(second.warnings));
+    data_faults.iter().for_each(|fault| console.say(prose::fault(fault)));
+    let (first, second) = (first.records, second.records);
     let effects: Vec<Kind> = if let Some(path) = &args.model {
         Model::read(path)?.values().kinds()
     } else if let Some(names) = &args.effects {
@@ -68,7 +73,7 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     let bar = watch::bar(console, 100, "% of the fits");
     let compared = same(&first, &second, &motor, &effects, &|share| bar.set_position((100.0 * share) as u64));
     bar.finish_and_clear();
-    let document = Document { schema: 1, comparison: compared? };
+    let document = Document { schema: 1, comparison: compared?, data_faults };
     console.answer(&document, || text(&document.comparison));
     let list = |paths: &[PathBuf]| paths.iter().map(|path| next::shell(path)).collect::<Vec<_>>().join(" ");
     let (first, second, read) = (list(&args.first), list(&args.second), next::as_read());

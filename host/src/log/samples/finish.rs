@@ -22,8 +22,10 @@ impl Samples {
     /// # Errors
     /// Bad input if too many rows had to be left out or too few are left.
     pub fn finish(mut self, header: Option<Place>) -> Result<(Vec<Vec<f64>>, Vec<Warning>)> {
-        if self.strays.as_ref().is_some_and(|strays| strays.count > self.columns[0].len()) {
-            self.count_strays();
+        // More of them than rows are no footer, and no one interruption.
+        let kept = self.columns[0].len();
+        if let Some(Strays { first, count, .. }) = self.strays.take_if(|strays| strays.count > kept) {
+            self.note(first, count);
         }
         if self.rows == 0 {
             let fault = BadInput::new(
@@ -44,7 +46,6 @@ impl Samples {
             );
             return Err(first.place.mark(fault).in_column(&first.column).into());
         }
-        let kept = self.columns[0].len();
         let most_late = FEW_LATE.max((LATE_SHARE * self.rows as f64) as usize);
         if let Some(first) = self.late.first().filter(|_| self.late.len() > most_late) {
             return Err(self.backwards(first).into());
