@@ -20,7 +20,7 @@ use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::usable::faults_of;
-use super::voltages::{antiphase, duty, is_level, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, is_level, share, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, together};
 
@@ -76,6 +76,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
     found.extend(disagreeing(&seen));
     let all: Vec<&Record> = seen.iter().map(|one| one.record).collect();
     found.extend(duty(&all));
+    found.extend(share(&all));
     found.extend(one_level(&all));
     found
 }

@@ -1,4 +1,4 @@
-//! Data quality problems of a voltage: it is a duty, or lacks its sign; and whether it has one level only.
+//! Data quality problems of a voltage: it is a duty, or a share of one, or lacks its sign; and whether it has one level only.
 
 use super::motion::{correlation, low_pass, peak, speed};
 use super::remap::remapped;
@@ -36,6 +36,43 @@ pub(super) fn duty(records: &[&Record]) -> Option<Warning> {
              again)",
             remapped(first, &[(Quantity::Voltage, Quantity::Duty, full)]),
             remapped(first, &[(Quantity::Voltage, Quantity::Voltage, "*1")])
+        ),
+    })
+}
+
+/// A full duty of fewer steps than percent have may be turned by one of them.
+const PERCENT: f64 = 100.0;
+/// The largest share of one, with what a supply that sags makes of it.
+const JUST_ABOVE_ONE: f64 = 1.05;
+
+/// The number that the mapping of a record says is full duty; none where it scales it, or says where no duty is.
+fn full_duty(record: &Record) -> Option<f64> {
+    let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
+    mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(PERCENT))
+}
+
+/// A hundredth of the supply turns no motor: a duty that never passes 1 where 100 or more is said to be full is a share of one.
+pub(super) fn share(records: &[&Record]) -> Option<Warning> {
+    let duties = || {
+        records.iter().filter_map(|record| {
+            let full = full_duty(record).filter(|full| *full >= PERCENT)?;
+            Some((*record, full, full * peak(&record.voltage_v) / record.mean_supply_v()?))
+        })
+    };
+    let (first, full, _) = duties().next()?;
+    let highest = duties().map(|(.., number)| number).fold(0.0, f64::max);
+    let is_share = highest > 0.0 && highest <= JUST_ABOVE_ONE;
+    let moves = || duties().any(|(record, ..)| peak(&speed(record)) > 0.0);
+    (is_share && moves()).then(|| Warning {
+        place: place_of(first, "voltage_v"),
+        what: format!(
+            "perhaps_share: the duty never passes {highest:.3} of {full}, and so little of the supply turns no motor: it looks like a share of one, \
+             and then every gain is {full} times too large"
+        ),
+        fix: format!(
+            "if full duty is 1, say {}; if it is {full}, say {} (it is not asked again)",
+            remapped(first, &[(Quantity::Duty, Quantity::Duty, "1")]),
+            remapped(first, &[(Quantity::Duty, Quantity::Duty, "*1")])
         ),
     })
 }
@@ -102,8 +139,7 @@ const HALF: (f64, f64) = (0.5, 0.07);
 
 /// A bridge that is driven by locked antiphase stands still at half of the full duty, drives one way above and the other way below.
 pub(super) fn antiphase(Seen { record, weak }: &Seen) -> Option<Odd> {
-    let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
-    let full = mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(100.0))?;
+    let full = full_duty(record)?;
     let supply_v = record.mean_supply_v()?;
     // A byte that lost its sign is never negative either.
     if record.voltage_v.iter().any(|v| *v < 0.0) || byte_duty(record).is_some() {
@@ -169,6 +205,32 @@ mod tests {
         };
         assert!(is_asked("voltage=u:V,angle=x:rad") && is_asked("voltage=u:V*-1,angle=x:rad"));
         assert!(!is_asked("voltage=u:V*1,angle=x:rad") && !is_asked("voltage=u:V/255*7.9,angle=x:rad"));
+    }
+
+    #[test]
+    fn a_duty_that_is_a_thousandth_of_what_is_said_to_be_full_is_asked_about_until_a_scale_says_that_it_is() {
+        let mut record = motor();
+        record.meta.insert("voltage", "it is the duty times 12 V, whatever the supply did").unwrap();
+        let highest = peak(&record.voltage_v);
+        let mut asked = |map: &str, most: f64| {
+            record.voltage_v.iter_mut().for_each(|v| *v *= most / highest);
+            record.map = Some(map.parse().unwrap());
+            let asked = share(&[&record]);
+            record.voltage_v.iter_mut().for_each(|v| *v *= highest / most);
+            asked
+        };
+        let said = asked("time=t:s,duty=pwm:100,angle=x:rad", 0.012).unwrap();
+        assert!(said.what.starts_with("perhaps_share: the duty never passes 0.100 of 100"), "{}", said.what);
+        assert!(said.fix.contains("duty=pwm:1,") && said.fix.contains("duty=pwm:100*1,"), "{}", said.fix);
+        assert!(asked("time=t:s,duty=pwm:255,angle=x:rad", 12.0 / 255.0).is_some());
+        for (map, most) in [
+            ("time=t:s,duty=pwm:100*1,angle=x:rad", 0.012),
+            ("time=t:s,duty=pwm:100,angle=x:rad", 1.2),
+            ("time=t:s,duty=pwm:1,angle=x:rad", 0.012),
+            ("time=t:s,voltage=u:V,angle=x:rad", 0.012),
+        ] {
+            assert_eq!(asked(map, most), None, "{map}");
+        }
     }
 
     #[test]

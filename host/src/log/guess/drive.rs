@@ -6,7 +6,7 @@ use super::made;
 use super::preview::short;
 use super::questions::{guessed_unit, other_rate};
 use super::ranges::Range;
-use super::{channels, column, options_as_if, sides, symbols, unit_names, words};
+use super::{channels, column, duty_range, options_as_if, sides, symbols, unit_names, words};
 use crate::log::motion::correlation;
 use crate::log::numbered::numbers_rows;
 use crate::log::sample::{Sample, numbers};
@@ -149,12 +149,15 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
             Some((name(k), options(either)?, options(or)?))
         })
     };
-    // What a mapping that is proposed assumes of the time.
-    let of_the_clock = || {
-        let said = |clock: &Part| {
+    // What a mapping that is proposed assumes of the time and of the full duty.
+    let assumed = || {
+        let of_clock = |clock: &Part| {
             guessed_unit(&sample.names[clock.index], clock).or_else(|| other_rate(sample, clock))
         };
-        of(&[Time]).and_then(said).map(|said| format!(" ({said})")).unwrap_or_default()
+        let of_duty = |duty: &Part| duty_range::question(&sample.names, &sample.rows, duty);
+        let said = [of(&[Time]).and_then(of_clock), drive.and_then(of_duty)];
+        let said: Vec<String> = said.into_iter().flatten().collect();
+        if said.is_empty() { String::new() } else { format!(" ({})", said.join("; ")) }
     };
     let beside_time = |k: &usize| of(&[Time]).is_some_and(|time| time.index != *k) && !is_number(k);
     let mut beside = (0..sample.names.len()).filter(beside_time);
@@ -193,7 +196,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
             if let Some((other, volts, duty)) = meant("voltage [V]", as_if) {
                 text +=
                     &format!("; if {other} is that, say {volts} where it is volts, {duty} where it is {is}");
-                text += &of_the_clock();
+                text += &assumed();
             }
             Some(text)
         }
@@ -214,7 +217,7 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                     let options = place.and_then(|k| options_as_if(sample, &[(k, as_if)]));
                     text += &options.map_or_else(String::new, |options| format!(", {options} {means}"));
                 }
-                text += &of_the_clock();
+                text += &assumed();
             }
             Some(text)
         }
