@@ -140,7 +140,15 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     if let (None, Some(motion)) = (drive, motion) {
         let columns = made::Columns::of(&sample.rows, of(&[Time]).map(|clock| clock.index));
         let drives = |k: &usize| !words::drives_nothing(&sample.names[*k]) && !columns.is_made(*k);
-        others.retain(|k| drives(k) && !is_motion_again(&sample.rows, motion.index, *k));
+        // A measured column in a unit of motion is one too, though another is fitted: `RPM_left` beside an angle.
+        let is_motion = |k: &usize| {
+            let said = words::said(&sample.with_units[*k]);
+            let of_motion = said.unit_of.is_some_and(|of| [Angle, Speed].contains(&of));
+            *k == motion.index || of_motion && !said.wanted && !said.target
+        };
+        let motions: Vec<usize> = (0..sample.names.len()).filter(is_motion).collect();
+        let again = |k: usize| motions.iter().any(|of| is_motion_again(&sample.rows, *of, k));
+        others.retain(|k| drives(k) && !again(*k));
     }
     // The first other column that may be what is absent, and the options for either meaning.
     let meant = |either: &str, or: &str| {
@@ -279,5 +287,19 @@ mod tests {
             assert!(!asked.contains("--map"), "{asked}");
         }
         assert!(asked("effect").contains("if \"effect\" is that, say --map "));
+    }
+
+    #[test]
+    fn the_speed_of_a_wheel_is_not_offered_as_its_drive_though_its_angle_is_the_motion() {
+        let row = |k: u32| {
+            let rpm = f64::from(k * 11 % 53);
+            vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31), rpm, 0.5236 * rpm]
+        };
+        let header = "Time (s);Position_left (deg);Angular_Velocity (deg/s);RPM_left;Speed_left";
+        let asked = half_question(&Sample::of(header, (0..100).map(row).collect())).unwrap();
+        assert!(
+            asked.contains("no column tells what drove the motor") && !asked.contains("--map"),
+            "{asked}"
+        );
     }
 }

@@ -351,3 +351,18 @@ fn a_unit_that_a_name_tells_bars_it_from_what_has_another() {
         assert_eq!(unit_names::is_of_acceleration(name), is, "{name}");
     }
 }
+
+#[test]
+fn a_word_that_is_a_unit_tells_what_it_measures_wherever_it_stands() {
+    for (name, of) in [
+        ("RPM_left", Some(Quantity::Speed)),
+        ("Drehzahl_links", Some(Quantity::Speed)),
+        ("millis_since", Some(Quantity::Time)),
+        ("encoder_V", Some(Quantity::Voltage)),
+        ("speed_left", None),
+        ("enc_left", None),
+        ("pwm", None),
+    ] {
+        assert_eq!(words::said(name).unit_of, of, "{name}");
+    }
+}

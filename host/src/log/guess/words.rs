@@ -22,7 +22,7 @@ pub struct Said {
     pub told: bool,
     /// It is what somebody wanted, a setpoint or an error: never a measurement.
     pub wanted: bool,
-    /// What the unit in the name measures, whether it fits what else the name says or not: `encoder_V`.
+    /// What the unit in the name measures, whether it fits what else the name says or not: `encoder_V`; or a word that is one: `RPM_left`.
     pub unit_of: Option<Quantity>,
     /// It is where a servo was told to go.
     pub target: bool,
@@ -189,6 +189,9 @@ pub fn said(name: &str) -> Said {
         (Some((Speed, _)), Some("counts")) => Some("counts/s"),
         (_, implied) => implied,
     };
+    // What is counted may be anything, and any way may be metres.
+    let unit_of =
+        unit_of.or(implied.filter(|unit| !["counts", "m"].contains(unit)).and(quantity).map(|(of, _)| of));
     // Names of the unit itself, and not of what is usually measured in it.
     const SUGGESTED: [&str; 3] = ["counts", "counts/s", "m"];
     let by_itself = implied.is_some_and(|unit| !SUGGESTED.contains(&unit)) && !any_of(&TURNING);
