@@ -196,7 +196,12 @@ pub(super) fn proposal(path: &Path, input: impl BufRead, head: &Preamble) -> Res
     let sample = read(path, input, head, 0)?;
     let open =
         || question(&sample).or_else(|| no_table(&sample, head)).unwrap_or_else(|| any_mapping(&sample));
-    Ok(guess::propose_for(&sample).map_or_else(|| Guess::Open(open()), Guess::Proposed))
+    Ok(match guess::propose_for(&sample) {
+        Some(proposal) => {
+            guess::steady_question(&sample, &proposal).map_or(Guess::Proposed(proposal), Guess::Open)
+        }
+        None => Guess::Open(open()),
+    })
 }
 
 /// The fault of a table whose columns have no names, or whose header is `wrong`, with what their numbers say of them.

@@ -154,14 +154,18 @@ fn a_speed_for_each_level_of_the_drive_is_told_from_a_log_without_a_clock() {
     let said = |row: &dyn Fn(f64) -> Vec<f64>| {
         let text = table("pwm,rpm", row);
         let rows: Vec<&str> = text.lines().take(61).collect();
-        refusal(&(rows.join("\n") + "\n")).to_string()
+        refusal(&(rows.join("\n") + "\n"))
     };
-    let steady = said(&|k| vec![level(k), (3.0 * level(k)).round()]);
+    let table_of_levels = said(&|k| vec![level(k), (3.0 * level(k)).round()]);
+    assert_eq!(table_of_levels.proposal, None, "pasted, its rate would make a log of them");
+    let steady = table_of_levels.to_string();
     assert!(
         steady.contains("these are steady states") && steady.contains("no --rate makes a log of them"),
         "{steady}"
     );
-    let log = said(&|k| vec![if k < 20.0 { 0.0 } else { 100.0 }, speed(k)]);
+    assert_eq!(steady.matches("these are steady states").count(), 1, "{steady}");
+    assert!(steady.contains("speed=rpm:rpm --supply-volts 12 --rate N"), "{steady}");
+    let log = said(&|k| vec![if k < 20.0 { 0.0 } else { 100.0 }, speed(k)]).to_string();
     assert!(log.contains("--rate 100") && !log.contains("steady states"), "{log}");
 }
 

@@ -233,9 +233,12 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     }
 }
 
-/// Whether a name tells a unit that none of these quantities has: an encoder's volts are no speed, and an acceleration is no voltage.
+/// Whether a name tells a unit that none of these quantities has: an encoder's volts are no speed, and an acceleration is no voltage; or a number of
+/// readings, which is neither.
 fn is_of_another(name: &str, sought: &[Quantity]) -> bool {
-    unit_names::is_of_acceleration(name) || words::said(name).unit_of.is_some_and(|of| !sought.contains(&of))
+    unit_names::is_of_acceleration(name)
+        || words::counts_readings(&words::of(name))
+        || words::said(name).unit_of.is_some_and(|of| !sought.contains(&of))
 }
 
 /// Whether a column is the `motion` in another unit: it goes with it in every row.

@@ -39,7 +39,7 @@ pub(super) use example::example;
 pub use look::{Look, look};
 use preview::preview;
 pub(super) use questions::{
-    error_question, levels_question, loop_question, numbers_question, sampled_question,
+    error_question, levels_question, loop_question, numbers_question, sampled_question, steady_question,
 };
 use questions::{
     given_sign, guessed_unit, other_clock, other_rate, size_of_an_error, steady_states, taken_for,

@@ -5,10 +5,12 @@ use super::columns::{self, Part};
 use super::preview::short;
 use super::ranges::Range;
 use super::{
-    ASSUMED_COUNTS, by_numbers, column, duty_range, options_as_if, quoted, unit_names, words, written,
+    ASSUMED_COUNTS, Proposal, by_numbers, column, duty_range, options_as_if, quoted, unit_names, words,
+    written,
 };
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
+use crate::log::samples::FEWEST_SAMPLES;
 use crate::log::steady_states::are_steady_states;
 use crate::log::timing;
 use crate::log::units::Quantity;
@@ -45,6 +47,22 @@ pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
             name(speed)
         )
     })
+}
+
+/// The same in the place of a proposal, which would make a log of them when pasted: the rate is left to whoever knows one.
+pub(in crate::log) fn steady_question(sample: &Sample, proposal: &Proposal) -> Option<String> {
+    let parts = columns::parts(&sample.with_units, &sample.rows);
+    let said = steady_states(sample, &parts).filter(|_| sample.rate.is_none())?;
+    let rows = sample.rows.len();
+    if rows < FEWEST_SAMPLES {
+        return Some(format!("{said} ({rows} rows are too few for a fit besides)"));
+    }
+    let mut all_the_same = Proposal { rate: Some("N".into()), ..proposal.clone() };
+    all_the_same.unknown_units.retain(|text| *text != said);
+    Some(format!(
+        "{said}; where the rows are instants of one motion all the same, say {}",
+        all_the_same.told()
+    ))
 }
 
 /// What is asked of a duty or voltage that is never negative though it goes with the size of an error that changes its sign: what a

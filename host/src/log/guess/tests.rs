@@ -338,6 +338,30 @@ fn levels_of_the_drive_that_move_nothing_hide_no_table_of_steady_states() {
 }
 
 #[test]
+fn of_a_mean_and_its_ends_the_mean_is_the_motion_and_a_number_of_readings_is_none() {
+    let row = |k: u32| {
+        let mean = 0.9 * f64::from(k * 7 % 40);
+        vec![f64::from(k * 7 % 40), mean, 1.2 * mean, 0.8 * mean, f64::from(5 + k % 2)]
+    };
+    let sample = |rows: u32| {
+        Sample::of("pwm;avg_velocity;max_velocity;min_velocity;sample_count", (0..rows).map(row).collect())
+    };
+    let proposal = propose_for(&sample(30)).unwrap();
+    assert_eq!(proposal.map, "duty=pwm:255,speed=avg_velocity:rad/s");
+    // Neither a line to paste nor, of few rows, a way to make a log of them.
+    let asked = |rows: u32| {
+        let sample = sample(rows);
+        questions::steady_question(&sample, &propose_for(&sample).unwrap()).unwrap()
+    };
+    assert!(asked(30).contains("--supply-volts 12 --rate N"), "{}", asked(30));
+    assert!(asked(18).ends_with("(18 rows are too few for a fit besides)"), "{}", asked(18));
+    let timed = rows(|k| vec![0.01 * k, (200.0 * (0.1 * k).sin()).round(), 3.0 * k]);
+    let half = half_question(&Sample::of("time_s;pwm;sample_count", timed)).unwrap();
+    assert!(half.contains("no column tells how it moved") && !half.contains("--map"), "{half}");
+    assert_eq!(words::said("encoder_count").unit, Some("counts"));
+}
+
+#[test]
 fn a_unit_that_a_name_tells_bars_it_from_what_has_another() {
     let half =
         |header: &str| half_question(&Sample::of(header, rows(|k| vec![0.01 * k, (0.1 * k).sin(), k.cos()])));

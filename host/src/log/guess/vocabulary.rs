@@ -310,6 +310,10 @@ pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple
 /// Counts per one of these are those since the row before.
 pub(super) const ROWS: [&str; 6] = ["loop", "sample", "cycle", "period", "interval", "row"];
 
+/// What is counted by a program and no encoder: `sample_count`.
+pub(super) const READINGS: [&str; 8] =
+    ["loop", "loops", "sample", "samples", "reading", "readings", "row", "rows"];
+
 /// What makes a speed of an angle's name.
 pub(super) const RATES: [&str; 6] = ["dot", "rate", "derivative", "hz", "freq", "frequency"];
 

@@ -5,8 +5,8 @@ pub(super) use super::spelling::bracketed;
 pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
-    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, RATES, REGISTERS, ROWS, SCALES,
-    SENSED, TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
+    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, RATES, READINGS, REGISTERS, ROWS,
+    SCALES, SENSED, TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -49,6 +49,11 @@ pub fn is_time(name: &str) -> bool {
 /// Whether the words of a name say that it is an error.
 fn is_error(words: &[String]) -> bool {
     words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)))
+}
+
+/// Whether the words of a name are of how many readings there were: no motion, and nothing that drives one.
+pub(super) fn counts_readings(words: &[String]) -> bool {
+    words.windows(2).any(|pair| READINGS.contains(&pair[0].as_str()) && pair[1] == "count")
 }
 
 /// Whether a name says that its column drives nothing, whatever its numbers are: a clock, an error, what a sensor tells.
@@ -136,7 +141,7 @@ pub fn said(name: &str) -> Said {
         && unit.is_none_or(|(_, unit)| unit == "counts")
         && best.is_none_or(|(of, ..)| of == Angle);
     let unit = unit.filter(|_| !since_before);
-    if since_before {
+    if since_before || best.is_some_and(|(of, ..)| of == Angle) && counts_readings(&words) {
         best = None;
     }
     // The motion of what is driven, as the sensor saw it.
@@ -144,6 +149,9 @@ pub fn said(name: &str) -> Said {
         *plain += u8::from(any_of(&["wheel", "joint", "gearbox", "load", "output", "raw"]));
         *plain = plain
             .saturating_sub(u8::from(any_of(&["filtered", "filt", "smooth", "smoothed", "avg", "mean"])));
+        // Of several readings the mean is the motion, rather than one at their ends.
+        let is_end = words.first().is_some_and(|word| ["max", "min"].contains(&word.as_str()));
+        *plain = plain.saturating_sub(2 * u8::from(is_end));
     }
     // The voltage and the current along the d axis of a field-oriented drive turn nothing.
     if best.is_some_and(|(of, ..)| matches!(of, Voltage | Current)) && any_of(&["d", "vd", "ud", "id"]) {
