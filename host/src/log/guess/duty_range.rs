@@ -3,6 +3,7 @@
 //! A percentage and the 8 bits of `analogWrite` look alike while the motor is driven gently, and a gain found with the wrong one is off by
 //! their ratio.
 
+use super::by_numbers::VOLTS;
 use super::columns::Part;
 use super::preview::short;
 use super::ranges::Range;
@@ -12,8 +13,6 @@ use crate::log::units::Quantity;
 
 const PERCENT: f64 = 100.0;
 const EIGHT_BITS: f64 = 255.0;
-/// Fractions up to so many may be volts.
-const MOST_SMALL_VOLTS: f64 = 60.0;
 
 /// The full duty that the bracket of a name tells: `PWM (0-255)`, `pwm [8 bits]`.
 pub(super) fn told(name: &str) -> Option<u32> {
@@ -50,7 +49,7 @@ pub(super) fn question(names: &[String], rows: &[Vec<f64>], part: &Part) -> Opti
         return None;
     }
     if !range.is_whole() {
-        return (taken == PERCENT && peak <= MOST_SMALL_VOLTS).then(|| {
+        return (taken == PERCENT && peak <= VOLTS).then(|| {
             format!(
                 "nothing tells the full duty of \"{name}\": it goes to {peak_said} in fractions, as percent may and as volts do; {taken} is a guess \
                  (where it is volts, write voltage={own}:V)"

@@ -32,7 +32,7 @@ const MADE: f64 = 1e-3;
 const FILLED: f64 = 0.8;
 /// The highest voltage of whole numbers, and of any.
 const WHOLE_VOLTS: f64 = 30.0;
-const VOLTS: f64 = 60.0;
+pub(super) const VOLTS: f64 = 60.0;
 
 /// What the columns of numbers may be; `names` are theirs, as far as they have any.
 pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
