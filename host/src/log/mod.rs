@@ -44,6 +44,7 @@ mod newest;
 mod numbered;
 mod numbers;
 mod one_level;
+mod other_clock;
 mod pairs;
 mod preamble;
 mod properties;

@@ -173,6 +173,24 @@ const LEVELS: usize = 12;
 /// and the motion passes through so often.
 const PASSES: usize = 4;
 
+/// A step through zero is so many times as long as the next one, where it leaves out what lies between.
+const LEAP: f64 = 2.0;
+
+/// Whether the speed leaves out what lies next to zero with its step to sample `k`: it gets there, or passes, by a step that is far longer
+/// than the one beside it in which the motor moves. At one that is as long the motor is only fast.
+fn is_leap(speed: &[f64], k: usize) -> bool {
+    let (before, after) = (speed[k - 1], speed[k]);
+    let length = |from: usize| match (speed.get(from), speed.get(from + 1)) {
+        (Some(one), Some(other)) => (other - one).abs(),
+        _ => 0.0,
+    };
+    // The sample before the first one is none.
+    let braking = if k > 1 && before != 0.0 { length(k - 2) } else { 0.0 };
+    let starting = if after != 0.0 { length(k) } else { 0.0 };
+    let passes = before * after < 0.0 || (before == 0.0) != (after == 0.0);
+    passes && (after - before).abs() > LEAP * braking.max(starting)
+}
+
 /// The speed is never read near zero, although the motor reverses or stops.
 pub(super) fn blind_near_zero(record: &Record) -> Option<Odd> {
     let speed = record.speed_rad_s.as_ref()?;
@@ -187,7 +205,7 @@ pub(super) fn blind_near_zero(record: &Record) -> Option<Odd> {
     let all = above.len();
     // A speed in whole counts a sample has few values near zero, evenly spaced.
     above.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * fastest);
-    let passes = speed.windows(2).filter(|w| w[0] * w[1] < 0.0 || (w[0] == 0.0) != (w[1] == 0.0)).count();
+    let passes = (1..speed.len()).filter(|k| is_leap(speed, *k)).count();
     (passes >= PASSES && all >= JUST_ABOVE && above.len() >= LEVELS).then(|| {
         (
             "blind_near_zero",
@@ -297,5 +315,23 @@ mod tests {
             w.iter_mut().for_each(|w| *w = (*w / 1.5).round() * 1.5);
         });
         assert_eq!(blind_near_zero(&counted), None);
+    }
+
+    /// Rows as long as the motor's time constant: it is at a third of its speed in the first of them.
+    #[test]
+    fn a_motor_that_starts_within_few_rows_has_no_blind_sensor() {
+        let starts = |first: f64| {
+            let levels = |k: usize| match k % 40 {
+                0..=9 => 0.0,
+                10 => first + 0.01 * (k as f64).sin(),
+                11 => 23.0,
+                _ => 30.0 + (k as f64).sin(),
+            };
+            let record = alone(|w| w.iter_mut().enumerate().for_each(|(k, w)| *w = levels(k)));
+            let speed = record.speed_rad_s.unwrap();
+            (1..speed.len()).filter(|k| speed[k - 1] == 0.0 && is_leap(&speed, *k)).count()
+        };
+        assert_eq!(starts(11.0), 0);
+        assert!(starts(20.0) > 0);
     }
 }

@@ -9,6 +9,7 @@ use super::direction;
 use super::fields::{Splitter, trimmed};
 use super::labels::Labels;
 use super::numbers::{OfFile, in_brackets, number};
+use super::other_clock::other_clock;
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::several::Several;
@@ -104,7 +105,8 @@ impl<'a> Rows<'a> {
             width: head.headers.as_ref().map(Vec::len),
             clock,
             samples: Samples::new(path, headers.collect())
-                .cut_at_text(matches!(wanted.time, TimeSource::Rate(_))),
+                .cut_at_text(matches!(wanted.time, TimeSource::Rate(_)))
+                .beside_clock(other_clock(head, wanted)),
             structure: Structure::default(),
             labels: Labels::sought(head, |k| wanted.reads(k)),
             numbers: vec![0.0; count + 1],

@@ -95,6 +95,29 @@ pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
     (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
 }
 
+/// Share of its steps that rise in a clock; a file may hold several recordings.
+pub(super) const RISES: f64 = 0.95;
+/// What rises in fewer of its steps is none.
+const STANDS: f64 = 0.5;
+
+/// Share of the steps of a column that rise; of too few rows, none.
+fn rising(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let steps = values.clone().skip(1).count();
+    let rising = values.clone().zip(values.skip(1)).filter(|(before, after)| after > before).count();
+    if steps + 1 < FEWEST_TICKS { 0.0 } else { rising as f64 / steps as f64 }
+}
+
+/// Whether `values`, whose name is that of a time, stand still or go back where another column that is called so rises: they are the
+/// interval, or another measure of it. Whole seconds may stand: their fraction is elsewhere.
+pub(super) fn stands_beside_a_clock<V: Iterator<Item = f64> + Clone>(
+    values: V,
+    others: impl IntoIterator<Item = V>,
+) -> bool {
+    let has_fractions = || values.clone().any(|value| value.fract() != 0.0);
+    let is_clock = |other: V| rising(other) >= RISES;
+    has_fractions() && rising(values.clone()) < STANDS && others.into_iter().any(is_clock)
+}
+
 /// Seconds that stand still for many rows have their fraction in a column of its own: `sec,nanosec`.
 pub(super) fn add_fractions(parts: &mut [Part], names: &[String], rows: &[Vec<f64>]) {
     const FRACTIONS: [(&str, &str); 10] = [
@@ -173,7 +196,27 @@ pub(super) fn is_open_time(unit: &str, values: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::propose;
     use super::*;
+
+    /// Three tests end to end: the true interval stands where the clock that the rows are meant for runs on.
+    #[test]
+    fn a_time_that_stands_is_not_the_clock_beside_one_that_rises() {
+        let row = |k: f64| {
+            let real = if k % 80.0 == 0.0 { 0.0 } else { 0.025 };
+            vec![real, 0.025 * (k + 1.0), 90.0 * (k / 40.0).floor() % 180.0, 30.0 * (0.1 * k).sin()]
+        };
+        let rows: Vec<Vec<f64>> = (0..240).map(|k| row(f64::from(k))).collect();
+        let names = ["Ts_real_s", "time_s", "PWM_input", "omega_rad_s"].map(str::to_owned);
+        let map = propose(&names, &rows).unwrap().map;
+        assert!(map.starts_with("time=time_s:s,"), "{map}");
+        // Whole seconds stand, and another clock may be that of something else.
+        let whole = |k: f64| (0.01 * k).floor();
+        let of = |time: fn(f64) -> f64| (0..240).map(move |k| time(f64::from(k)));
+        assert!(!stands_beside_a_clock(of(whole), [of(|k| 0.01 * k)]));
+        assert!(stands_beside_a_clock(of(|_| 0.025), [of(|k| 0.01 * k)]));
+        assert!(!stands_beside_a_clock(of(|_| 0.025), [of(|_| 0.5)]), "none that rises");
+    }
 
     #[test]
     fn stamps_are_read_in_the_unit_that_makes_dates_of_them_where_that_of_their_name_makes_a_rate_of_none() {

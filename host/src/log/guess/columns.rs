@@ -1,6 +1,8 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
-use super::clocks::{self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of};
+use super::clocks::{
+    self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, stands_beside_a_clock,
+};
 use super::column_units::{unit_of, unit_of_wrap};
 use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
 use super::ranges::Range;
@@ -157,6 +159,13 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         }
         leave_out_unreached_targets(&mut quantities, &said, &values);
     }
+    let clocks_beside = |own: usize| {
+        let is_one = |k: usize| {
+            quantities[k].is_some_and(|(q, _)| q == Quantity::Time)
+                && !is_below_a_second(said[k].unit, values(k))
+        };
+        (0..names.len()).filter(|k| *k != own && is_one(*k)).map(values).collect::<Vec<_>>()
+    };
     let words_of_all = names.join(" ").to_lowercase();
     let mut parts: Vec<Part> = Vec::new();
     for quantity in Quantity::ALL {
@@ -165,7 +174,9 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             let (_, plain) = guess.filter(|(q, _)| *q == quantity)?;
             let range = Range::of(values(index));
             let moves = rows.is_empty() || range.high > range.low;
-            let is_clock = quantity == Quantity::Time && !is_below_a_second(said[index].unit, values(index));
+            let is_clock = quantity == Quantity::Time
+                && !is_below_a_second(said[index].unit, values(index))
+                && !stands_beside_a_clock(values(index), clocks_beside(index));
             // Whole turns are the coarse part of the angle that stands beside them.
             let is_coarse = quantity == Quantity::Angle && said[index].unit == Some("rev") && range.whole;
             Some((index, (moves || quantity == Quantity::Supply, is_clock, !is_coarse, plain)))

@@ -78,6 +78,8 @@ pub struct Samples {
     /// The lines since the last row that are no rows.
     strays: Option<Strays>,
     cut_at_text: bool,
+    /// Another column that rises and is called a time.
+    other_clock: Option<String>,
     repeats: usize,
     first_repeat: Option<Place>,
     restarts: Vec<usize>,
@@ -115,12 +117,19 @@ impl Samples {
             bad_count: 0,
             strays: None,
             cut_at_text: false,
+            other_clock: None,
             repeats: 0,
             first_repeat: None,
             restarts: Vec::new(),
             late: Vec::new(),
             stale: None,
         }
+    }
+
+    /// Names a column that may have been meant where the time goes back.
+    pub fn beside_clock(mut self, other: Option<String>) -> Self {
+        self.other_clock = other;
+        self
     }
 
     /// Takes a row of finite numbers, in the order of the columns.
@@ -190,13 +199,20 @@ impl Samples {
 
     /// The fault of a time that goes back.
     fn backwards(&self, late: &Late) -> BadInput {
+        const SORT: &str =
+            "sort the rows by time, or cut the file where the clock was reset and give both parts";
+        let remedy = match &self.other_clock {
+            Some(other) => {
+                format!(
+                    "\"{other}\" rises from row to row: if it is the clock, map it as the time; otherwise {SORT}"
+                )
+            }
+            None => self.or_intervals(late.time, SORT),
+        };
         let fault = BadInput::new(
             &self.path,
             format!("time goes backwards, from {} s to {} s", late.before, late.time),
-            self.or_intervals(
-                late.time,
-                "sort the rows by time, or cut the file where the clock was reset and give both parts",
-            ),
+            remedy,
         );
         late.place.mark(fault).in_column(&self.headers[0])
     }

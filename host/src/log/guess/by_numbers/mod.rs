@@ -8,7 +8,7 @@ mod undriven;
 
 pub(in crate::log) use undriven::described;
 
-use super::clocks::{is_open_time, plausible};
+use super::clocks::{RISES, is_open_time, plausible};
 use super::column_units::unit_of;
 use super::columns::Part;
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
@@ -23,8 +23,7 @@ use crate::log::timing::{jitter, median, median_interval};
 const FEWEST: usize = 20;
 /// More columns than this are not compared with each other.
 pub(super) const MOST: usize = 16;
-/// Share of its steps that rise in a clock, and of those that are about as long as the middle one; a file may hold two recordings.
-const RISES: f64 = 0.95;
+/// Share of the steps of a clock that are about as long as the middle one.
 const EVEN: f64 = 0.8;
 /// What parts a column from one that is made of others, in shares of its span.
 const MADE: f64 = 1e-3;
