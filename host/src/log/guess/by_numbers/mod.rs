@@ -4,11 +4,16 @@
 //! values beside what the motor does, and what is made of other columns (an error, a difference of two wheels) is none of them. Where some
 //! columns have names, one that is called a time goes before another that rises, and a voltage's or a speed's letter is that of no time.
 
+mod control;
+mod rising;
 mod undriven;
 
 pub(in crate::log) use undriven::described;
 
-use super::clocks::{RISES, is_open_time, plausible};
+use control::Compared;
+use rising::{clock, stands_beside_row_numbers};
+
+use super::clocks::{is_open_time, plausible};
 use super::column_units::unit_of;
 use super::columns::Part;
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
@@ -17,14 +22,12 @@ use super::preview::range_of;
 use super::{Proposal, Quantity, symbols, words, written};
 use crate::log::motion::{peak, span};
 use crate::log::numbered::counts_rows;
-use crate::log::timing::{jitter, median, median_interval};
+use crate::log::timing::median;
 
 /// Rows that tell a course.
 const FEWEST: usize = 20;
 /// More columns than this are not compared with each other.
 pub(super) const MOST: usize = 16;
-/// Share of the steps of a clock that are about as long as the middle one.
-const EVEN: f64 = 0.8;
 /// What parts a column from one that is made of others, in shares of its span.
 const MADE: f64 = 1e-3;
 /// A column has a number in so many of the rows.
@@ -110,12 +113,29 @@ impl Found {
         let time = clock(columns, names);
         let is_count = time
             .is_some_and(|k| stands_beside_row_numbers(columns, k) && candidates(columns, time).is_empty());
-        Found::by_clock(columns, names, time.filter(|_| !is_count))
+        let time = time.filter(|_| !is_count);
+        let found = Found::by_clock(columns, names, time, None)?;
+        match Compared::in_columns(columns) {
+            Some(compared) if found.is_driven_by(compared) => {
+                Found::by_clock(columns, names, time, Some(compared))
+            }
+            _ => Some(found),
+        }
     }
 
-    /// What is found beside a clock, or without one.
-    fn by_clock(columns: &[Vec<f64>], names: &[String], time: Option<usize>) -> Option<Found> {
-        let candidates = candidates(columns, time);
+    fn is_driven_by(&self, compared: Compared) -> bool {
+        [compared.set_point, compared.measured].contains(&self.drive)
+    }
+
+    /// What is found beside a clock, or without one; what a controller compares does not drive, and of the two only one was measured.
+    fn by_clock(
+        columns: &[Vec<f64>],
+        names: &[String],
+        time: Option<usize>,
+        compared: Option<Compared>,
+    ) -> Option<Found> {
+        let mut candidates = candidates(columns, time);
+        candidates.retain(|k| compared.is_none_or(|compared| compared.set_point != *k));
         let constant = (0..columns.len()).find(|k| span(&columns[*k]) == 0.0 && columns[*k][0] != 0.0);
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for &angle in &candidates {
@@ -141,7 +161,9 @@ impl Found {
         // Without a clock what rises in every row is the time of an event, or its number.
         let is_event = |k: usize| time.is_none() && only_rises(&columns[k]);
         let is_called_speed = |k: usize| names.get(k).is_some_and(|name| symbols::is_of_speed(name));
-        let may_drive = |k: &usize| !is_motion(*k) && !is_event(*k) && !is_called_speed(*k);
+        let is_measured = |k: usize| compared.is_some_and(|compared| compared.measured == k);
+        let may_drive =
+            |k: &usize| !is_motion(*k) && !is_event(*k) && !is_called_speed(*k) && !is_measured(*k);
         let alike = |drive: usize, k: usize| move_together(&columns[drive], &columns[k]);
         let driving = by_levels(columns, rest.iter().copied().filter(may_drive)).into_iter();
         let (drive, angle, speed) = match chosen {
@@ -164,35 +186,6 @@ impl Found {
         };
         Some(Found { time, drive, angle, speed })
     }
-}
-
-/// The column that rises most evenly, of those that are called a time if any does, but for one that numbers the rows.
-fn clock(columns: &[Vec<f64>], names: &[String]) -> Option<usize> {
-    let unevenness = |values: &Vec<f64>| {
-        let middle = median_interval(values);
-        let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
-        let share = |holds: &dyn Fn(f64) -> bool| {
-            steps().filter(|step| holds(*step)).count() as f64 / (values.len() - 1).max(1) as f64
-        };
-        let is_clock = middle > 0.0
-            && share(&|step| step > 0.0) >= RISES
-            && share(&|step| (0.5 * middle..=2.0 * middle).contains(&step)) >= EVEN;
-        is_clock.then(|| jitter(values) / middle)
-    };
-    let is_called = |k: usize, so: &dyn Fn(&str) -> bool| names.get(k).is_some_and(|name| so(name));
-    let may_be = |k: usize, values: &[f64]| {
-        values.len() >= FEWEST && !counts_rows(values) && !is_called(k, &symbols::is_no_time)
-    };
-    let clocks = columns.iter().enumerate().filter(|(k, values)| may_be(*k, values));
-    let clocks =
-        clocks.filter_map(|(k, values)| Some((!is_called(k, &words::is_time), unevenness(values)?, k)));
-    clocks.min_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))).map(|(_, _, k)| k)
-}
-
-/// Whether what rises evenly in column `k` may be an encoder's count: it stands at times, as no clock does, and another column numbers the
-/// rows.
-fn stands_beside_row_numbers(columns: &[Vec<f64>], k: usize) -> bool {
-    columns[k].windows(2).any(|pair| pair[1] == pair[0]) && columns.iter().any(|values| counts_rows(values))
 }
 
 /// Whether column `k` is one before it once more, or what is missing of it to a target, or the difference of two.
