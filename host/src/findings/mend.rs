@@ -33,6 +33,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
             "sign_flipped",
             "wrong_units",
             "wrong_gear_ratio",
+            "supply_as_drive",
         ],
     ),
     (Mend::Range, &["hard_stop", "frozen_sensor", "switched_off"]),

@@ -75,6 +75,7 @@ mod steady_states;
 mod still;
 mod stops;
 mod structure;
+mod supply_as_drive;
 mod suspicion;
 mod switched_off;
 pub mod sysid;

@@ -7,6 +7,7 @@ use super::motion::{mean, peak, span, speed};
 use super::quantum::quantum;
 use super::refused::other_than_refused;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
+use super::supply_as_drive::supply_as_drive;
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Error, Result};
 
@@ -88,7 +89,7 @@ fn refusal(record: &Record, fault: Fault) -> crate::error::Error {
 /// All that is wrong with the content of `record`, the gravest first.
 pub fn content_faults(record: &Record) -> Vec<Fault> {
     let mut faults = unit_check::unit_faults(record);
-    faults.extend(no_excitation(record));
+    faults.extend(no_excitation(record).or_else(|| supply_as_drive(record)));
     match no_motion(record) {
         Some(fault) => faults.push(fault),
         None => faults.extend(reversed(record)),

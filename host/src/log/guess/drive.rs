@@ -296,7 +296,7 @@ mod tests {
     fn the_speed_of_a_wheel_is_not_offered_as_its_drive_though_its_angle_is_the_motion() {
         let row = |k: u32| {
             let rpm = f64::from(k * 11 % 53);
-            vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31), rpm, 0.5236 * rpm]
+            vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31), rpm, 0.5 * rpm]
         };
         let header = "Time (s);Position_left (deg);Angular_Velocity (deg/s);RPM_left;Speed_left";
         let asked = half_question(&Sample::of(header, (0..100).map(row).collect())).unwrap();
