@@ -6,9 +6,8 @@
 use std::f64::consts::TAU;
 
 use super::Record;
-use super::guess::quoted;
 use super::motion::{peak, speed};
-use super::suspicion::Odd;
+use super::suspicion::{Odd, skip_of};
 use super::timing::median;
 
 /// A voltage is the same within this share of the highest.
@@ -70,15 +69,7 @@ pub(super) fn held_back(record: &Record) -> Option<Odd> {
             )
         })
         .collect();
-    let skips: Vec<String> = found
-        .iter()
-        .map(|one| {
-            format!(
-                "--skip {}",
-                quoted(&format!("{}:{:.3}..{:.3}", record.name, time(one.from), time(one.to)))
-            )
-        })
-        .collect();
+    let times: Vec<(f64, f64)> = found.iter().map(|one| (time(one.from), time(one.to))).collect();
     Some((
         "held_back",
         if record.speed_rad_s.is_some() { "speed_rad_s" } else { "angle_rad" },
@@ -92,7 +83,7 @@ pub(super) fn held_back(record: &Record) -> Option<Odd> {
         ),
         format!(
             "leave that out with {}, unless the load of the motor does it: then record several turns of it",
-            skips.join(" ")
+            skip_of(record, &times)
         ),
     ))
 }

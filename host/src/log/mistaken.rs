@@ -3,10 +3,9 @@
 //! For the first two the motor's own equation decides: the reading that explains the voltage is right ([`super::weak`]).
 
 use super::Record;
-use super::guess::quoted;
 use super::motion::{peak, span};
 use super::remap::remapped;
-use super::suspicion::{Odd, Seen};
+use super::suspicion::{Odd, Seen, skip_of};
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::weak::Weak;
@@ -100,8 +99,8 @@ pub(super) fn turned_round(Seen { record, weak }: &Seen) -> Option<Odd> {
                 "the motor turns with its voltage {with} about {at_s:.2} s and against it {against}: the sign of one of them was turned round on the way"
             ),
             format!(
-                "leave one part out: --skip {}, or give each part a file and a sign of its own",
-                quoted(&format!("{}:{:.2}..{:.2}", record.name, wrong.0, wrong.1))
+                "leave one part out: {}, or give each part a file and a sign of its own",
+                skip_of(record, &[wrong])
             ),
         )
     })
@@ -125,7 +124,7 @@ pub(super) fn frozen(record: &Record) -> Option<Odd> {
         let answered = begin + time[begin..end].partition_point(|t| *t <= time[end - 1] - least_s);
         if long && speed[begin].abs() > 0.1 * peak(speed) && span(&volts[begin..answered]) > share * range {
             let (from, to) = (time[begin], time[end - 1]);
-            let skip = quoted(&format!("{}:{from:.3}..{to:.3}", record.name));
+            let skip = skip_of(record, &[(from, to)]);
             return Some((
                 "frozen_sensor",
                 "speed_rad_s",
@@ -133,7 +132,7 @@ pub(super) fn frozen(record: &Record) -> Option<Odd> {
                     "the speed stands at {:.4} rad/s from {from:.3} s to {to:.3} s while the voltage changes: the sensor hung",
                     speed[begin]
                 ),
-                format!("leave that time out with --skip {skip}, and check the sensor's cable"),
+                format!("leave that time out with {skip}, and check the sensor's cable"),
             ));
         }
         begin = end;

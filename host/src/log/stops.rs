@@ -5,11 +5,11 @@
 use std::ops::Range;
 
 use super::Record;
-use super::guess::quoted;
 use super::labels::Labels;
 use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
-use super::suspicion::Odd;
+use super::suspicion::{Odd, skip_of};
+use super::switched_off::without;
 use super::timing::quantile;
 
 /// The voltage must push so many times as hard as what moves the shaft or makes it leave: friction alone holds less ...
@@ -66,11 +66,7 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
                  down to there for {slowed_s:.2} s, which a stop gives no time for: the driver was off while its command stayed, or something \
                  soft held the shaft{said}"
             ),
-            format!(
-                "no model turns and stands at one drive: leave that out with --skip {}, and log a duty of 0 while the driver is off (a column of \
-                 the log may tell when: command, state, power, enable)",
-                quoted(&format!("{}:{from:.3}..{until:.3}", record.name))
-            ),
+            without(record, &times),
         ));
     }
     // A driver that was off lets the shaft stand anywhere: hardly twice at one end.
@@ -91,12 +87,6 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     let more = ranges.len().saturating_sub(NAMED);
     let named: Vec<String> =
         ranges.iter().take(NAMED).map(|stay| format!("{:.3} s to {:.3} s", stay.from, stay.until)).collect();
-    let skip: Vec<String> = ranges
-        .iter()
-        .map(|stay| {
-            format!("--skip {}", quoted(&format!("{}:{:.3}..{:.3}", record.name, stay.from, stay.until)))
-        })
-        .collect();
     let rest = if more > 0 { format!(" and {more} times more") } else { String::new() };
     Some((
         "hard_stop",
@@ -105,7 +95,7 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
             "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}{said}",
             named.join(", from ")
         ),
-        format!("{no_model} with {}, {instead}", skip.join(" ")),
+        format!("{no_model} with {}, {instead}", skip_of(record, &times)),
     ))
 }
 

@@ -4,6 +4,7 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::clipped::clipped;
+use super::guess::quoted;
 use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
@@ -85,6 +86,12 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
 pub(crate) fn place_of(record: &Record, column: &str) -> String {
     let file = record.path.display().to_string();
     format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
+}
+
+/// The options that leave these `times` of `record` out, s, from and until.
+pub(super) fn skip_of(record: &Record, times: &[(f64, f64)]) -> String {
+    let range = |(from, until): &(f64, f64)| quoted(&format!("{}:{from:.3}..{until:.3}", record.name));
+    times.iter().map(|time| format!("--skip {}", range(time))).collect::<Vec<_>>().join(" ")
 }
 
 /// Said of a voltage that the supply cannot give, so that nothing was driven by it.

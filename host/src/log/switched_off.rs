@@ -6,11 +6,10 @@
 use std::ops::Range;
 
 use super::Record;
-use super::guess::quoted;
 use super::labels::Labels;
 use super::motion::{peak, span, speed};
 use super::quantum::quantum;
-use super::suspicion::Odd;
+use super::suspicion::{Odd, skip_of};
 use super::timing::median;
 
 /// A command that stays is the same number, but for how a quotient is rounded, as a share of the highest.
@@ -57,11 +56,7 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
         (record.time_s[from], record.time_s[rest.end.min(last)])
     });
     let times: Vec<(f64, f64)> = times.collect();
-    let (mut named, mut skips) = (Vec::new(), Vec::new());
-    for (from, to) in &times {
-        named.push(format!("{from:.3} s to {to:.3} s"));
-        skips.push(format!("--skip {}", quoted(&format!("{}:{from:.3}..{to:.3}", record.name))));
-    }
+    let named: Vec<String> = times.iter().map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
     let of = if seen.by_supply { "of the supply" } else { "V" };
     Some((
         "switched_off",
@@ -73,12 +68,17 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
             settled * level.signum(),
             Labels::of(record.labels.as_ref(), &times)
         ),
-        format!(
-            "no model turns and stands at one drive: leave that out with {}, and log a duty of 0 while the driver is off (a column of the log \
-             may tell when: power, enable)",
-            skips.join(" ")
-        ),
+        without(record, &times),
     ))
+}
+
+/// The remedy where the driver was off at these `times` of `record`.
+pub(super) fn without(record: &Record, times: &[(f64, f64)]) -> String {
+    format!(
+        "no model turns and stands at one drive: leave that out with {}, and log a duty of 0 while the driver is off (a column of the log may \
+         tell when: command, state, power, enable)",
+        skip_of(record, times)
+    )
 }
 
 /// A record as its drive commanded it and as it moved.
