@@ -5,7 +5,7 @@ use super::motion::{low_pass, peak, span};
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::usable::Fault;
-use super::voltages::is_level;
+use super::voltages::level_of;
 
 /// A voltage that goes below this share of its highest was switched, and drives.
 const SWITCHED: f64 = 0.5;
@@ -21,20 +21,17 @@ const SMOOTH: f64 = 0.5;
 pub(super) fn supply_as_drive(record: &Record) -> Option<Fault> {
     record.map.as_ref()?.source(Quantity::Voltage)?;
     let highest = peak(&record.voltage_v);
-    let is_switched = record.voltage_v.iter().any(|v| v.abs() < SWITCHED * highest);
-    let swings = swings(&angle(record)?, &record.time_s);
-    if is_switched || !is_level(record) || swings < SWINGS {
+    if record.voltage_v.iter().any(|v| v.abs() < SWITCHED * highest) {
         return None;
     }
-    let mut volts = record.voltage_v.clone();
-    volts.sort_by(f64::total_cmp);
-    Some(Fault {
+    let level = level_of(record)?;
+    let swings = swings(&angle(record)?, &record.time_s);
+    (swings >= SWINGS).then(|| Fault {
         name: "supply_as_drive",
         column: "voltage_v",
         why: format!(
-            "the motor turns {swings} times from one end of its way towards the other under one voltage of {:.3} V, so that is its supply and drives \
-             nothing by itself",
-            volts[volts.len() / 2]
+            "the motor turns {swings} times from one end of its way towards the other under one voltage of {level:.3} V, so that is its supply \
+             and drives nothing by itself"
         ),
         fix: "map this column as supply=, and what the motor was told as duty=, voltage= or (of a position servo) target=; where no column has \
               it, log it"

@@ -84,7 +84,12 @@ const BEYOND: f64 = 0.02;
 
 /// Whether the voltage of `record` has one level from first to last, within the scatter of a measurement.
 pub(super) fn is_level(record: &Record) -> bool {
-    level(record.voltage_v.clone(), SAME_LEVEL * peak(&record.voltage_v)).is_some()
+    level_of(record).is_some()
+}
+
+/// That level, V, where it has one.
+pub(super) fn level_of(record: &Record) -> Option<f64> {
+    level(record.voltage_v.clone(), SAME_LEVEL * peak(&record.voltage_v))
 }
 
 /// The middle one of `volts`, V, where they are one level within `near`; of none there is none.

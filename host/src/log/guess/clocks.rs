@@ -66,12 +66,13 @@ pub(super) fn plausible(quantity: Quantity, told: &str, values: &[f64]) -> Optio
     if !timing::is_plausible(interval_s) {
         return timing::plausible_unit(interval);
     }
+    if quantity != Quantity::Time || interval_s >= FAST_S {
+        return None;
+    }
     let is_logged = |unit: &&str| {
         Unit::parse(Quantity::Time, unit).is_ok_and(|unit| timing::is_plausible(interval * unit.factor))
     };
-    dated(values)
-        .filter(|unit| quantity == Quantity::Time && interval_s < FAST_S && *unit != told)
-        .filter(is_logged)
+    dated(values).filter(|unit| *unit != told).filter(is_logged)
 }
 
 /// The median time from row to row, in the column's own unit and in s if that is `unit`.
