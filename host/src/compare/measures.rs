@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::log::motion::mean;
+
 /// Errors of an open-loop simulation, in the measured unit (rad, or rad/s where only speed was measured).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measures {
@@ -49,7 +51,7 @@ pub struct Sums {
 impl Sums {
     /// Adds a record: times (s), measured and simulated values.
     pub fn add(&mut self, time_s: &[f64], measured: &[f64], simulated: &[f64]) {
-        let mean = measured.iter().sum::<f64>() / measured.len().max(1) as f64;
+        let mean = mean(measured);
         for (k, (y, p)) in measured.iter().zip(simulated).enumerate() {
             let error = (y - p).abs();
             self.square += error * error;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use super::free_run::FreeRun;
 use super::residual_torque::ResidualTorque;
+use crate::log::motion::{mean, span};
 
 /// Mean residual torque in bins of something.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -206,7 +207,7 @@ fn evenly(run: &FreeRun, step: f64) -> Vec<f64> {
             run.measured[j] - run.simulated[j]
         })
         .collect();
-    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    let mean = mean(&errors);
     errors.iter_mut().for_each(|e| *e -= mean);
     errors
 }
@@ -231,12 +232,9 @@ pub fn orders(all: &[ResidualTorque], gear_ratio: f64) -> Spectrum {
     let mut out = Spectrum::default();
     let mut sums = vec![(0.0, 0.0); ORDERS];
     let mut count = 0_usize;
-    let turns_round = |r: &&ResidualTorque| {
-        let angles = || r.angle_rad.iter().copied();
-        angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min) >= TAU / gear_ratio
-    };
+    let turns_round = |r: &&ResidualTorque| span(&r.angle_rad) >= TAU / gear_ratio;
     for r in all.iter().filter(turns_round) {
-        let mean = r.torque_v.iter().sum::<f64>() / r.torque_v.len().max(1) as f64;
+        let mean = mean(&r.torque_v);
         // A few thousand samples of a record tell its harmonics.
         let every = r.torque_v.len().div_ceil(12_000).max(1);
         for k in (0..r.torque_v.len()).step_by(every) {

@@ -11,6 +11,7 @@ use crate::fit::grid::Quantity;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
 use crate::fit::simulate::LANES;
+use crate::log::motion::mean;
 
 /// Highest order looked for, periods per motor revolution.
 pub const HIGHEST_ORDER: usize = 24;
@@ -122,10 +123,9 @@ fn shares(problem: &Problem, model: &Values) -> Vec<(f64, Vec<f64>)> {
             |first: &usize| [first - span, *first, first + span].iter().all(|k| way(*k).abs() < still);
         for first in spans.filter(stands) {
             let last = first + span;
-            let cells = &grid.cells()[grid.places[first].cell..grid.places[last].cell];
-            let volts = cells.iter().sum::<f64>() / cells.len().max(1) as f64;
+            let volts = mean(&grid.cells()[grid.places[first].cell..grid.places[last].cell]);
             let torque = volts - way(first) / (grid.time_s[last] - grid.time_s[first]) / model.base.gain;
-            let angle = grid.measured[first..=last].iter().sum::<f64>() / (span + 1) as f64;
+            let angle = mean(&grid.measured[first..=last]);
             whole += torque * torque;
             for (k, balance) in balances.iter_mut().enumerate() {
                 balance.add((k + 1) as f64 * turns * angle, torque);
