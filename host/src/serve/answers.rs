@@ -148,6 +148,7 @@ pub async fn figures(State(app): State<Arc<App>>, Path(step): Path<String>) -> A
                     "rows": ladder.rows(),
                     "last_over_floor": ladder.last_over_noise(),
                     "summary": words::summary(&scene.ladder, scene.floor, scene.unit, &standing),
+                    "headline": words::first_sentence(&standing.headline),
                     "standing": standing,
                 })
             }

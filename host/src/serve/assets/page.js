@@ -212,17 +212,13 @@ async function mendData({ mend, where }) {
   }
   ($("data-faults").hidden ? $("data") : $("data-faults")).scrollIntoView();
 }
-function showStanding({ verdict, badge, headline, next, also }) {
+function showStanding({ verdict, badge, next, also }, [first, beside]) {
   $("verdict").dataset.verdict = badge === "Data problem" ? "bad_data" : verdict || next.action;
   $("badge").textContent = badge;
   // No line begins with the unit of the number before it.
-  const told = onPage(headline).replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0"), end = told.search(/(?<=\.) (?=[A-Z])/);
-  $("headline").textContent = end < 0 ? told : told.slice(0, end);
-  if (end >= 0) {
-    const beside = document.createElement("span");
-    beside.textContent = told.slice(end);
-    $("headline").append(beside);
-  }
+  const said = (text) => onPage(text).replace(/(\d) (?=%|x |[mµ]?[A-Za-z/]+\))/g, "$1\u00a0");
+  $("headline").textContent = said(first);
+  if (beside) $("headline").append(" ", element("span", { textContent: said(beside) }));
   $("next").textContent = next.action === "export" ? "Save the model" : next.label;
   $("next").title = next.command;
   $("next").hidden = false;

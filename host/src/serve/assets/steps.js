@@ -109,7 +109,7 @@ async function showLadder() {
   $("summary").textContent = answer.summary;
   $("models").closest("table").classList.toggle("judged", answer.rows.some((r) => r.validation));
   rows("models", answer.rows, (r) => [r.step, r.fit, r.validation || "none", r.multiple || "not known", r.rise || ""], (r) => (r.rise ? "rise" : ""));
-  showStanding(answer.standing);
+  showStanding(answer.standing, answer.headline);
 }
 async function showEstimates() {
   const { parameters, combinations, faults } = await ask("/api/figures/estimates");

@@ -132,12 +132,13 @@ fn a_headline_tells_no_option_of_the_command_line() {
     let _alone = alone();
     let server = Server::start::<&str>(&[]);
     let mut browser = opened(&server);
-    let headline =
+    let beside =
         "The size of coast supposes a supply of 6 V: give the supply with --supply-volts, or log it.";
     browser.value(&format!(
-        "showStanding({{ verdict: null, badge: '', headline: '{headline}', next: {{ action: 'look', label: '', command: '' }} }})"
+        "showStanding({{ verdict: null, badge: '', next: {{ action: 'look', label: '', command: '' }} }}, ['Nothing is left.', '{beside}'])"
     ));
-    let told = browser.text("#headline");
+    assert!(browser.text("#headline").starts_with("Nothing is left. The size of coast"));
+    let told = browser.text("#headline span");
     assert!(told.contains("give the supply") && !told.contains("--"), "{told}");
 }
 
