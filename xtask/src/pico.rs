@@ -10,10 +10,7 @@ use motorlens_shared::excitation::{Programme, Shape};
 use motorlens_shared::quickfit::{Fixed, QuickFit};
 use serde::Deserialize;
 
-use crate::picos::{
-    COUNTS, Fault, HUNG, SILENT_MS, WIRED, angles, captured, checked, fault, fitted, measured, panic_of,
-    same_fit,
-};
+use crate::picos::{COUNTS, WIRED, angles, captured, checked, fitted, measured, same_fit, stopped};
 use crate::report::Count;
 use crate::{arm, emulated, process, uf2};
 
@@ -33,42 +30,8 @@ const TOP: u16 = (125_000_000_u32 / 20_000) as u16;
 /// The run at each rate and driver: a step of so many volts and seconds.
 const STEP_V: f32 = 9.0;
 const STEP_S: f32 = 0.5;
-
 /// With a limit of the current that the motor's own stays below.
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "4"];
-const FAULTS: [Fault; 13] = [
-    fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
-    Fault {
-        driver: "in-in",
-        ..fault("emergency", "emergency input open", "and both inputs of a driver that has no enable")
-    },
-    fault(
-        "bounce",
-        "emergency input open",
-        "a contact that opens for an instant does too, and the motor stays off",
-    ),
-    fault(
-        "fault",
-        "because a fault of the chip's core",
-        "a fault of the core takes the pins down and is told after the restart",
-    ),
-    fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
-    fault("hang", HUNG, "a program that hangs with interrupts off loses the bridge by the NMI"),
-    fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
-    fault("dead", HUNG, "so does one whose sampling timer stands"),
-    Fault { options: &WIRED, ..fault("pumped", "measured supply", "and a supply that is pumped up") },
-    Fault { options: &LIMITED, ..fault("short", "over-current", "and a current above its limit") },
-    Fault {
-        off_ms: SILENT_MS,
-        ..fault("silent", "link lost", "a host that falls silent for half a second stops the motor")
-    },
-    fault("crystal", "", "a crystal that stops while the PLL swings on takes the pins down"),
-    fault(
-        "crystal-back",
-        "because the chip's crystal stopped",
-        "and where it swings again the watchdog starts the board anew, which says so",
-    ),
-];
 
 /// Writes the UF2 file, and captures from an emulated Pico.
 pub fn tests() -> Result<Count> {
@@ -142,13 +105,7 @@ pub fn tests() -> Result<Count> {
         || fitted("pico.js", &image, &out),
     );
     at_each_rate(&mut count, &image, &out)?;
-    let panic = panic_of(&arm::PICOS[0])?;
-    for fault in &FAULTS {
-        emulated::case(&mut count, fault.test, || {
-            let done = if fault.name == "panic" { panic.as_str() } else { fault.name };
-            fault.stops("pico.js", &image, done, &PROGRAMME, &out)
-        });
-    }
+    stopped(&mut count, "pico.js", &image, &arm::PICOS[0], &PROGRAMME, &LIMITED, &out)?;
     Ok(count)
 }
 

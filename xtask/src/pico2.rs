@@ -8,9 +8,7 @@ use anyhow::{Context, Result, ensure};
 use motorlens_shared::quickfit::{Float, QuickFit};
 use serde::Deserialize;
 
-use crate::picos::{
-    COUNTS, Fault, HUNG, SILENT_MS, WIRED, captured, checked, fault, fitted, measured, panic_of, same_fit,
-};
+use crate::picos::{COUNTS, WIRED, captured, checked, fitted, measured, same_fit, stopped};
 use crate::report::Count;
 use crate::{arm, emulated, process, uf2};
 
@@ -29,42 +27,6 @@ const BREAKAWAY_V: RangeInclusive<f64> = 0.05..=1.0;
 const CURRENT_A: RangeInclusive<f64> = 0.3..=7.0;
 /// With a limit of the current that the motor's own stays below.
 const LIMITED: [&str; 4] = ["--amplifier", "165", "--current-limit", "7"];
-const FAULTS: [Fault; 13] = [
-    fault("emergency", "emergency input open", "the emergency contact takes the Pico 2's pins down"),
-    Fault {
-        driver: "in-in",
-        ..fault(
-            "emergency",
-            "emergency input open",
-            "and both inputs of a driver that has no enable, at the Pico 2 too",
-        )
-    },
-    fault("bounce", "emergency input open", "so does one that opens for an instant"),
-    fault(
-        "fault",
-        "because a fault of the chip's core",
-        "so does a fault of its core, which is told after the restart",
-    ),
-    fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
-    fault("hang", HUNG, "a program that hangs with interrupts off loses the Pico 2's bridge by the NMI"),
-    fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
-    fault("dead", HUNG, "so does one whose sampling timer stands"),
-    Fault {
-        options: &WIRED,
-        ..fault("pumped", "measured supply", "a supply that is pumped up takes the Pico 2's pins down")
-    },
-    Fault { options: &LIMITED, ..fault("short", "over-current", "and so does a current above its limit") },
-    Fault {
-        off_ms: SILENT_MS,
-        ..fault("silent", "link lost", "a host that falls silent for half a second stops the Pico 2's motor")
-    },
-    fault("crystal", "", "a crystal that stops while the PLL swings on takes the Pico 2's pins down"),
-    fault(
-        "crystal-back",
-        "because the chip's crystal stopped",
-        "and where it swings again the watchdog starts the Pico 2 anew, which says so",
-    ),
-];
 
 const fn programme(seconds: &'static str) -> [&'static str; 8] {
     ["--programme", "multisine", "--seconds", seconds, "--rate", "1000", "--counts-per-rev", COUNTS]
@@ -119,11 +81,7 @@ pub fn tests() -> Result<Count> {
         "the README's fit of a whole run with its friction feeds the Pico 2's watchdog",
         || fitted(program, &image, &out),
     );
-    let panic = panic_of(&arm::PICOS[1])?;
-    for fault in &FAULTS {
-        let done = if fault.name == "panic" { panic.as_str() } else { fault.name };
-        emulated::case(&mut count, fault.test, || fault.stops(program, &image, done, &LONGER, &out));
-    }
+    stopped(&mut count, program, &image, &arm::PICOS[1], &LONGER, &LIMITED, &out)?;
     Ok(count)
 }
 

@@ -11,6 +11,7 @@ use motorlens_shared::quickfit::{Arithmetic, Keeper, QuickFit, Request, fit};
 use object::{Object, ObjectSymbol, SymbolKind};
 
 use crate::emulated::{self, Ended};
+use crate::report::Count;
 use crate::{arm, documented, process};
 
 /// Counts of the encoder in a turn of the output shaft.
@@ -30,49 +31,97 @@ pub const WIRED: [&str; 4] = ["--divider", "11", "--amplifier", "165"];
 /// The stated supply, mV.
 const SUPPLY_MV: u16 = 12_000;
 /// Pins are off so soon after a fault, ms, at every sampling rate.
-pub const OFF_MS: RangeInclusive<f64> = 0.0..=2.0;
+const OFF_MS: RangeInclusive<f64> = 0.0..=2.0;
 /// And so soon after the host's last word: half a second, of which some may be over when the line goes silent.
-pub const SILENT_MS: RangeInclusive<f64> = 300.0..=502.0;
+const SILENT_MS: RangeInclusive<f64> = 300.0..=502.0;
 /// What the board tells after a restart that it has noted no other reason for.
-pub const HUNG: &str = "because the firmware hung";
+const HUNG: &str = "because the firmware hung";
 
 /// What is done to an emulated board while its motor is driven.
-pub struct Fault {
+struct Fault {
     /// Its name there.
-    pub name: &'static str,
+    name: &'static str,
     /// The test's.
-    pub test: &'static str,
+    test: &'static str,
     /// The driver, as board and `capture` call it.
-    pub driver: &'static str,
+    driver: &'static str,
     /// More for `capture`.
-    pub options: &'static [&'static str],
+    options: &'static [&'static str],
     /// When the pins have to be off, ms after it.
-    pub off_ms: RangeInclusive<f64>,
+    off_ms: RangeInclusive<f64>,
     /// What the host says of it, after the watchdog's restart where there is one; nothing where the watchdog stands too, and the board
     /// does not come back.
-    pub told: &'static str,
+    told: &'static str,
 }
 
 /// A fault at a driver with an enable, after which the pins are off at once.
-pub const fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fault {
+fn fault(name: &'static str, told: &'static str, test: &'static str) -> Fault {
     Fault { name, test, driver: "brake", options: &[], off_ms: OFF_MS, told }
+}
+
+/// All of them; a current is `limited` by these options, above what the motor's own comes to.
+fn faults(limited: &'static [&'static str]) -> [Fault; 13] {
+    [
+        fault("emergency", "emergency input open", "the emergency contact takes the pins down"),
+        Fault {
+            driver: "in-in",
+            ..fault("emergency", "emergency input open", "and both inputs of a driver that has no enable")
+        },
+        fault(
+            "bounce",
+            "emergency input open",
+            "a contact that opens for an instant does too, and the motor stays off",
+        ),
+        fault(
+            "fault",
+            "because a fault of the chip's core",
+            "a fault of the core takes the pins down and is told after the restart",
+        ),
+        fault("panic", "because the firmware found itself at fault", "so does a panic, and so is it"),
+        fault("hang", HUNG, "a program that hangs with interrupts off loses the bridge by the NMI"),
+        fault("circle", HUNG, "a main loop that runs in a circle loses it by the sampling interrupt"),
+        fault("dead", HUNG, "so does one whose sampling timer stands"),
+        Fault { options: &WIRED, ..fault("pumped", "measured supply", "and a supply that is pumped up") },
+        Fault { options: limited, ..fault("short", "over-current", "and a current above its limit") },
+        Fault {
+            off_ms: SILENT_MS,
+            ..fault("silent", "link lost", "a host that falls silent for half a second stops the motor")
+        },
+        fault("crystal", "", "a crystal that stops while the PLL swings on takes the pins down"),
+        fault(
+            "crystal-back",
+            "because the chip's crystal stopped",
+            "and where it swings again the watchdog starts the board anew, which says so",
+        ),
+    ]
 }
 
 impl Fault {
     /// Captures `programme` from the board in `script`, to which `done` happens, and fails where its motor was not stopped in time.
-    pub fn stops(
-        &self,
-        script: &str,
-        image: &Path,
-        done: &str,
-        programme: &[&str],
-        out: &Path,
-    ) -> Result<()> {
+    fn stops(&self, script: &str, image: &Path, done: &str, programme: &[&str], out: &Path) -> Result<()> {
         let board: [&OsStr; 4] = [image.as_os_str(), done.as_ref(), "1".as_ref(), self.driver.as_ref()];
         let options: Vec<&str> = [programme, self.options, &["--drive", self.driver]].concat();
         let logs = out.join(format!("{}-{}", self.name, self.driver));
         emulated::capture(script, &board, &options, &logs)?.was_stopped(self.told, &self.off_ms)
     }
+}
+
+/// Does every fault to the board of `image`, one after the other, and counts those after which its motor was stopped in time.
+pub fn stopped(
+    count: &mut Count,
+    script: &str,
+    image: &Path,
+    pico: &arm::Pico,
+    programme: &[&str],
+    limited: &'static [&'static str],
+    out: &Path,
+) -> Result<()> {
+    let panic = panic_of(pico)?;
+    for fault in faults(limited) {
+        let done = if fault.name == "panic" { panic.as_str() } else { fault.name };
+        emulated::case(count, fault.test, || fault.stops(script, image, done, programme, out));
+    }
+    Ok(())
 }
 
 /// The command of this shape that the README prints.
@@ -140,7 +189,7 @@ pub fn fitted(script: &str, image: &Path, out: &Path) -> Result<()> {
 }
 
 /// The fault by which a board's program panics: with the address of the variable that points to its control.
-pub fn panic_of(pico: &arm::Pico) -> Result<String> {
+fn panic_of(pico: &arm::Pico) -> Result<String> {
     let image = arm::build_pico(pico)?;
     let bytes = std::fs::read(&image).with_context(|| format!("cannot read {}", image.display()))?;
     let file = object::File::parse(&*bytes)?;
