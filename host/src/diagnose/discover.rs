@@ -210,7 +210,7 @@ pub fn noise_floor(records: &[Record], validation: &[Record], problem: &Problem)
 
 /// What a single reading scatters by, over all records of `problem`, in the measured unit.
 pub fn reading_noise(problem: &Problem) -> f64 {
-    let reading = |g: &Grid| g.sigma.max(fast_scatter(&g.measured));
+    let reading = |g: &Grid| g.least_noise().max(fast_scatter(g));
     rms(&problem.grids.iter().map(reading).collect::<Vec<_>>())
 }
 

@@ -4,7 +4,7 @@
 //! voltage over it, which keeps every volt-second whatever the time stamps do; samples fall between cells and are
 //! interpolated there. So jitter and gaps cost nothing but this one pass.
 
-use super::reading::reading_noise;
+use super::reading::{least_noise, reading_noise};
 use super::voltages::mean_voltages;
 use super::window::Since;
 use crate::log::{Record, timing};
@@ -161,6 +161,23 @@ impl Grid {
     /// Mean voltage of every cell, V.
     pub fn cells(&self) -> &[f64] {
         &self.voltages[1..]
+    }
+
+    /// Mean voltage between each reading and the one before, V.
+    pub fn sample_voltages(&self) -> Vec<f64> {
+        let mean = |from: usize, to: usize| {
+            let cells = &self.cells()[from.min(to)..=to.max(from).min(self.cells().len() - 1)];
+            cells.iter().sum::<f64>() / cells.len() as f64
+        };
+        let first = std::iter::once(0);
+        let ends = self.places.iter().map(|place| place.cell);
+        let begins = first.chain(ends.clone().map(|cell| cell + 1));
+        begins.zip(ends).map(|(from, to)| mean(from, to)).collect()
+    }
+
+    /// The least that a reading may scatter by: the counting where an encoder counts, and the digits that a number has.
+    pub fn least_noise(&self) -> f64 {
+        least_noise(&self.measured, self.quantum)
     }
 
     /// Whether the record begins at rest.

@@ -87,6 +87,23 @@ pub struct Axis {
     pub prior: Option<(f64, f64)>,
 }
 
+impl Axis {
+    /// How many standard deviations `x` is from what is believed, and the slope of that; none where nothing is believed.
+    ///
+    /// Of a logarithm below its centre it is the value itself that is believed: none at all, as of a winding without inductance or a current that is
+    /// commanded, is as near as twice as much, and not infinitely far.
+    pub fn doubt(&self, x: f64) -> Option<(f64, f64)> {
+        let (centre, width) = self.prior?;
+        let share = (x - centre).exp();
+        let is_less = self.unit_value == 0.0 && share < 1.0;
+        Some(if is_less {
+            ((share - 1.0) / width, share / width)
+        } else {
+            ((x - centre) / width, 1.0 / width)
+        })
+    }
+}
+
 /// The search's view of a set of effects.
 #[derive(Debug, Clone)]
 pub struct Layout {
@@ -96,9 +113,12 @@ pub struct Layout {
     pub axes: Vec<Axis>,
 }
 
-/// The electrical time constant is looked for within so many standard deviations of what is believed of it: from 0.24 to 2.7 ms where nothing
-/// is known. A slower winding answers as a filter does, which is the likelier where nothing is known.
+/// The electrical time constant is looked for up to so many standard deviations above what is believed of it: 2.7 ms where nothing is known. A
+/// slower winding answers as a filter does, which is the likelier where nothing is known.
 pub const REACH: f64 = 3.0;
+
+/// The shortest electrical time constant, s: faster than any cell, it is none.
+const SHORTEST_TAU_E_S: f64 = 2e-5;
 
 /// So near to a bound, as a share of the whole axis, a value stands at it.
 const END: f64 = 1e-3;
@@ -129,7 +149,7 @@ impl Layout {
         let centre = prior.tau_e.0.ln();
         let mut tau_e = log("tau_e", "s", 1.0, 1.0);
         let reach = REACH * prior.tau_e.1;
-        (tau_e.low, tau_e.high) = (centre - reach, centre + reach);
+        (tau_e.low, tau_e.high) = (SHORTEST_TAU_E_S.ln().min(centre - reach), centre + reach);
         (tau_e.ends, tau_e.prior) = ([false; 2], Some((centre, prior.tau_e.1)));
         let share = Axis {
             name: "viscous_share".into(),

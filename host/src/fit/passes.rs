@@ -55,7 +55,7 @@ impl Problem {
             .axes
             .iter()
             .zip(x)
-            .filter_map(|(a, x)| a.prior.map(|(centre, width)| ((x - centre) / width).powi(2)))
+            .filter_map(|(a, x)| a.doubt(*x).map(|(doubt, _)| doubt * doubt))
             .sum::<f64>()
             * PRIOR_WEIGHT
     }

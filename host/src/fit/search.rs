@@ -115,10 +115,9 @@ impl Problem {
         let mut gradient = DVector::from_fn(n, |r, _| sums[0][r + 1]);
         let mut curvature = DMatrix::from_fn(n, n, |r, c| sums[r + 1][c + 1]);
         for (r, k) in layout.free().into_iter().enumerate() {
-            if let Some((centre, width)) = layout.axes[k].prior {
-                let weight = PRIOR_WEIGHT / (width * width);
-                gradient[r] += weight * (x[k] - centre);
-                curvature[(r, r)] += weight;
+            if let Some((doubt, slope)) = layout.axes[k].doubt(x[k]) {
+                gradient[r] += PRIOR_WEIGHT * doubt * slope;
+                curvature[(r, r)] += PRIOR_WEIGHT * slope * slope;
             }
         }
         Slope { cost: sums[0][0] + self.prior_cost(layout, x), gradient, curvature, count, begun }

@@ -119,8 +119,8 @@ impl Spread {
             }
         });
         for (f, k) in free.iter().enumerate() {
-            if let Some((_, width)) = layout.axes[*k].prior {
-                let weight = PRIOR_WEIGHT / (width * width);
+            if let Some((_, slope)) = layout.axes[*k].doubt(x[*k]) {
+                let weight = PRIOR_WEIGHT * slope * slope;
                 h[(f, f)] += weight;
                 // With no data at all, exactly the prior's width is left.
                 m[(f, f)] += weight * PRIOR_WEIGHT;

@@ -155,8 +155,8 @@ fn influences(problem: &Problem, layout: &Layout, x: &[f64]) -> Vec<Vec<(i32, f6
         gradients.extend(own);
     });
     for (f, k) in free.iter().enumerate() {
-        if let Some((_, width)) = layout.axes[*k].prior {
-            h[(f, f)] += PRIOR_WEIGHT / (width * width);
+        if let Some((_, slope)) = layout.axes[*k].doubt(x[*k]) {
+            h[(f, f)] += PRIOR_WEIGHT * slope * slope;
         }
         h[(f, f)] = h[(f, f)] * (1.0 + 1e-9) + 1e-9;
     }
