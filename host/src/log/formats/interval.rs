@@ -1,4 +1,5 @@
-//! The times of evenly sampled rows, where a file tells their interval or their rate as one number beside them: `dt`, `Ts`, `fs`.
+//! The times of evenly sampled rows, where a file tells their interval or their rate as one number beside them: `dt`, `Ts`, `fs`; or a text as
+//! the only number of a column.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -13,7 +14,8 @@ use crate::log::units::Quantity;
 /// What the column of times is called that such a number makes.
 pub const TIME: &str = "time_s";
 /// What an interval in seconds is called, and what a rate in Hz, in small letters.
-const INTERVALS: [&str; 6] = ["dt", "ts", "delta_t", "sample_time", "sampletime", "sampling_interval"];
+const INTERVALS: [&str; 7] =
+    ["dt", "ts", "delta_t", "sample_time", "sampletime", "sampling_interval", "timestep"];
 const RATES: [&str; 7] =
     ["fs", "fs_hz", "rate_hz", "sample_rate", "samplerate", "sampling_rate", "sampling_frequency"];
 /// Intervals of a motor's log, s.
@@ -39,10 +41,8 @@ struct Told {
 }
 
 impl Told {
-    fn by(parameter: &Column) -> Option<Told> {
-        let Values::Numbers(numbers) = &parameter.values else { return None };
-        let [number] = numbers[..] else { return None };
-        let name = parameter.name.rsplit('.').next()?.to_lowercase();
+    fn by((called, number): (&str, f64)) -> Option<Told> {
+        let name = called.rsplit('.').next()?.to_lowercase();
         let interval_s = if INTERVALS.contains(&name.as_str()) {
             number
         } else if RATES.contains(&name.as_str()) {
@@ -50,7 +50,7 @@ impl Told {
         } else {
             return None;
         };
-        let told = Told { name: parameter.name.clone(), number, interval_s };
+        let told = Told { name: called.to_owned(), number, interval_s };
         PLAUSIBLE_S.contains(&interval_s).then_some(told)
     }
 
@@ -68,14 +68,31 @@ impl fmt::Display for Told {
 
 /// The clock of the rows of `log` as one of the `parameters` tells it; none where the log has one.
 pub fn clock(log: &[Column], parameters: &[Column]) -> Option<Clock> {
-    let is_clock = |column: &Column| {
-        let quantity = words::said(&column.name).quantity;
-        matches!(quantity, Some((Quantity::Time | Quantity::Interval, _)))
+    let one = |parameter: &Column| match &parameter.values {
+        Values::Numbers(numbers) => numbers.first().copied().filter(|_| numbers.len() == 1),
+        Values::Texts(_) => None,
     };
-    if log.iter().any(is_clock) {
+    let numbers = parameters.iter().filter_map(|parameter| Some((parameter.name.as_str(), one(parameter)?)));
+    among(log.iter().map(|column| column.name.as_str()), numbers)
+}
+
+/// Whether a single number that is called so may be the interval or the rate of the rows.
+pub fn may_tell(name: &str) -> bool {
+    let name = name.rsplit('.').next().unwrap_or_default().to_lowercase();
+    INTERVALS.contains(&name.as_str()) || RATES.contains(&name.as_str())
+}
+
+/// The clock of the rows of columns that are called so, as one of single `numbers` with their names tells it; none where they have one.
+pub fn among<'n>(
+    mut columns: impl Iterator<Item = &'n str>,
+    numbers: impl Iterator<Item = (&'n str, f64)>,
+) -> Option<Clock> {
+    let is_clock =
+        |name: &str| matches!(words::said(name).quantity, Some((Quantity::Time | Quantity::Interval, _)));
+    if columns.any(is_clock) {
         return None;
     }
-    let mut all = parameters.iter().filter_map(Told::by);
+    let mut all = numbers.filter_map(Told::by);
     let taken = all.next()?;
     let others = all.filter(|other| (other.interval_s / taken.interval_s - 1.0).abs() > SAME).collect();
     Some(Clock { taken, others })
@@ -92,6 +109,19 @@ impl Clock {
     pub fn times(&self, rows: usize) -> Column {
         let times = (0..rows).map(|row| row as f64 * self.taken.interval_s).collect();
         Column { name: TIME.into(), values: Values::Numbers(times) }
+    }
+
+    /// Rows per second.
+    pub fn rate_hz(&self) -> f64 {
+        self.taken.rate_hz()
+    }
+
+    /// What is asked where a rate is proposed by it.
+    pub fn question(&self) -> String {
+        let taken = &self.taken;
+        let others =
+            self.others.iter().map(|other| format!(", and {other}: put the right rate in its place"));
+        format!("{taken}{}", others.collect::<String>())
     }
 
     /// What is said of the log at `path` whose rows have these times.

@@ -15,7 +15,7 @@ mod convert;
 mod events;
 #[cfg(feature = "log-mat")]
 mod hdf5;
-mod interval;
+pub(super) mod interval;
 mod list;
 #[cfg(feature = "log-mat")]
 mod mat;

@@ -49,6 +49,7 @@ use questions::{
 pub(crate) use turns::ASSUMED_COUNTS;
 use turns::Turn;
 
+use super::formats::interval;
 use super::sample::Sample;
 use super::units::{PerTurn, Quantity, Unit};
 
@@ -105,6 +106,14 @@ impl Proposal {
         if known.supply_volts {
             let parts: Vec<&str> = self.map.split(',').filter(|part| !part.starts_with("supply=")).collect();
             self.map = parts.join(",");
+        }
+        self
+    }
+
+    /// The same at the rate that a table tells, where one is assumed.
+    fn at_the_rate_of(mut self, sample: &Sample) -> Self {
+        if let (Some(rate), Some(told)) = (&mut self.rate, sample.rate_hz()) {
+            *rate = told.to_string();
         }
         self
     }
@@ -197,9 +206,10 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
         return by_numbers::propose(&sample.rows);
     }
     let parts = parts(&sample.with_units, &sample.rows);
-    let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?;
-    if let (Some(rate), Some(told)) = (&mut proposal.rate, sample.rate) {
-        *rate = told.to_string();
+    let mut proposal =
+        proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample);
+    if proposal.rate.is_some() {
+        proposal.unknown_units.extend(sample.clock.as_ref().map(interval::Clock::question));
     }
     proposal.preview.extend(preview::unused(&sample.names, &sample.rows, &parts));
     proposal.unknown_units.extend(steady_states(sample, &parts));
@@ -238,7 +248,8 @@ fn options_as_if(sample: &Sample, called: &[(usize, &str)]) -> Option<String> {
         (*name).clone_into(&mut with_units[*index]);
     }
     let parts = parts(&with_units, &sample.rows);
-    proposal(&sample.names, &parts, &sample.rows, sample.stamped).map(|proposal| proposal.options())
+    let proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?;
+    Some(proposal.at_the_rate_of(sample).options())
 }
 
 /// Whether columns of these names may be all that a fit needs, if an effort drives the motor.

@@ -52,7 +52,7 @@ pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
 /// The same in the place of a proposal, which would make a log of them when pasted: the rate is left to whoever knows one.
 pub(in crate::log) fn steady_question(sample: &Sample, proposal: &Proposal) -> Option<String> {
     let parts = columns::parts(&sample.with_units, &sample.rows);
-    let said = steady_states(sample, &parts).filter(|_| sample.rate.is_none())?;
+    let said = steady_states(sample, &parts).filter(|_| sample.rate_hz().is_none())?;
     let rows = sample.rows.len();
     if rows < FEWEST_SAMPLES {
         return Some(format!("{said} ({rows} rows are too few for a fit besides)"));
@@ -260,7 +260,7 @@ pub(in crate::log) fn numbers_question(sample: &Sample) -> Option<String> {
     if parts.is_empty() || !is_named || sample.with_units.iter().any(tells) {
         return None;
     }
-    let proposal = written(&sample.names, &parts, &sample.rows, sample.stamped);
+    let proposal = written(&sample.names, &parts, &sample.rows, sample.stamped).at_the_rate_of(sample);
     Some(format!(
         "no name tells which column drives the motor and which is its motion; by the course of their numbers alone it looks like {}: compare it \
          with what you know of them",

@@ -28,6 +28,8 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "zaman",
             "время",
             "时间",
+            "timestep",
+            "timesteps",
         ],
     ),
     (Time, 3, Some("ms"), &["millis", "milliseconds", "tms", "timems", "ms_today"]),
@@ -186,10 +188,23 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "dtheta",
             "thetadot",
             "posdot",
+            "phidot",
+            "qdot",
+            "velo",
+            "veloc",
+            "spd",
+            "vrot",
+            "angvel",
+            "angularvelocity",
+            "angularspeed",
+            "motorspeed",
+            "wheelspeed",
+            "shaftspeed",
+            "rotspeed",
         ],
     ),
     (Speed, 2, None, &["w", "y"]),
-    (Speed, 5, Some("rpm"), &["rpm", "upm", "umin"]),
+    (Speed, 5, Some("rpm"), &["rpm", "rpms", "upm", "umin", "motorrpm", "wheelrpm"]),
     // Electrical turns: pole pairs times those of the shaft. A speed of a vehicle beside it is made of it.
     (Speed, 8, Some(ELECTRICAL), &["erpm"]),
     (Speed, 5, Some("rpm"), &TURNING),
@@ -316,6 +331,12 @@ pub(super) const READINGS: [&str; 8] =
 
 /// What makes a speed of an angle's name.
 pub(super) const RATES: [&str; 6] = ["dot", "rate", "derivative", "hz", "freq", "frequency"];
+
+/// What makes a velocity of a `v`, which is a voltage by itself: `v_rot`.
+pub(super) const OF_A_VELOCITY: [&str; 2] = ["rot", "ang"];
+
+/// Counts of the program's own steps, or of a board's timer: `timestep`.
+pub(super) const TIME_STEPS: [&str; 2] = ["timestep", "timesteps"];
 
 /// Names with one of these may end in metres.
 pub(super) const LINEAR: [&str; 9] =

@@ -5,8 +5,8 @@ pub(super) use super::spelling::bracketed;
 pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
-    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, RATES, READINGS, REGISTERS, ROWS,
-    SCALES, SENSED, TARGETS, TELL_TURNS, TURNING, TURNS, WANTED, WORDS,
+    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, OF_A_VELOCITY, RATES, READINGS,
+    REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TIME_STEPS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -44,6 +44,16 @@ pub fn is_gyroscope(name: &str) -> bool {
 /// Whether a name is that of a time.
 pub fn is_time(name: &str) -> bool {
     said(name).quantity.is_some_and(|(of, _)| of == Time)
+}
+
+/// Whether a name is that of a count of steps, which tells the time in a unit of its own.
+pub(super) fn is_time_step(name: &str) -> bool {
+    of(name).iter().any(|word| TIME_STEPS.contains(&word.as_str()))
+}
+
+/// Whether a name is that of the time since the row before.
+pub fn is_interval(name: &str) -> bool {
+    said(name).quantity.is_some_and(|(of, _)| of == Interval)
 }
 
 /// Whether the words of a name say that it is an error.
@@ -135,6 +145,17 @@ pub fn said(name: &str) -> Said {
     {
         best = Some((Speed, plain, implied.filter(|unit| *unit == "counts")));
     }
+    // A velocity of rotation is neither a voltage nor turns: `v_rot`, `v [m/s]`.
+    let is_velocity = any_of(&["v"])
+        && best.is_some_and(|(of, plain, _)| of == Voltage && plain == 2)
+        && match unit {
+            None | Some((Angle, _)) => any_of(&OF_A_VELOCITY),
+            Some((of, _)) => of == Speed,
+        };
+    if is_velocity {
+        best = Some((Speed, 4, None));
+    }
+    let unit = unit.filter(|(of, _)| !is_velocity || *of == Speed);
     // What an encoder counted since the row before is no angle.
     let per_row = words.windows(2).any(|pair| pair[0] == "per" && ROWS.contains(&pair[1].as_str()));
     let since_before = (per_row || any_of(&["delta", "diff", "increment", "increments"]))
@@ -299,6 +320,18 @@ mod tests {
             ("dt_ms", Interval, Some("ms")),
             ("dt", Interval, None),
             ("dtheta", Speed, None),
+            ("velo", Speed, None),
+            ("vel_", Speed, None),
+            ("motor_spd", Speed, None),
+            ("SpdRight", Speed, None),
+            ("v_rot", Speed, None),
+            ("v_rot [rad/s]", Speed, Some("rad/s")),
+            ("v [m/s]", Speed, Some("m/s")),
+            ("v_rot [V]", Voltage, Some("V")),
+            ("motorspeed", Speed, None),
+            ("rpm_l", Speed, Some("rpm")),
+            ("motorRPM", Speed, Some("rpm")),
+            ("timestep", Time, None),
             ("Spannung in V", Voltage, Some("V")),
             ("U/V", Voltage, Some("V")),
             ("t/ms", Time, Some("ms")),
@@ -382,6 +415,7 @@ mod tests {
             "i_term",
             "poserror",
             "speed_err",
+            "spd_ref",
             "Regelabweichung",
             "e_pos",
             "Target Torque",
