@@ -67,6 +67,17 @@ fn with_units(words: Vec<String>) -> Vec<String> {
     names
 }
 
+/// Whether a line holds nothing but units, each in brackets or one that is known.
+pub(super) fn is_of_units(line: &str) -> bool {
+    let cells = |between: &[char]| -> Vec<&str> {
+        line.split(between).map(str::trim).filter(|cell| !cell.is_empty()).collect()
+    };
+    let by_separator = cells(&[',', ';', '\t']);
+    let all = if by_separator.len() > 1 { by_separator } else { cells(&[' ']) };
+    let in_brackets = |cell: &&str| cell.starts_with(['[', '(']) && cell.ends_with([']', ')']);
+    all.len() > 1 && all.iter().all(|cell| in_brackets(cell) || unit_names::is_unit(cell))
+}
+
 /// The units of a row of nothing else, without their brackets.
 pub(super) fn units_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
     let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };

@@ -45,6 +45,7 @@ mod numbered;
 mod numbers;
 mod one_level;
 mod other_clock;
+mod own_rate;
 mod pairs;
 mod preamble;
 mod properties;

@@ -9,9 +9,9 @@ use super::timing::median;
 use super::units::{Quantity, Unit};
 
 /// Words of which the name of such a column consists.
-const NAMES: [&str; 16] = [
+const NAMES: [&str; 17] = [
     "index", "idx", "frame", "sample", "samples", "row", "n", "nr", "no", "num", "number", "seq", "sequence",
-    "packet", "id", "messnr",
+    "packet", "id", "messnr", "timestep",
 ];
 /// Rows from which the numbers are told, and the share of them that rise by as much as most.
 const FEWEST: usize = 20;

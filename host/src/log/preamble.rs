@@ -9,7 +9,7 @@ use super::layout::Layout;
 use super::line_ends::read_row;
 use super::numbers::Thousands;
 use super::text::cannot_read;
-use super::{Metadata, beside, properties, rates, sample};
+use super::{Metadata, beside, header, properties, rates, sample};
 use crate::error::{BadInput, Result};
 
 /// More columns than any log of a motor has; beyond this the file is something else.
@@ -77,7 +77,7 @@ impl Preamble {
 pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Preamble> {
     let mut lines: Vec<(u64, String)> = Vec::new();
     let mut meta = Metadata::default();
-    let mut remark = None;
+    let mut remarks: Vec<(u64, String)> = Vec::new();
     let (mut number, mut told, mut bytes) = (0, 0, 0);
     while told < LOOKED_AT_LINES && bytes < LOOKED_AT_BYTES {
         let mut line = String::new();
@@ -94,7 +94,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
                     remember(path, &mut meta, comment, at)?;
                 }
                 if !is_nothing(comment) {
-                    remark = Some((at, comment.trim().to_owned()));
+                    remarks.push((at, comment.trim().to_owned()));
                 }
             }
         } else if !is_nothing(text) {
@@ -115,14 +115,9 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let mut layout = Layout::of(&texts);
     let mut line = lines[layout.header.unwrap_or(layout.rows.min(lines.len() - 1))].0;
     if layout.header.is_none() && layout.names.is_empty() {
-        // NumPy writes the header as a remark.
-        let behind = remark.map(|(at, comment)| {
-            let all: Vec<&str> = [comment.as_str()].into_iter().chain(texts.iter().copied()).collect();
-            (at, Layout::of(&all))
-        });
-        if let Some((at, with_header)) = behind.filter(|(_, layout)| layout.header == Some(0)) {
+        if let Some((at, behind)) = behind_remarks(&remarks, &texts) {
             line = at;
-            layout = Layout { rows: with_header.rows - 1, ..with_header };
+            layout = behind;
         } else if !by_number
             && texts[..layout.rows.min(texts.len())].iter().any(|line| line.starts_with(SIMPLEFOC))
         {
@@ -199,6 +194,22 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
         return Err(sample::nameless(path, input, &head, wrong)?.into());
     }
     Ok(head)
+}
+
+/// The layout of rows below a header that is the last of the `remarks`, as NumPy writes it, or the last but one where that of the units follows
+/// it; and the line of that header.
+fn behind_remarks(remarks: &[(u64, String)], texts: &[&str]) -> Option<(u64, Layout)> {
+    let below = |count: usize| {
+        let told = &remarks[remarks.len().checked_sub(count)?..];
+        let (at, _) = told.first()?;
+        let all: Vec<&str> =
+            told.iter().map(|(_, text)| text.as_str()).chain(texts.iter().copied()).collect();
+        let layout = Layout::of(&all);
+        let is_whole = layout.header == Some(0) && (count == 1 || !layout.units.is_empty());
+        is_whole.then(|| (*at, Layout { rows: layout.rows.saturating_sub(count), ..layout }))
+    };
+    let are_units = remarks.last().is_some_and(|(_, text)| header::is_of_units(text));
+    are_units.then(|| below(2)).flatten().or_else(|| below(1))
 }
 
 /// Whether a column is called one of remarks, which rows may leave out.
@@ -336,6 +347,25 @@ mod tests {
             assert_eq!(preamble.headers.unwrap(), ["t", "u"], "{text}");
             assert_eq!((preamble.line, preamble.skipped, preamble.rows.len()), (line, 0, 2), "{text}");
         }
+    }
+
+    #[test]
+    fn a_remark_of_units_below_the_one_of_the_names_is_no_header() {
+        for (units, told) in [
+            ("%[#],[V],[rad],[rad/s]", ["#", "V", "rad", "rad/s"]),
+            ("%[-],[V],[rad],[rad/s]", ["-", "V", "rad", "rad/s"]),
+            ("% s, V, rad, rpm", ["s", "V", "rad", "rpm"]),
+        ] {
+            let text =
+                format!("%Operator:\n%ticks,voltage,position,velocity\n{units}\n1,0,2,3\n2,0,3,4\n3,1,4,5\n");
+            let preamble = preamble(&text).unwrap();
+            assert_eq!(preamble.headers.unwrap(), ["ticks", "voltage", "position", "velocity"], "{units}");
+            assert_eq!(preamble.units, told);
+            assert_eq!((preamble.line, preamble.skipped, preamble.rows.len()), (2, 0, 3), "{units}");
+        }
+        // Names may look like units, and what stands above them is another remark.
+        let names = preamble("# measured by me\n# t V w\n1 2 3\n4 5 6\n").unwrap();
+        assert_eq!((names.headers.unwrap(), names.line), (["t", "V", "w"].map(str::to_owned).to_vec(), 2));
     }
 
     #[test]

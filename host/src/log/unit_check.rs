@@ -8,10 +8,10 @@ use super::Record;
 use super::agreement::agreement;
 use super::motion::{peak, speed};
 use super::quantum::quantum;
-use super::remap::remapped;
+use super::remap::{Change, remapped};
 use super::timing::{FASTEST_INTERVAL, SLOWEST_INTERVAL, median_interval, plausible_unit};
 use super::units::Quantity::{Angle, Duty, Speed, Time, Voltage};
-use super::units::Unit;
+use super::units::{Quantity, Unit};
 use super::usable::Fault;
 
 /// No motor that is driven by a logging controller sees more.
@@ -126,10 +126,36 @@ fn shaft_speed(record: &Record) -> Option<Fault> {
     (fast > FASTEST_SHAFT).then(|| {
         fault(
             motion_column(record),
-            format!("the motor shaft would turn at {:.0} turns a minute; the column looks like degrees or rpm", fast * 60.0 / TAU),
-            "give the unit, for example --map angle=angle_rad:deg or --map speed=speed_rad_s:rpm, and check gear_ratio",
+            format!(
+                "the motor shaft would turn at {:.0} turns a minute; the column looks like degrees, counts or rpm",
+                fast * 60.0 / TAU
+            ),
+            match in_other_units(record) {
+                Some(ways) => format!("give the unit, for example {ways}, and check gear_ratio"),
+                None => "check the unit of the time and gear_ratio".to_owned(),
+            },
         )
     })
+}
+
+/// The mappings that read the motion in degrees, in turns a minute or in counts; none where it is read in one of these.
+fn in_other_units(record: &Record) -> Option<String> {
+    const COUNTS: &str = " --counts-per-rev 1400 (with the counts of one turn)";
+    let is_given = |quantity: Quantity| {
+        let source = record.map.as_ref().and_then(|map| map.source(quantity));
+        source.is_some_and(|source| !source.written.is_empty() && source.written != quantity.si())
+    };
+    let say = |changes: &[Change]| remapped(record, changes);
+    // One of two motions alone would contradict the other.
+    let (degrees, counts) = match (record.angle_rad.is_some(), record.speed_rad_s.is_some()) {
+        (true, true) => (
+            say(&[(Angle, Angle, "deg"), (Speed, Speed, "deg/s")]),
+            say(&[(Angle, Angle, "counts"), (Speed, Speed, "counts/s")]),
+        ),
+        (true, false) => (say(&[(Angle, Angle, "deg")]), say(&[(Angle, Angle, "counts")])),
+        (false, _) => (say(&[(Speed, Speed, "rpm")]), say(&[(Speed, Speed, "counts/s")])),
+    };
+    (!is_given(Angle) && !is_given(Speed)).then(|| format!("{degrees}, or {counts}{COUNTS}"))
 }
 
 /// Speed per volt against what motors do, and against the name plate where it is known.
@@ -159,7 +185,13 @@ fn gain(record: &Record) -> Option<Fault> {
         fault(
             motion_column(record),
             format!("the motor turns {gain:.4} rad/s per volt, but its name plate says {plate:.4}"),
-            "check the units (--map angle=angle_rad:deg, --map speed=speed_rad_s:rpm, --map voltage=voltage_v:mV) and the [nameplate]",
+            match in_other_units(record) {
+                Some(ways) => {
+                    let millivolts = remapped(record, &[(Voltage, Voltage, "mV")]);
+                    format!("check the units ({ways}; {millivolts} where the voltage is in mV) and the [nameplate]")
+                }
+                None => "check the units of the motion, the voltage and the time, and the [nameplate]".to_owned(),
+            },
         )
     })
 }
@@ -221,6 +253,27 @@ mod tests {
         let fault = gain(&record).unwrap();
         assert!(fault.why.contains("the highest voltage is only 0.00"), "{}", fault.why);
         assert!(fault.fix.contains("full duty") && !fault.fix.contains("--map"), "{}", fault.fix);
+    }
+
+    #[test]
+    fn the_remedy_for_too_fast_a_shaft_names_the_columns_that_the_log_has() {
+        let mut record = motor();
+        scale(record.angle_rad.as_mut(), 1e5);
+        record.speed_rad_s = Some(slope(&record.time_s, record.angle_rad.as_ref().unwrap()));
+        record.map =
+            Some("time=timestep (8Hz):s/8000,voltage=u,angle=position,speed=w:rad/s".parse().unwrap());
+        let fault = shaft_speed(&record).unwrap();
+        for remedy in [
+            "--map \"time=timestep (8Hz):s/8000,voltage=u:V,angle=position:deg,speed=w:deg/s\"",
+            "angle=position:counts,speed=w:counts/s\" --counts-per-rev 1400",
+        ] {
+            assert!(fault.fix.contains(remedy), "{}", fault.fix);
+        }
+        assert!(!fault.fix.contains("angle_rad"), "{}", fault.fix);
+        record.map = Some("time=t:s,voltage=u:V,angle=position:counts,speed=w:counts/s".parse().unwrap());
+        assert!(!shaft_speed(&record).unwrap().fix.contains("--map"), "what was given already");
+        (record.angle_rad, record.map) = (None, None);
+        assert!(shaft_speed(&record).unwrap().fix.contains("--map speed=speed_rad_s:rpm, or"));
     }
 
     #[test]

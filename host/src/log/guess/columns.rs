@@ -2,6 +2,7 @@
 
 use super::clocks::{
     self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, stands_beside_a_clock,
+    tell_ticks,
 };
 use super::column_units::{unit_of, unit_of_wrap};
 use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
@@ -9,7 +10,7 @@ use super::ranges::Range;
 use super::turns::Turn;
 use super::{bridge, bytes, companions, drive, duty_range, leads, registers, sides, words};
 use crate::log::direction;
-use crate::log::numbered::numbers_rows;
+use crate::log::numbered::{counts_rows, numbers_rows};
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;
 
@@ -73,6 +74,11 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let Some((quantity, plain)) = *guess else { continue };
         // `i` may be the number of a row.
         if quantity == Quantity::Current && numbers_rows(&names[index], &values(index).collect::<Vec<_>>()) {
+            *guess = None;
+            continue;
+        }
+        let counts = || counts_rows(&values(index).collect::<Vec<_>>()) && rows.len() >= FEWEST_TICKS;
+        if quantity == Quantity::Time && words::is_time_step(&names[index]) && counts() {
             *guess = None;
             continue;
         }
@@ -230,6 +236,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         angle.unit = unit;
     }
     add_fractions(&mut parts, names, rows);
+    tell_ticks(&mut parts, names, rows);
     let turn = agree(&mut parts, &said, rows);
     leave_out_other_motion(&mut parts, rows);
     if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {

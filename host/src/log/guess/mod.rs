@@ -206,8 +206,7 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
         return by_numbers::propose(&sample.rows);
     }
     let parts = parts(&sample.with_units, &sample.rows);
-    let mut proposal =
-        proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample);
+    let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample);
     if proposal.rate.is_some() {
         proposal.unknown_units.extend(sample.clock.as_ref().map(interval::Clock::question));
     }
@@ -379,3 +378,5 @@ fn column(names: &[String], index: usize) -> String {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod words_tests;
