@@ -34,6 +34,7 @@ mod stamps;
 mod table;
 mod tagged;
 mod teleplot;
+mod transposed;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
 mod xlsx;
@@ -290,7 +291,14 @@ fn content(path: &Path) -> Result<Option<Content>> {
     input.by_ref().take(LOOKED_AT).read_to_end(&mut start).map_err(|error| cannot_read(path, &error))?;
     let bad = |fault: Fault| -> Error { BadInput::new(path, fault.why, fault.remedy).into() };
     let Some(format) = FORMATS.iter().find(|format| (format.is)(&start)) else {
-        return convert::named(&start, path).map_or(Ok(None), |fault| Err(bad(fault)));
+        if let Some(fault) = convert::named(&start, path) {
+            return Err(bad(fault));
+        }
+        if !transposed::may_be(&start) {
+            return Ok(None);
+        }
+        let table = transposed::read(start.as_slice().chain(input)).map_err(bad)?;
+        return Ok(table.map(Content::Table));
     };
     let How::Read(reader) = &format.how else {
         let How::Without(feature) = &format.how else { return Ok(None) };

@@ -68,6 +68,8 @@ pub struct Table {
     hint: String,
     /// What drives the motor has rows of its own, without a motion.
     own_stamps: bool,
+    /// Each column was a line of the file.
+    is_turned: bool,
 }
 
 impl Table {
@@ -117,6 +119,17 @@ impl Table {
         self
     }
 
+    /// Says that each column was a line of the file.
+    #[must_use]
+    pub fn turned_round(self) -> Table {
+        let hint = format!("{}, and its lines are the columns here, from the first on", self.turned());
+        Table { is_turned: true, ..self.hinting(hint) }
+    }
+
+    fn turned(&self) -> String {
+        format!("each line of the file is a signal of {} values", self.rows())
+    }
+
     fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
@@ -142,8 +155,13 @@ impl Table {
         let read = table::read(path, self.text(), &options, part);
         let mut records = read.map_err(|error| self.in_rows(error))?;
         records.iter_mut().flat_map(|record| &mut record.warnings).for_each(place_in_rows);
-        if let (Some(clock), Some(record)) = (clock, records.first_mut()) {
-            record.warnings.push(clock.said(path));
+        let turned = self.is_turned.then(|| Warning {
+            place: path.display().to_string(),
+            what: format!("{}, so it was turned round", self.turned()),
+            fix: "nothing, if that is right; better write a row for each instant".into(),
+        });
+        if let Some(record) = records.first_mut() {
+            record.warnings.extend(clock.map(|clock| clock.said(path)).into_iter().chain(turned));
         }
         Ok(records)
     }

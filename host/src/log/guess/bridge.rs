@@ -128,7 +128,8 @@ pub(super) fn question(parts: &[Part], names: &[String], rows: &[Vec<f64>]) -> O
     // The number of a column is no name that says a side.
     let is_named = |part: &&Part| part.rest.is_none() && names[part.index].parse::<u32>().is_err();
     parts.iter().filter(is_named).find_map(|part| {
-        let (other, is_forth) = other_side(names, rows, part)?;
+        let is_free = |other: usize| parts.iter().all(|part| part.index != other);
+        let (other, is_forth) = other_side(names, rows, part).filter(|(other, _)| is_free(*other))?;
         let (forth, back) = if is_forth { (part.index, other) } else { (other, part.index) };
         Some(format!(
             "{0} is taken alone; where {1} is the other side of the same bridge, write {2}={3}-{4}:{5}",
