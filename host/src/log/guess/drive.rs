@@ -4,7 +4,7 @@ use super::column_units::ANALOG_OUTPUT;
 use super::columns::{self, Part};
 use super::made;
 use super::preview::short;
-use super::questions::{guessed_unit, other_rate};
+use super::questions::{guessed_unit, other_rate, steady_beside};
 use super::ranges::Range;
 use super::{channels, column, duty_range, options_as_if, sides, symbols, unit_names, words};
 use crate::log::motion::correlation;
@@ -109,7 +109,7 @@ pub(super) fn motion_alone(output: &Sample, parts: &[Part]) -> Option<(Part, Str
 
 /// What is asked of a table of which only the drive or only the motion is recognised, or that has no room for both.
 pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
-    use Quantity::{Angle, Current, Duty, Speed, Time, Voltage};
+    use Quantity::{Angle, Current, Duty, Interval, Speed, Time, Voltage};
     let parts = columns::parts(&sample.with_units, &sample.rows);
     let of = |quantities: &[Quantity]| parts.iter().find(|part| quantities.contains(&part.quantity));
     let known = |k: &usize| parts.iter().any(|part| part.index == *k || part.rest == Some(*k));
@@ -209,6 +209,10 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
             Some(text)
         }
         (Some(drive), None) => {
+            let untimed = of(&[Time, Interval]).is_none();
+            if let Some(text) = untimed.then(|| steady_beside(sample, &others)).flatten() {
+                return Some(text);
+            }
             let mut text = format!(
                 "{} drives the motor, and no column tells how it moved: log its angle, counts or speed in every row",
                 name(drive.index)

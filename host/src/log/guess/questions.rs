@@ -5,8 +5,8 @@ use super::columns::{self, Part};
 use super::preview::short;
 use super::ranges::Range;
 use super::{
-    ASSUMED_COUNTS, Proposal, by_numbers, column, duty_range, options_as_if, quoted, unit_names, words,
-    written,
+    ASSUMED_COUNTS, Proposal, by_numbers, column, duty_range, options_as_if, propose_for, quoted, unit_names,
+    words, written,
 };
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
@@ -63,6 +63,18 @@ pub(in crate::log) fn steady_question(sample: &Sample, proposal: &Proposal) -> O
         "{said}; where the rows are instants of one motion all the same, say {}",
         all_the_same.told()
     ))
+}
+
+/// More columns than this are not looked at each as if it were a speed.
+const MOST_SPEEDS: usize = 8;
+
+/// The same where no column is called a speed, and one of `others` would make such a table as one.
+pub(super) fn steady_beside(sample: &Sample, others: &[usize]) -> Option<String> {
+    others.iter().take(MOST_SPEEDS).find_map(|&other| {
+        let mut called = sample.clone();
+        "speed [rad/s]".clone_into(&mut called.with_units[other]);
+        steady_question(&called, &propose_for(&called)?)
+    })
 }
 
 /// What is asked of a duty or voltage that is never negative though it goes with the size of an error that changes its sign: what a

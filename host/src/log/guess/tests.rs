@@ -338,6 +338,27 @@ fn levels_of_the_drive_that_move_nothing_hide_no_table_of_steady_states() {
 }
 
 #[test]
+fn a_table_of_steady_states_whose_motion_no_name_tells_is_proposed_with_no_rate_to_paste() {
+    let half = |lag: f64| {
+        let mut speed = 0.0;
+        let mut row = |k: i32| {
+            let duty = f64::from(90 - (k - 90).abs());
+            let settled = (duty - 7.0).max(0.0).sqrt();
+            speed += (settled - speed) * (1.0 - lag);
+            vec![duty, 0.0, speed]
+        };
+        half_question(&Sample::of("pwm;m1;mean", (0..180).map(&mut row).collect())).unwrap()
+    };
+    let asked = half(0.0);
+    assert!(asked.contains("\"pwm\" is another in every row and \"mean\" goes with it"), "{asked}");
+    assert!(asked.contains("speed=mean:rad/s --supply-volts 12 --rate N"), "{asked}");
+    assert!(!asked.contains("--rate 100"), "{asked}");
+    // A motion that comes late.
+    let asked = half(0.8);
+    assert!(asked.contains("no column tells how it moved") && asked.contains("--rate 100"), "{asked}");
+}
+
+#[test]
 fn of_a_mean_and_its_ends_the_mean_is_the_motion_and_a_number_of_readings_is_none() {
     let row = |k: u32| {
         let mean = 0.9 * f64::from(k * 7 % 40);
