@@ -69,7 +69,7 @@ fn interval(record: &Record) -> f64 {
 fn clean_motors_have_no_fault_and_every_fault_made_is_found() {
     // The programmes that move every motor well: multisine, PRBS, staircase.
     type Edit = fn(&mut Vec<Record>);
-    let faults: [(&str, Edit); 9] = [
+    let faults: [(&str, Edit); 10] = [
         ("shifted_samples", |r| r.iter_mut().for_each(|r| shift(r, (0.02 / interval(r)).ceil() as i64 + 1))),
         ("shifted_samples", |r| {
             r.iter_mut().for_each(|r| shift(r, -((0.03 / interval(r)).ceil() as i64) - 2))
@@ -88,9 +88,13 @@ fn clean_motors_have_no_fault_and_every_fault_made_is_found() {
         }),
         ("commanded_voltage", |r| r.iter_mut().for_each(|r| r.supply_v = Some(vec![4.0; r.len()]))),
         ("commanded_voltage", |r| r[0].meta.insert("voltage", "a duty times 7.9 V").unwrap()),
+        ("unsigned_current", |r| {
+            let size = |v: &f64| 0.1 * v.abs();
+            r[0].current_a = Some(r[0].voltage_v.iter().map(size).collect());
+        }),
         ("records_disagree", |r| r[2].voltage_v.iter_mut().for_each(|v| *v *= 1.8)),
     ];
-    let (mut missed, mut alarms) = ([0_u32; 9], 0);
+    let (mut missed, mut alarms) = ([0_u32; 10], 0);
     let count = seeds().count() as u32;
     for seed in seeds() {
         let records = clean(seed);

@@ -95,6 +95,7 @@ mod unit_check;
 pub mod units;
 mod unread;
 mod unsigned;
+mod unsigned_current;
 mod usable;
 mod voltages;
 pub(crate) mod weak;

@@ -20,6 +20,7 @@ use super::switched_off::switched_off;
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
+use super::unsigned_current::unsigned_current;
 use super::usable::faults_of;
 use super::voltages::{antiphase, duty, is_level, share, unsigned, unsigned_motion};
 use super::weak::Weak;
@@ -62,6 +63,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         inverted,
         unsigned,
         unsigned_motion,
+        unsigned_current,
         frozen,
     ];
     let regressed = [clipped, wrong_gear, angle_as_speed, speed_as_angle, turned_round, antiphase];
