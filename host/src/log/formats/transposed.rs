@@ -39,7 +39,7 @@ impl Signal {
     }
 }
 
-/// The lines of a text that are neither blank nor remarks.
+/// Whether a line is neither blank nor a remark.
 fn is_told(line: &str) -> bool {
     !is_nothing(line) && remark_in(line).is_none()
 }
@@ -82,7 +82,7 @@ pub fn read(input: impl Read) -> Result<Option<Table>, Fault> {
 
 /// The signals that the lines of a text are; none where one is none, or where there are as many lines as a log has rows.
 fn signals(mut lines: impl BufRead) -> Option<Vec<Signal>> {
-    let (mut signals, mut line) = (Vec::new(), String::new());
+    let (mut signals, mut line) = (Vec::<Signal>::new(), String::new());
     while lines.read_line(&mut line).ok()? > 0 {
         if is_told(line.trim()) {
             signals.push(Signal::of(&line)?);
@@ -92,7 +92,9 @@ fn signals(mut lines: impl BufRead) -> Option<Vec<Signal>> {
         }
         line.clear();
     }
-    (!signals.is_empty()).then_some(signals)
+    // Numbers below names that are numbers too, `time,1,2,3`, are rows.
+    let named = signals.iter().filter(|signal| !signal.name.is_empty()).count();
+    (!signals.is_empty() && [0, signals.len()].contains(&named)).then_some(signals)
 }
 
 #[cfg(test)]
@@ -176,6 +178,9 @@ mod tests {
         assert_eq!(taken(&text, Some(map)).unwrap().len(), 30);
         let names = (0..40).map(|k| format!("c{k}")).collect::<Vec<_>>().join(",");
         let error = taken(&format!("{names}\n{}\n{}\n", row(1), row(2)), Some(map)).unwrap_err();
+        assert_bad(&error, "", "2 samples are too few", "at least 20");
+        let channels = (1..40).map(|k| k.to_string()).collect::<Vec<_>>().join(",");
+        let error = taken(&format!("time,{channels}\n{}\n{}\n", row(1), row(2)), Some(map)).unwrap_err();
         assert_bad(&error, "", "2 samples are too few", "at least 20");
     }
 }
