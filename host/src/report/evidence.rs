@@ -116,7 +116,7 @@ fn titles(view: View) -> (&'static str, &'static str, &'static str) {
         View::Jump => {
             ("after jumps of the voltage", "Time since the jump (s)", "Speed error along the jump (rad/s)")
         }
-        View::Acceleration => ("by acceleration", "Acceleration (rad/s²)", SPEED),
+        View::Acceleration => ("by acceleration", "Acceleration (rad/s^2)", SPEED),
         View::CountedSpeed => ("by speed", "Speed (rad/s)", SPEED),
         View::EncoderAngle => (
             "by angle of the encoder",

@@ -12,7 +12,7 @@ pub(super) const SPEC: Spec = Spec {
     equation: "f = -drag w |w|",
     source: "Newton's drag law",
     signature: "residual torque bends against speed, alike in both directions; top speed is too high in the model",
-    parameters: &[strength("drag", "V s2/rad2", "torque per square of speed", Scale::VoltPerSpeedSquared, [0.0, 0.3, 12.0])],
+    parameters: &[strength("drag", "V s^2/rad^2", "torque per square of speed", Scale::VoltPerSpeedSquared, [0.0, 0.3, 12.0])],
     probes: &[&[0.1], &[0.5], &[1.5]],
     search: Search::Probes,
     laws: TORQUE,

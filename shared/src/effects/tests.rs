@@ -89,6 +89,15 @@ fn every_row_is_complete_and_consistent() {
 }
 
 #[test]
+fn powers_in_units_have_a_caret() {
+    for parameter in Kind::ALL.iter().flat_map(|kind| kind.spec().parameters) {
+        let is_bare = |pair: &[u8]| pair[0].is_ascii_alphabetic() && pair[1].is_ascii_digit();
+        let unit = parameter.unit;
+        assert!(unit.is_ascii() && !unit.as_bytes().windows(2).any(is_bare), "{}: {unit}", parameter.name);
+    }
+}
+
+#[test]
 fn every_effect_sets_only_what_its_row_declares() {
     let plain = Drive::plain(3.0);
     for kind in Kind::ALL {
