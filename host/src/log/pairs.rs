@@ -90,7 +90,7 @@ fn in_turns(line: &str, fields: &[Range<usize>]) -> Vec<(Range<usize>, Range<usi
 
 /// Whether a text begins with a name and the sign between it and its value.
 pub(super) fn is_name_first(text: &str) -> bool {
-    text.trim_start().find([':', '=']).is_some_and(|at| is_word(&text.trim_start()[..at]))
+    text.split_once([':', '=']).is_some_and(|(name, _)| is_word(name.trim()))
 }
 
 pub(super) fn is_word(text: &str) -> bool {

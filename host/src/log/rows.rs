@@ -13,6 +13,7 @@ use super::other_clock::other_clock;
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
 use super::several::Several;
+use super::stamped::moment_of;
 use super::structure::Structure;
 use super::ticks::Ticks;
 use super::units::Quantity;
@@ -264,9 +265,7 @@ impl<'a> Rows<'a> {
             }
             TimeSource::Stamps => {
                 let stamp = self.splitter.stamp().unwrap_or_default();
-                // A board counts milliseconds, ROS seconds with their fraction, a serial monitor reads a clock.
-                let unit_s = if stamp.contains('.') { 1.0 } else { 1e-3 };
-                self.clock.read(stamp, unit_s, stamp.parse().ok()).ok_or_else(|| {
+                moment_of(stamp, self.clock).ok_or_else(|| {
                     (self.wanted.time.header(), "no stamp tells when this line was received".into())
                 })
             }

@@ -11,6 +11,7 @@ mod clocks;
 mod drives;
 mod encodings;
 mod heads;
+mod loggers;
 mod names;
 mod numbers;
 mod proposals;

@@ -16,6 +16,7 @@ mod events;
 #[cfg(feature = "log-mat")]
 mod hdf5;
 pub(super) mod interval;
+mod lines;
 mod list;
 #[cfg(feature = "log-mat")]
 mod mat;

@@ -1,17 +1,19 @@
 //! Values that stand one a line, each with its name: Teleplot's `>name:value` and `>name:stamp:value§unit|flags` with stamps in
-//! milliseconds (<https://github.com/nesnes/teleplot>), and `name: value` as boards print it.
+//! milliseconds (<https://github.com/nesnes/teleplot>), and `name: value` as boards print it; or some a line, others in the next.
 //!
-//! Where the values have stamps, each holds until the next of its name. Where they have none, a row is what stands between two values
-//! of one name, so that a rate or a column of times has to tell the time.
+//! Where the values have stamps, of their own or before their lines, each holds until the next of its name. Where they have none, or too coarse
+//! ones, a row is what stands between two values of one name, so that a rate or a column of times has to tell the time.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::events::{Events, Series};
+use super::lines::{Entry, Line, are_of_kinds, line_of};
 use super::table::{Column, Table, Values};
 use super::{Content, Fault};
+use crate::log::clock::Clock;
 use crate::log::guess::words;
 use crate::log::numbers::number;
-use crate::log::stamped::stamped;
+use crate::log::stamped::moment_of;
 use crate::log::text::TextReader;
 use crate::log::timing::median_interval;
 
@@ -22,49 +24,11 @@ const MOST_PLAIN: f64 = 0.8;
 const MOST_NAMES: usize = 200;
 /// Lines from which a file is told.
 const FEWEST_LINES: usize = 8;
-
-/// A value with its name.
-#[derive(Debug, PartialEq)]
-struct Entry<'a> {
-    marked: bool,
-    name: &'a str,
-    unit: &'a str,
-    /// Stamp, ms, and the value as it stands there.
-    values: Vec<(Option<f64>, &'a str)>,
-}
-
-/// The value that a line holds.
-fn entry(line: &str) -> Option<Entry<'_>> {
-    let line = line.trim();
-    let line = stamped(line).map_or(line, |(_, rest)| rest);
-    let (marked, rest) = line.strip_prefix('>').map_or((false, line), |rest| (true, rest));
-    let (rest, flags) = rest.split_once('|').unwrap_or((rest, ""));
-    // Points of a curve and bodies in space are no course over time.
-    if flags.contains("xy") || flags.contains("3D") {
-        return None;
-    }
-    let (rest, unit) = rest.split_once('§').unwrap_or((rest, ""));
-    let (name, rest) = rest.split_once(':').or_else(|| rest.split_once('=').filter(|_| !marked))?;
-    let name = name.trim();
-    if name.is_empty()
-        || !marked && (!name.starts_with(char::is_alphabetic) || rest.contains([':', ';', ',', '=']))
-    {
-        return None;
-    }
-    let value = |text| -> Option<(Option<f64>, &str)> {
-        let (stamp, value) =
-            str::split_once(text, ':').map_or((None, text), |(stamp, value)| (Some(stamp), value));
-        let stamp = match stamp {
-            Some(stamp) => Some(number(stamp.trim()).filter(|stamp| stamp.is_finite())?),
-            None => None,
-        };
-        let value = value.trim();
-        (!value.is_empty() && (marked || number(value).is_some())).then_some((stamp, value))
-    };
-    let values =
-        rest.split(';').filter(|text| !text.trim().is_empty()).map(value).collect::<Option<Vec<_>>>()?;
-    (!values.is_empty()).then_some(Entry { marked, name, unit, values })
-}
+/// Share of the lines that have a stamp, and of the stamps of one name that rise, from which they tell the time.
+const MOST_STAMPED: f64 = 0.9;
+const RISE: f64 = 0.95;
+/// A name that comes less often than this share of the most frequent one begins no row.
+const OFTEN: f64 = 0.9;
 
 /// Whether a file that begins so has a value a line.
 pub fn is(start: &[u8]) -> bool {
@@ -76,12 +40,17 @@ pub fn is(start: &[u8]) -> bool {
     if lines.len() < FEWEST_LINES {
         return false;
     }
-    let entries: Vec<Entry> = lines.iter().filter_map(|line| entry(line)).collect();
-    let marked = entries.iter().filter(|entry| entry.marked).count();
-    let names: BTreeSet<&str> = entries.iter().map(|entry| entry.name).collect();
-    let most = if marked > 0 { MOST_MARKED } else { MOST_PLAIN };
+    let all: Vec<Line> = lines.iter().filter_map(|line| line_of(line)).collect();
+    let is_marked = all.iter().any(Line::is_marked);
+    let read: Vec<&Line> = all.iter().filter(|line| !is_marked || line.entries.len() == 1).collect();
+    let entries = || read.iter().flat_map(|line| &line.entries);
+    let names: BTreeSet<&str> = entries().map(|entry| entry.name).collect();
+    let most = if is_marked { MOST_MARKED } else { MOST_PLAIN };
     // Remarks with a colon have each their own name.
-    names.len() > 1 && 3 * names.len() <= entries.len() && entries.len() as f64 >= most * lines.len() as f64
+    names.len() > 1
+        && 3 * names.len() <= entries().count()
+        && read.len() as f64 >= most * lines.len() as f64
+        && (is_marked || are_of_kinds(&read))
 }
 
 /// The text of a file, in whatever encoding.
@@ -98,16 +67,73 @@ fn text_of(all: &[u8]) -> std::io::Result<String> {
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let text =
         text_of(all).map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
-    let mut entries: Vec<Entry> = text.lines().filter_map(entry).collect();
-    if entries.iter().any(|entry| entry.marked) {
-        entries.retain(|entry| entry.marked);
+    let mut lines: Vec<Line> = text.lines().filter_map(line_of).collect();
+    if lines.iter().any(Line::is_marked) {
+        lines.retain(Line::is_marked);
     }
-    let values = || entries.iter().flat_map(|entry| &entry.values);
+    let entries = || lines.iter().flat_map(|line| &line.entries);
+    let values = || entries().flat_map(|entry| &entry.values);
     if 2 * values().filter(|(stamp, _)| stamp.is_some()).count() > values().count() {
-        Ok(Content::Events(events(&entries)))
-    } else {
-        rows(&entries).map(Content::Table)
+        return Ok(Content::Events(events(entries())));
     }
+    // A board's own time goes before when a line was received.
+    let moments =
+        if entries().any(|entry| words::is_time(entry.name)) { Vec::new() } else { moments(&lines) };
+    if tell(&lines, &moments) {
+        return Ok(Content::Events(received(&lines, &moments)));
+    }
+    rows(&lines, &moments).map(Content::Table)
+}
+
+/// When each line was received or said, s; nothing where too few lines tell.
+fn moments(lines: &[Line<'_>]) -> Vec<Option<f64>> {
+    let mut clock = Clock::default();
+    let all: Vec<Option<f64>> = lines.iter().map(|line| moment_of(line.stamp?, &mut clock)).collect();
+    let told = all.iter().flatten().count();
+    if told as f64 >= MOST_STAMPED * all.len() as f64 { all } else { Vec::new() }
+}
+
+/// The name that comes most often.
+fn most_frequent<'a>(lines: &[Line<'a>]) -> Option<(&'a str, usize)> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for entry in lines.iter().flat_map(|line| &line.entries) {
+        *counts.entry(entry.name).or_default() += 1;
+    }
+    counts.into_iter().max_by_key(|(_, count)| *count)
+}
+
+/// Whether the moments of the lines tell the values of one name apart: those of whole seconds do not.
+fn tell(lines: &[Line<'_>], moments: &[Option<f64>]) -> bool {
+    let Some((name, _)) = most_frequent(lines) else { return false };
+    let has_name = |line: &Line<'_>| line.entries.iter().any(|entry| entry.name == name);
+    let of_name = lines.iter().zip(moments).filter(|(line, _)| has_name(line));
+    let times: Vec<f64> = of_name.filter_map(|(_, moment)| *moment).collect();
+    let rises = times.windows(2).filter(|pair| pair[1] > pair[0]).count();
+    times.len() > 1 && rises as f64 >= RISE * (times.len() - 1) as f64
+}
+
+/// The values of the lines at the moments of those.
+fn received(lines: &[Line<'_>], moments: &[Option<f64>]) -> Events {
+    let mut all: BTreeMap<String, Series> = BTreeMap::new();
+    for (line, moment) in lines.iter().zip(moments) {
+        let Some(moment) = moment else { continue };
+        for entry in &line.entries {
+            if let Some((_, value)) = entry.values.last() {
+                take(all.entry(titled(entry)).or_default(), *moment, value);
+            }
+        }
+    }
+    Events::new(all, BTreeSet::new())
+}
+
+/// Adds a value to a series, whose type is that of its first value.
+fn take(series: &mut Series, time: f64, value: &str) {
+    match number(value) {
+        Some(value) if series.texts.is_empty() => series.numbers.push(value),
+        None if series.numbers.is_empty() => series.texts.push(value.to_owned()),
+        _ => return,
+    }
+    series.times.push(time);
 }
 
 /// The name of a column, with its unit if one is told.
@@ -123,19 +149,14 @@ fn titled(entry: &Entry) -> String {
 const LONGEST_STEP_MS: f64 = 500.0;
 
 /// The values with their stamps.
-fn events(entries: &[Entry]) -> Events {
+fn events<'e, 'a: 'e>(entries: impl Iterator<Item = &'e Entry<'a>>) -> Events {
     let mut all: BTreeMap<String, Series> = BTreeMap::new();
     for entry in entries {
         let series = all.entry(titled(entry)).or_default();
         for (stamp, value) in &entry.values {
-            let Some(stamp) = stamp else { continue };
-            // A name is of one type: that of its first value.
-            match number(value) {
-                Some(value) if series.texts.is_empty() => series.numbers.push(value),
-                None if series.numbers.is_empty() => series.texts.push((*value).to_owned()),
-                _ => continue,
+            if let Some(stamp) = stamp {
+                take(series, *stamp, value);
             }
-            series.times.push(*stamp);
         }
     }
     let longest = all.values().map(|series| series.times.as_slice()).max_by_key(|times| times.len());
@@ -147,29 +168,44 @@ fn events(entries: &[Entry]) -> Events {
     Events::new(all, BTreeSet::new())
 }
 
-/// The values without stamps, as rows. A row begins with a time where there is one, else with the name that came first.
-fn rows(entries: &[Entry]) -> Result<Table, Fault> {
-    let entries: Vec<(String, &str)> =
-        entries.iter().filter_map(|entry| Some((titled(entry), entry.values.last()?.1))).collect();
-    let mut names: Vec<String> = Vec::new();
-    for (name, _) in &entries {
-        if !names.contains(name) && names.len() < MOST_NAMES {
-            names.push(name.clone());
+/// The values without stamps, as rows. A row begins with a time where there is one, else with the first name that comes as often as any;
+/// its moment stands before it, where its line has one.
+fn rows(lines: &[Line<'_>], moments: &[Option<f64>]) -> Result<Table, Fault> {
+    let moment = |k: usize| moments.get(k).copied().flatten().unwrap_or(f64::NAN);
+    let entries = || lines.iter().enumerate().flat_map(|(k, line)| line.entries.iter().map(move |e| (k, e)));
+    let mut counts: Vec<(String, usize)> = Vec::new();
+    for (_, entry) in entries() {
+        let name = titled(entry);
+        match counts.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None if counts.len() < MOST_NAMES => counts.push((name, 1)),
+            None => {}
         }
     }
-    let begin = names.iter().find(|name| words::is_time(name)).or(names.first()).cloned().unwrap_or_default();
+    let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(0);
+    let is_often = |(_, count): &&(String, usize)| *count as f64 >= OFTEN * most as f64;
+    let begin = counts.iter().find(|(name, _)| words::is_time(name)).or_else(|| counts.iter().find(is_often));
+    let begin = begin.map(|(name, _)| name.clone()).unwrap_or_default();
+    let names: Vec<String> = counts.into_iter().map(|(name, _)| name).collect();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-    let mut count = 0;
-    for (name, value) in &entries {
-        if *name == begin {
-            count += 1;
-            columns.iter_mut().for_each(|column| column.resize(count, f64::NAN));
+    let mut times = Vec::new();
+    // What was said before the first row holds in it.
+    let mut early = vec![f64::NAN; names.len()];
+    for (k, entry) in entries() {
+        let name = titled(entry);
+        if name == begin {
+            times.push(moment(k));
+            columns.iter_mut().for_each(|column| column.resize(times.len(), f64::NAN));
         }
-        let place = names.iter().position(|known| known == name);
-        if let (Some(column), Some(value)) = (place.map(|k| &mut columns[k]), number(value))
-            && let Some(last) = column.last_mut()
-        {
-            *last = value;
+        let place = names.iter().position(|known| *known == name);
+        let value = entry.values.last().and_then(|(_, value)| number(value));
+        if let (Some(place), Some(value)) = (place, value) {
+            *columns[place].last_mut().unwrap_or(&mut early[place]) = value;
+        }
+    }
+    for (column, early) in columns.iter_mut().zip(early) {
+        if let Some(first) = column.first_mut().filter(|first| first.is_nan()) {
+            *first = early;
         }
     }
     let columns = names.into_iter().zip(columns);
@@ -177,25 +213,14 @@ fn rows(entries: &[Entry]) -> Result<Table, Fault> {
         name: name.replace([',', '"', '=', '$', '`', '\\'], "_"),
         values: Values::Numbers(values),
     });
-    Table::of(columns.collect(), Vec::new())
+    let clock = Column { name: "time_s".into(), values: Values::Numbers(times) };
+    let clock = (!moments.is_empty()).then_some(clock);
+    Table::of(clock.into_iter().chain(columns).collect(), Vec::new())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_line_has_a_name_a_stamp_a_unit_and_flags() {
-        let of = |line| entry(line).map(|entry| (entry.name, entry.unit, entry.values));
-        assert_eq!(of(">u:5.2"), Some(("u", "", vec![(None, "5.2")])));
-        assert_eq!(of(">u:120:5.2§V|g"), Some(("u", "V", vec![(Some(120.0), "5.2")])));
-        assert_eq!(of(">u:1:5;2:6\r\n"), Some(("u", "", vec![(Some(1.0), "5"), (Some(2.0), "6")])));
-        assert_eq!(of("12:00:01.5 -> >u:5"), Some(("u", "", vec![(None, "5")])));
-        assert_eq!(of("PWM: 80"), Some(("PWM", "", vec![(None, "80")])));
-        for line in [">track:1:2|xy", ">u:", "hello", "t:1 u:2", "ready: yes", "12:30:01", ">u:noon:5"] {
-            assert_eq!(of(line), None, "{line}");
-        }
-    }
 
     #[test]
     fn a_file_is_told_by_names_that_come_again() {

@@ -1,16 +1,18 @@
 //! Lines of several kinds, each with a word before it that tells which: `PWM,1000,120` and `ENC,1003,55`, as boards print what they
 //! command and what they measure.
 //!
-//! With a stamp behind the word every kind is a table of its own, each value of which holds until the next. Without stamps the kinds take
-//! turns, `PWM,120` and `ENC,55`: a turn of them is a row, whose time a rate has to tell.
+//! With a stamp behind the word, or one of a monitor or a logger before the line, every kind is a table of its own, each value of which holds
+//! until the next. Without stamps the kinds take turns, `PWM,120` and `ENC,55`: a turn of them is a row, whose time a rate has to tell.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::events::{Events, Series};
 use super::table::{Column, Table, Values};
 use super::{Content, Fault};
+use crate::log::clock::Clock;
 use crate::log::direction;
 use crate::log::numbers::number;
+use crate::log::stamped::{moment_of, stamped};
 use crate::log::text::TextReader;
 use crate::log::timing::median_interval;
 
@@ -49,6 +51,31 @@ fn row(line: &str) -> Option<Row<'_>> {
     let fields = rest[1..].split([',', ';', '\t']).map(|text| number(text.trim()));
     let fields = fields.collect::<Option<Vec<f64>>>()?;
     fields.iter().all(|value| value.is_finite()).then_some((tag, fields))
+}
+
+/// The rows among the lines, and whether the first number of each is the time of the stamp before its line, s. A stamp behind the word, which is
+/// the board's own, goes before that.
+fn rows_of<'a>(lines: impl Iterator<Item = &'a str>) -> (Vec<Row<'a>>, bool) {
+    let mut clock = Clock::default();
+    let mut moments = Vec::new();
+    let mut rows = Vec::new();
+    for line in lines {
+        let (stamp, said) = stamped(line.trim()).map_or((None, line), |(stamp, said)| (Some(stamp), said));
+        if let Some(row) = row(said) {
+            moments.push(stamp.and_then(|stamp| moment_of(stamp, &mut clock)));
+            rows.push(row);
+        }
+    }
+    let told = moments.iter().flatten().count();
+    if (told as f64) < MOST * rows.len() as f64 || are_stamped(&kinds(&rows)) {
+        return (rows, false);
+    }
+    let with_moment = |(moment, (tag, values)): (&Option<f64>, &Row<'a>)| {
+        let values = std::iter::once((*moment)?).chain(values.iter().copied());
+        Some((*tag, values.collect()))
+    };
+    let timed: Vec<Row<'a>> = moments.iter().zip(&rows).filter_map(with_moment).collect();
+    if are_stamped(&kinds(&timed)) { (timed, true) } else { (rows, false) }
 }
 
 fn kinds<'a>(rows: &'a [Row<'a>]) -> Kinds<'a> {
@@ -90,7 +117,9 @@ pub fn is(start: &[u8]) -> bool {
     let Some((whole, _)) = text.rsplit_once('\n') else { return false };
     let lines: Vec<&str> =
         whole.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).collect();
-    let rows: Vec<Row> = lines.iter().filter_map(|line| row(line)).collect();
+    let (rows, by_line) = rows_of(lines.iter().copied());
+    // The numbers of a row without the time of its line.
+    let width_of = |values: &[f64]| values.len() - usize::from(by_line);
     let kinds = kinds(&rows);
     let counts = || kinds.values().map(Vec::len);
     let (rarest, of_kinds) = (counts().min().unwrap_or(0), counts().sum::<usize>());
@@ -104,17 +133,25 @@ pub fn is(start: &[u8]) -> bool {
     let is_headed = lines.first().is_some_and(|head| {
         row(head).is_none()
             && head.chars().any(char::is_alphabetic)
-            && rows.iter().all(|(_, values)| values.len() + 1 == width(head))
+            && rows.iter().all(|(_, values)| width_of(values) + 1 == width(head))
     });
     // `name: value` is a list of values.
-    let are_values =
-        || lines.iter().all(|line| line.contains(':')) && rows.iter().all(|(_, values)| values.len() == 1);
+    let said = |line: &&str| stamped(line.trim()).is_none_or(|(_, said)| said.contains(':'));
+    let are_values = || {
+        lines.iter().all(|line| line.contains(':') && said(line))
+            && rows.iter().all(|(_, values)| width_of(values) == 1)
+    };
+    // Words before as many numbers each, in no order, are states.
+    let widest = |lines: &Vec<&[f64]>| lines.iter().map(|line| width_of(line)).max().unwrap_or(0);
+    let widths: BTreeSet<usize> = kinds.values().map(widest).collect();
+    let are_told = || widths.len() > 1 || widths.contains(&1) || are_in_turn(&rows, &kinds);
+    let is_timed = || if by_line { !are_values() && are_told() } else { are_stamped(&kinds) };
     !is_headed
         && (2..=MOST_KINDS).contains(&kinds.len())
         && of_kinds as f64 >= MOST * lines.len() as f64
         && turns as f64 >= TURNS * rarest as f64
         && kinds.values().all(is_one)
-        && (are_stamped(&kinds) || are_in_turn(&rows, &kinds) && !are_values())
+        && (is_timed() || !by_line && are_in_turn(&rows, &kinds) && !are_values())
 }
 
 /// Reads such a file.
@@ -126,13 +163,13 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
     let lines =
         TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
     lines.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
-    let rows: Vec<Row> = text.lines().filter_map(row).collect();
+    let (rows, by_line) = rows_of(text.lines());
     let mut kinds = kinds(&rows);
     if !are_stamped(&kinds) {
         return Ok(Content::Table(turns(&rows, &kinds)?));
     }
     kinds.values_mut().for_each(|lines| lines.retain(|line| line.len() > 1));
-    Ok(Content::Events(events(&kinds)))
+    Ok(Content::Events(events(&kinds, by_line)))
 }
 
 /// The columns of the kinds: the kind, the place of a number among those behind its word, and the name.
@@ -152,11 +189,11 @@ fn columns<'a>(kinds: &Kinds<'a>, first: usize) -> Vec<(&'a str, usize, String)>
     columns
 }
 
-/// The values with their stamps, whose unit nothing tells.
-fn events(kinds: &Kinds<'_>) -> Events {
+/// The values with their stamps, which are seconds where they stand before the lines, and whose unit nothing tells where they do not.
+fn events(kinds: &Kinds<'_>, by_line: bool) -> Events {
     let stamps = |lines: &Vec<&[f64]>| lines.iter().map(|line| line[0]).collect::<Vec<f64>>();
     let longest = kinds.values().max_by_key(|lines| lines.len()).map(stamps).unwrap_or_default();
-    let second = second(&longest);
+    let second = if by_line { 1.0 } else { second(&longest) };
     let mut all: BTreeMap<String, Series> = BTreeMap::new();
     for (tag, place, title) in columns(kinds, 1) {
         let series = all.entry(title).or_default();
@@ -167,7 +204,8 @@ fn events(kinds: &Kinds<'_>) -> Events {
             }
         }
     }
-    Events::new(all, BTreeSet::new()).with_stamps(second)
+    let events = Events::new(all, BTreeSet::new());
+    if by_line { events } else { events.with_stamps(second) }
 }
 
 /// A row for every turn of the kinds, which ends where one of them comes again, and before the kind that comes first: a lost line leaves one
@@ -205,136 +243,4 @@ fn second(stamps: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::super::read_tests::file;
-    use super::super::super::{ReadOptions, Record, read};
-    use super::*;
-
-    fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
-        (0..count).map(line).collect()
-    }
-
-    /// The records of lines that are told to be of several kinds.
-    fn records(text: &str, map: &str, supply_volts: f64, rate_hz: Option<f64>) -> Vec<Record> {
-        assert!(is(text.as_bytes()));
-        let (_directory, path) = file(text.as_bytes());
-        let map = Some(map.parse().unwrap());
-        let options =
-            ReadOptions { map, supply_volts: Some(supply_volts), rate_hz, ..ReadOptions::default() };
-        read(&path, &options).unwrap()
-    }
-
-    #[test]
-    fn lines_of_several_kinds_are_told_from_rows_that_begin_with_a_word() {
-        let is = |text: String| is(text.as_bytes());
-        assert!(is(lines(40, |k| format!("PWM,{},{}\nENC,{},{k}\n", 10 * k, k % 7, 10 * k + 3))));
-        assert!(is(lines(40, |k| format!("P:{},{}\r\nE:{},{k}\r\n", 10 * k, k % 7, 10 * k + 3))));
-        // A header may stand above, and one kind come more often.
-        let rare = lines(40, |k| {
-            let pwm = if k % 4 == 0 { format!("PWM,{k},1\n") } else { String::new() };
-            format!("{pwm}ENC,{k},{k},2\n")
-        });
-        assert!(is(format!("kind,ms,value\n{rare}")));
-        // A state, a direction, one kind, words that are names of values.
-        assert!(!is(lines(80, |k| format!("{},{k},1,2\n", if k < 40 { "ramp" } else { "step" }))));
-        assert!(!is(lines(80, |k| format!("{},{k},120\n", if k % 2 == 0 { "FWD" } else { "REV" }))));
-        assert!(!is(lines(80, |k| format!("DATA,{k},120\n"))));
-        let seldom = lines(300, |k| format!("{},{k},120,55\n", if k % 16 == 0 { "SAT" } else { "OK" }));
-        assert!(!is(format!("status,ms,duty,rpm\n{seldom}")));
-        assert!(!is(lines(80, |k| format!("u:{k},w:{k}\n"))));
-        assert!(!is(lines(80, |k| format!("{k},{k}\n"))));
-    }
-
-    #[test]
-    fn a_duty_and_counts_with_stamps_of_their_own_are_one_record() {
-        let text = lines(400, |k| {
-            let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
-            format!("P:{},{duty}\nE:{},{}\n", 1000 + 10 * k, 1003 + 10 * k, 7 * k)
-        });
-        let (_directory, path) = file(text.as_bytes());
-        let options = ReadOptions {
-            map: Some("time=stamp:ms,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
-            supply_volts: Some(12.0),
-            ..ReadOptions::default()
-        };
-        let records = read(&path, &options).unwrap();
-        let all: usize = records.iter().map(|record| record.len()).sum();
-        assert!(all > 390, "{all}");
-        let asked = read(&path, &ReadOptions::default()).unwrap_err().to_string();
-        assert!(asked.contains("time=stamp:ms,duty=pwm:255,angle=enc:counts"), "{asked}");
-        assert!(asked.contains("nothing tells the unit of \"stamp\": ms is a guess"), "{asked}");
-        // The same stamps in another unit.
-        let options = ReadOptions {
-            map: Some("time=stamp:us,duty=pwm:255,angle=enc:rev/1000".parse().unwrap()),
-            ..options
-        };
-        let faster = read(&path, &options).unwrap();
-        let length = |records: &[Record]| {
-            let times = |record: &Record| record.time_s[record.len() - 1] - record.time_s[0];
-            records.iter().map(times).sum::<f64>()
-        };
-        assert!((length(&records) / length(&faster) / 1e3 - 1.0).abs() < 0.02);
-    }
-
-    #[test]
-    fn lines_without_stamps_that_take_turns_are_rows_at_a_rate() {
-        let text = lines(400, |k| {
-            let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
-            format!("PWM,{duty}\nENC,{},{}\n", 7 * k, -7 * (k as i64))
-        });
-        let records = records(&text, "duty=PWM:255,angle=ENC_0:rev/1000", 12.0, Some(200.0));
-        assert_eq!((records.len(), records[0].len()), (1, 400));
-        assert!((records[0].time_s[399] - 399.0 / 200.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_lost_line_leaves_the_rows_after_it_as_they_are() {
-        let duty = |k: usize| (200.0 * (0.03 * k as f64).sin()) as i64;
-        let text = lines(400, |k| match k {
-            100 => format!("ENC,{}\n", 7 * k),
-            200 => format!("PWM,{}\nNC,{}\n", duty(k), 7 * k),
-            _ => format!("PWM,{}\nENC,{}\n", duty(k), 7 * k),
-        });
-        let text = format!("WM,3\n{text}");
-        let records = records(&text, "duty=PWM:255,angle=ENC:rev/1000", 255.0, Some(200.0));
-        let all: usize = records.iter().map(Record::len).sum();
-        assert!(all > 390, "{all}");
-        let volts = records.iter().flat_map(|record| record.voltage_v.iter());
-        let angles = records.iter().flat_map(|record| record.angle_rad.as_ref().unwrap().iter());
-        let row = |angle_rad: f64| (angle_rad / std::f64::consts::TAU * 1000.0 / 7.0).round() as usize;
-        let is_apart = |(v, x): &(&f64, &f64)| (**v - duty(row(**x)) as f64).abs() > 0.5;
-        // The line that is lost, and the reading that is.
-        let apart = volts.zip(angles).filter(is_apart).count();
-        assert!(apart <= 2, "{apart}");
-    }
-
-    #[test]
-    fn a_line_that_was_cut_off_and_a_garbled_word_take_no_stamps_from_the_others() {
-        let text = lines(400, |k| {
-            let duty = (200.0 * (0.03 * k as f64).sin()) as i64;
-            let counts = match k {
-                100 => "E:10".to_owned(),
-                200 => format!("EE:{},{}", 1003 + 10 * k, 7 * k),
-                _ => format!("E:{},{}", 1003 + 10 * k, 7 * k),
-            };
-            format!("P:{},{duty}\n{counts}\n", 1000 + 10 * k)
-        });
-        let text = format!("0,55\nE:10\n{text}");
-        let records = records(&text, "time=stamp:ms,duty=pwm:255,angle=enc:rev/1000", 12.0, None);
-        let all: usize = records.iter().map(|record| record.len()).sum();
-        assert!(all > 390, "{all}");
-    }
-
-    #[test]
-    fn words_that_are_values_of_a_row_come_in_no_order() {
-        let states = ["idle", "ramp", "hold", "ramp", "idle", "hold", "idle"];
-        assert!(!is(lines(200, |k| format!("{},{k}\n", states[k * k % 7])).as_bytes()));
-        assert!(!is(lines(200, |k| format!("{},{k}\n", states[k / 40])).as_bytes()));
-    }
-
-    #[test]
-    fn stamps_are_milliseconds_microseconds_or_seconds() {
-        let of = |step: f64| second(&(0..50).map(|k| step * f64::from(k)).collect::<Vec<_>>());
-        assert_eq!([10.0, 10_000.0, 0.01, 10.5].map(of), [1e3, 1e6, 1.0, 1e3]);
-    }
-}
+mod tests;
