@@ -226,24 +226,27 @@ pub(super) fn nameless(
     head: &Preamble,
     wrong: Option<String>,
 ) -> Result<BadInput> {
-    let rows = read(path, input, head, 0)?.rows;
+    // Where the header is wrong its names are those of no column.
+    let sample = Sample { names: Vec::new(), with_units: Vec::new(), ..read(path, input, head, 0)? };
+    let described = || by_numbers::described(&sample.rows);
     if let Some(why) = wrong {
         let remedy = format!(
             "give every column its name there, and no other, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
-            by_numbers::described(&rows)
+            described()
         );
         return Ok(BadInput::new(path, why, remedy).at_line(head.line));
     }
-    let proposal = by_numbers::propose(&rows);
-    let remedy = match &proposal {
-        Some(proposal) => format!(
+    let proposal = guess::propose_for(&sample);
+    let remedy = match (&proposal, guess::garbled_question(&sample)) {
+        (Some(proposal), _) => format!(
             "say by its number which column is what, or add a header line; it looks like {} ({})",
             proposal.options(),
             proposal.assumptions()
         ),
-        None => format!(
+        (None, Some(garbled)) => garbled,
+        (None, None) => format!(
             "add a header line such as time_s,voltage_v,angle_rad, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
-            by_numbers::described(&rows)
+            described()
         ),
     };
     Ok(BadInput::new(path, NAMELESS, remedy).at_line(head.line).proposing(proposal))
@@ -252,6 +255,7 @@ pub(super) fn nameless(
 /// What a table leaves open in which too little is recognised.
 pub(super) fn question(sample: &Sample) -> Option<String> {
     let questions = [
+        guess::garbled_question,
         guess::effort_question,
         guess::levels_question,
         guess::loop_question,

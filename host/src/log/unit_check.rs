@@ -22,15 +22,36 @@ const SLUGGISH: f64 = 0.05;
 const FRANTIC: f64 = 1000.0;
 /// About 140,000 turns a minute, beyond any brushed motor, rad/s.
 const FASTEST_SHAFT: f64 = 15_000.0;
+/// Beyond this, V or rad/s, no unit makes a motor of the numbers.
+const BEYOND_UNITS: f64 = 1e12;
 
 /// Units that are wrong beyond doubt.
 pub fn unit_faults(record: &Record) -> Vec<Fault> {
+    if let Some(fault) = bytes(record) {
+        return vec![fault];
+    }
     let checks = [time, voltage, angle, agreement, shaft_speed, gain];
     checks.iter().filter_map(|check| check(record)).collect()
 }
 
 pub(super) fn fault(column: &'static str, why: String, fix: impl Into<String>) -> Fault {
     Fault { name: "wrong_units", column, why, fix: fix.into() }
+}
+
+/// Numbers that are none of a motor in any unit.
+fn bytes(record: &Record) -> Option<Fault> {
+    let (volts, speed) = (usual_peak(record.voltage_v.clone()), top_speed(record));
+    let (column, size) =
+        if speed > BEYOND_UNITS { (motion_column(record), speed) } else { ("voltage_v", volts) };
+    (size > BEYOND_UNITS).then(|| {
+        let of = if column == "voltage_v" { "V" } else { "rad/s" };
+        fault(
+            column,
+            format!("{size:.1e} {of} is of no motor in any unit: the numbers are bytes of something else"),
+            "print and unpack each number as what it is (%f of a float, %d of a whole number), check the baud rate, look whether single lines read \
+             right, and log again",
+        )
+    })
 }
 
 fn whole(values: &[f64]) -> bool {
@@ -226,12 +247,17 @@ fn motion_column(record: &Record) -> &'static str {
 /// The fastest motion of the output shaft, rad/s. A glitch of the sensor is no wrong unit, so the fastest hundredth of
 /// the samples does not count.
 fn top_speed(record: &Record) -> f64 {
-    let mut magnitudes: Vec<f64> = speed(record).iter().map(|speed| speed.abs()).collect();
-    if magnitudes.is_empty() {
+    usual_peak(speed(record))
+}
+
+/// The largest magnitude but for a hundredth of the values.
+fn usual_peak(mut values: Vec<f64>) -> f64 {
+    values.iter_mut().for_each(|value| *value = value.abs());
+    if values.is_empty() {
         return 0.0;
     }
-    let index = (magnitudes.len() - 1) * 99 / 100;
-    *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1
+    let index = (values.len() - 1) * 99 / 100;
+    *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -313,7 +339,14 @@ mod tests {
             scale(r.angle_rad.as_mut(), 60.0 / TAU);
         };
         type Edit<'a> = &'a dyn Fn(&mut Record);
-        let cases: [(Edit, &str, &str, &str); 14] = [
+        let cases: [(Edit, &str, &str, &str); 16] = [
+            (&|r| scale(r.angle_rad.as_mut(), 1e30), "column angle_rad", "no motor in any unit", "baud rate"),
+            (
+                &|r| scale(Some(&mut r.voltage_v), 1e30),
+                "column voltage_v",
+                "no motor in any unit",
+                "baud rate",
+            ),
             (&|r| scale(Some(&mut r.time_s), 1000.0), "column time_s", "looks like ms", "time_s:ms"),
             (&|r| scale(Some(&mut r.time_s), 1e6), "column time_s", "looks like us", "time_s:us"),
             (&whole_ms, "column time_s", "looks like ms", "time_s:ms"),

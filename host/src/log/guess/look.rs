@@ -12,7 +12,7 @@ use super::super::read::Json;
 use super::super::sample;
 use super::super::text;
 use super::super::units::Quantity;
-use super::{Proposal, by_numbers, parts, propose_for};
+use super::{Proposal, by_numbers, garbled_question, left_out, parts, propose_for};
 use crate::error::Result;
 
 /// Rows that are shown.
@@ -127,10 +127,12 @@ pub fn look(path: &Path) -> Result<Look> {
 fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let head = preamble::read(path, &mut input, true)?;
     let sample = sample::read(path, &mut input, &head, SHOWN)?;
+    let rest = left_out(&sample).map(|(_, rest)| rest);
+    let told = rest.as_ref().unwrap_or(&sample);
     let parts = if sample.names.is_empty() {
-        by_numbers::parts(&[], &sample.rows)
+        by_numbers::parts(&[], &told.rows)
     } else {
-        parts(&sample.with_units, &sample.rows)
+        parts(&told.with_units, &told.rows)
     };
     // The first row may be half of one.
     let places = parts.iter().flat_map(|part| [Some(part.index), part.rest]).flatten();
@@ -165,7 +167,8 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let proposal = if canonical { None } else { propose_for(&sample) };
     let asked = match &proposal {
         Some(proposal) => proposal.questions(),
-        None if canonical || sample.names.is_empty() => Vec::new(),
+        None if canonical => Vec::new(),
+        None if sample.names.is_empty() => garbled_question(&sample).into_iter().collect(),
         None => sample::question(&sample).into_iter().collect(),
     };
     let names = (0..width).map(|k| sample.names.get(k).cloned().unwrap_or_else(|| k.to_string())).collect();

@@ -14,6 +14,7 @@ mod companions;
 mod drive;
 mod duty_range;
 mod example;
+mod garbled_columns;
 mod leads;
 mod look;
 mod made;
@@ -36,6 +37,7 @@ pub(super) use channels::channels_question;
 pub use columns::{Part, parts};
 pub(super) use drive::half_question;
 pub(super) use example::example;
+pub(super) use garbled_columns::{garbled_question, left_out};
 pub use look::{Look, look};
 use preview::preview;
 pub(super) use questions::{
@@ -200,8 +202,16 @@ pub fn quoted(text: &str) -> String {
     if !text.is_empty() && text.chars().all(plain) { text.to_owned() } else { format!("\"{text}\"") }
 }
 
-/// Guesses from the beginning of a table.
+/// Guesses from the beginning of a table, without the columns that are no measurements.
 pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
+    let Some((said, rest)) = left_out(sample) else { return propose_from(sample) };
+    let mut proposal = propose_from(&rest)?;
+    proposal.unknown_units.insert(0, format!("left out is what measures nothing: {said}"));
+    Some(proposal)
+}
+
+/// The same from all columns.
+fn propose_from(sample: &Sample) -> Option<Proposal> {
     if sample.names.is_empty() {
         return by_numbers::propose(&sample.rows);
     }
