@@ -14,6 +14,7 @@ use super::numbers::OfFile;
 use super::own_rate;
 use super::preamble::{NAMELESS, Preamble, remark_in};
 use super::samples::FEWEST_SAMPLES;
+use super::stamped::moment_of;
 use super::text::cannot_read;
 use super::unsigned;
 use crate::error::{BadInput, Result};
@@ -35,6 +36,8 @@ pub(super) struct Sample {
     /// The fields as they stand there.
     pub texts: Vec<Vec<String>>,
     pub stamped: bool,
+    /// When each row was received or said, s, where the lines carry times of their own.
+    pub stamps: Vec<f64>,
     /// Columns whose numbers got the signs that their type took away, and its width.
     pub signed: Vec<(usize, f64)>,
     /// Rows per second, as the lines before the header tell.
@@ -70,6 +73,7 @@ impl Sample {
             rows,
             texts: Vec::new(),
             stamped: false,
+            stamps: Vec::new(),
             signed: Vec::new(),
             rate: None,
             clock: None,
@@ -90,11 +94,13 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
         rows: Vec::new(),
         texts: Vec::new(),
         stamped: head.stamped,
+        stamps: Vec::new(),
         signed: Vec::new(),
         rate: head.rate,
         clock: None,
     };
     let mut clocks: Vec<Clock> = Vec::new();
+    let mut stamps = Clock::default();
     let mut clocked: Vec<bool> = Vec::new();
     let mut written = OfFile::with_thousands(head.thousands);
     let mut take = |line: &str, sample: &mut Sample| {
@@ -112,6 +118,10 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
                 .unwrap_or(f64::NAN)
         };
         sample.rows.push(splitter.iter().enumerate().map(value).collect());
+        if head.stamped {
+            let stamp = splitter.stamp().and_then(|stamp| moment_of(stamp, &mut stamps));
+            sample.stamps.push(stamp.unwrap_or(f64::NAN));
+        }
         if sample.texts.len() < shown {
             sample.texts.push(splitter.iter().map(str::to_owned).collect());
         }
@@ -129,12 +139,8 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
             }
             beyond += 1;
             if sample.rows.len() > GUESSED_FROM + LATER {
-                // Every second one goes.
-                let mut place = 0;
-                sample.rows.retain(|_| {
-                    place += 1;
-                    place <= GUESSED_FROM || place % 2 == 0
-                });
+                keep_every_second(&mut sample.rows);
+                keep_every_second(&mut sample.stamps);
                 stride *= 2;
             }
         }
@@ -147,8 +153,11 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, head: &Preamble, shown:
     let falls = |k: usize| newest::falls(&numbers(&sample.rows, k).collect::<Vec<_>>());
     if (0..clocked.len()).any(|k| is_dated(k) && falls(k)) {
         sample.rows.reverse();
+        sample.stamps.reverse();
     }
-    leave_out_stale_first(&mut sample.rows);
+    if leave_out_stale_first(&mut sample.rows) && !sample.stamps.is_empty() {
+        sample.stamps.remove(0);
+    }
     sample.clock = own_rate::take(&mut sample);
     sample.signed = give_signs(&mut sample.rows);
     for (k, name) in sample.with_units.iter_mut().enumerate() {
@@ -167,22 +176,33 @@ pub(super) fn numbers(rows: &[Vec<f64>], column: usize) -> impl Iterator<Item = 
     rows.iter().filter_map(move |row| row.get(column)).copied().filter(|value| value.is_finite())
 }
 
-/// Leaves out a first row from before a column began that only rises behind it, as the reader of the rows does: what a serial port still
-/// held when the board was reset tells nothing of this run.
-fn leave_out_stale_first(rows: &mut Vec<Vec<f64>>) {
+/// Behind the rows in succession every second one stays.
+fn keep_every_second<T>(all: &mut Vec<T>) {
+    let mut place = 0;
+    all.retain(|_| {
+        place += 1;
+        place <= GUESSED_FROM || place % 2 == 0
+    });
+}
+
+/// Leaves out a first row from before a column began that only rises behind it, as the reader of the rows does, and tells whether there was one: what
+/// a serial port still held when the board was reset tells nothing of this run.
+fn leave_out_stale_first(rows: &mut Vec<Vec<f64>>) -> bool {
     let Some(([first, second], rest)) =
         rows.split_first_chunk::<2>().filter(|_| rows.len() >= FEWEST_SAMPLES)
     else {
-        return;
+        return false;
     };
     let rises = |k: usize| {
         let later = std::iter::once(second).chain(rest).map(|row| row.get(k));
         later.clone().zip(later.skip(1)).all(|(before, after)| after > before)
     };
     let is_stale = |k: usize| first[k] > second.get(k).copied().unwrap_or(f64::NAN) && rises(k);
-    if (0..first.len()).any(is_stale) {
+    let is_there = (0..first.len()).any(is_stale);
+    if is_there {
         rows.remove(0);
     }
+    is_there
 }
 
 /// Gives columns of whole numbers the signs that their type took away, and tells which, and the width of the type.

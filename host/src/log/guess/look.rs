@@ -12,7 +12,7 @@ use super::super::read::Json;
 use super::super::sample;
 use super::super::text;
 use super::super::units::Quantity;
-use super::{Proposal, by_numbers, garbled_question, left_out, parts, propose_for};
+use super::{Proposal, garbled_question, left_out, parts_of, propose_for};
 use crate::error::Result;
 
 /// Rows that are shown.
@@ -129,11 +129,7 @@ fn table_in(path: &Path, mut input: impl BufRead) -> Result<Look> {
     let sample = sample::read(path, &mut input, &head, SHOWN)?;
     let rest = left_out(&sample).map(|(_, rest)| rest);
     let told = rest.as_ref().unwrap_or(&sample);
-    let parts = if sample.names.is_empty() {
-        by_numbers::parts(&[], &told.rows)
-    } else {
-        parts(&told.with_units, &told.rows)
-    };
+    let parts = parts_of(told);
     // The first row may be half of one.
     let places = parts.iter().flat_map(|part| [Some(part.index), part.rest]).flatten();
     let width = sample.texts.first().map_or(0, Vec::len).max(sample.names.len());

@@ -26,6 +26,7 @@ mod registers;
 mod sides;
 mod spelling;
 mod symbols;
+mod timed;
 mod turns;
 pub mod unit_names;
 mod vocabulary;
@@ -48,6 +49,7 @@ use questions::{
     unknown_unit,
 };
 
+use timed::parts_of;
 pub(crate) use turns::ASSUMED_COUNTS;
 use turns::Turn;
 
@@ -213,9 +215,9 @@ pub(super) fn propose_for(sample: &Sample) -> Option<Proposal> {
 /// The same from all columns.
 fn propose_from(sample: &Sample) -> Option<Proposal> {
     if sample.names.is_empty() {
-        return by_numbers::propose(&sample.rows);
+        return by_numbers::propose_with(&parts_of(sample), &sample.rows, sample.stamped);
     }
-    let parts = parts(&sample.with_units, &sample.rows);
+    let parts = parts_of(sample);
     let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample);
     if proposal.rate.is_some() {
         proposal.unknown_units.extend(sample.clock.as_ref().map(interval::Clock::question));

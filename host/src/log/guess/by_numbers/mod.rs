@@ -66,14 +66,13 @@ pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     parts
 }
 
-/// Options that read a table without names, and what else its columns hold.
-pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
-    let parts = parts(&[], rows);
+/// Options that read a table without names of these `parts`, and what else its columns hold; `stamped` says that the lines carry times of their own.
+pub(super) fn propose_with(parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> Option<Proposal> {
     if parts.is_empty() {
         return None;
     }
     let names: Vec<String> = (0..columns(rows).len()).map(|k| k.to_string()).collect();
-    let mut proposal = written(&names, &parts, rows, false);
+    let mut proposal = written(&names, parts, rows, stamped);
     let unused = (0..names.len()).filter(|k| parts.iter().all(|part| part.index != *k));
     proposal.preview.extend(unused.map(|k| format!("{:<8} {}", "unused", range_of(rows, k))));
     proposal.unknown_units.insert(
@@ -82,6 +81,12 @@ pub(in crate::log) fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
             .into(),
     );
     Some(proposal)
+}
+
+/// The same of rows that nothing else is known of.
+#[cfg(test)]
+fn propose(rows: &[Vec<f64>]) -> Option<Proposal> {
+    propose_with(&parts(&[], rows), rows, false)
 }
 
 /// The columns of the rows that are complete; one that is blank in many of them tells nothing and changes nowhere.
