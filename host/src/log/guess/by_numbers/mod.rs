@@ -11,7 +11,7 @@ mod undriven;
 pub(in crate::log) use undriven::described;
 
 use control::Compared;
-use rising::{clock, stands_beside_row_numbers};
+use rising::{clock, joined, seconds_apart, stands_beside_row_numbers};
 
 use super::clocks::{is_open_time, plausible};
 use super::column_units::unit_of;
@@ -39,6 +39,8 @@ pub(super) const VOLTS: f64 = 60.0;
 /// What the columns of numbers may be; `names` are theirs, as far as they have any.
 pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let columns = columns(rows);
+    let apart = seconds_apart(&columns);
+    let columns = apart.map(|seconds| joined(&columns, seconds)).unwrap_or(columns);
     let Some(found) = Found::in_columns(&columns, names) else { return Vec::new() };
     let mut parts = Vec::new();
     let mut add = |quantity: Quantity, index: Option<usize>| {
@@ -57,6 +59,10 @@ pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     add(Quantity::Angle, found.angle);
     // Beside an angle without a clock it may be the change from row to row: only the rate would tell its unit.
     add(Quantity::Speed, found.speed.filter(|_| found.time.is_some() || found.angle.is_none()));
+    let of_both = parts.iter_mut().find(|part| part.quantity == Quantity::Time && Some(part.index) == apart);
+    if let (Some(time), Some(seconds)) = (of_both, apart) {
+        *time = Part { rest: Some(seconds + 1), unit: "ns".into(), guessed: false, ..time.clone() };
+    }
     let said: Vec<words::Said> = columns.iter().map(|_| words::said("")).collect();
     let turn = agree(&mut parts, &said, rows);
     leave_out_other_motion(&mut parts, rows);
@@ -73,7 +79,8 @@ pub(super) fn propose_with(parts: &[Part], rows: &[Vec<f64>], stamped: bool) -> 
     }
     let names: Vec<String> = (0..columns(rows).len()).map(|k| k.to_string()).collect();
     let mut proposal = written(&names, parts, rows, stamped);
-    let unused = (0..names.len()).filter(|k| parts.iter().all(|part| part.index != *k));
+    let unused =
+        (0..names.len()).filter(|k| parts.iter().all(|part| part.index != *k && part.rest != Some(*k)));
     proposal.preview.extend(unused.map(|k| format!("{:<8} {}", "unused", range_of(rows, k))));
     proposal.unknown_units.insert(
         0,
@@ -295,6 +302,13 @@ mod tests {
         let time = |k: f64| 0.01 * (k % 100.0) + 0.002 * (k * k).sin();
         assert_eq!(map(|k| vec![time(k), duty(k), angle(k)]), "time=0:s,duty=1:100,angle=2:rad");
         assert_eq!(map(|k| vec![10.0 * k, duty(k), speed(k)]), "time=0:ms,duty=1:100,speed=2:rad/s");
+    }
+
+    #[test]
+    fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
+        let stamp = |k: f64| [1.7e9 + (k / 100.0).floor(), 1e7 * (k % 100.0)];
+        let row = |k: f64| vec![stamp(k)[0], stamp(k)[1], f64::NAN, angle(k), duty(k)];
+        assert_eq!(map(row), "time=0+1:ns,duty=4:100,angle=3:rad");
     }
 
     #[test]
