@@ -68,6 +68,7 @@ pub(super) fn moment(text: &str) -> Option<Moment> {
         return None;
     }
     let text = text.trim();
+    let text = ["UTC", "GMT"].iter().find_map(|zone| text.strip_suffix(*zone)).map_or(text, str::trim_end);
     let (date, time) = match text.find(['T', 't', ' ', '_']) {
         Some(at) if is_date(text[..at].trim_end_matches(',')) => {
             (Some(text[..at].trim_end_matches(',')), &text[at + 1..])
@@ -250,6 +251,8 @@ mod tests {
             ("02:03.5", at(None, 123.5)),
             ("1970-01-02T12:00:00Z", at(Some(1), noon)),
             ("1970-01-02 12:00:00+02:00", at(Some(1), noon - 7200.0)),
+            ("1970-01-02 12:00:00.5 UTC", at(Some(1), noon + 0.5)),
+            ("1970-01-02 12:00:00.5 +0200 GMT", at(Some(1), noon - 7199.5)),
             ("1970-01-02T01:00:00+0200", at(Some(0), 23.0 * 3600.0)),
             ("2024/03/01 12:00:00", at(Some(19_783), noon)),
             ("01.03.2024 12:00:00", at(Some(19_783), noon)),

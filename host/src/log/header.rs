@@ -29,6 +29,17 @@ pub(super) fn names_of(line: &str, separator: &Separator, width: usize) -> Optio
     })
 }
 
+/// The `width` names above a row of units where the channels of an oscilloscope are numbers, as Keysight's: `x-axis,1,2` is x-axis, CH1, CH2.
+pub(super) fn channels_of(line: &str, separator: &Separator, width: usize) -> Option<Vec<String>> {
+    let names = fields(line, separator);
+    let is_channel =
+        |name: &String| (1..=2).contains(&name.len()) && name.bytes().all(|b| b.is_ascii_digit());
+    let (first, channels) = names.split_first()?;
+    let are_channels = names.len() == width && !is_number(first) && channels.iter().all(is_channel);
+    let called = channels.iter().map(|channel| format!("CH{channel}"));
+    (are_channels && !channels.is_empty()).then(|| [first.clone()].into_iter().chain(called).collect())
+}
+
 /// Names that hold the separator within brackets, `time (s, from the start)`, are one.
 fn within_brackets(names: Vec<String>, separator: char) -> Vec<String> {
     let is_open = |name: &String| name.matches(['(', '[']).count() > name.matches([')', ']']).count();

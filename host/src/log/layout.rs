@@ -4,7 +4,7 @@
 use super::beside;
 use super::clock;
 use super::fields::{Separator, Splitter};
-use super::header::{names_of, units_of};
+use super::header::{channels_of, names_of, units_of};
 use super::headless::plain;
 use super::heads::{scope, tag_of};
 use super::numbers::number;
@@ -180,6 +180,7 @@ fn header_at(lines: &[&str], k: usize) -> Option<Layout> {
                 names.push(String::new());
                 Some(names)
             });
+            let names = names.or_else(|| units.then(|| channels_of(lines[k], &separator, width))?);
             let Some(names) = names else { continue };
             let units = if units { units_of(lines[k + 1], &separator, width) } else { Some(Vec::new()) };
             let Some(units) = units else { continue };
@@ -304,6 +305,14 @@ mod tests {
         );
         assert_eq!(layout("t,u\n0.1,2\n0.2,2,9\n0.3,2").names.len(), 2, "one row alone is a bad row");
         assert_eq!(layout("t,u\n0,1,2,5\n0,2,2,5\n0,3,2,5").names.len(), 2, "decimal commas");
+    }
+
+    #[test]
+    fn channels_that_are_called_by_numbers_have_names_above_their_units() {
+        let found = layout("x-axis,1,2\nsecond,Volt,Volt\n0.00,1.5,2.5\n0.01,1.5,2.6\n0.02,1.5,2.7");
+        assert_eq!(found.names, ["x-axis", "CH1", "CH2"]);
+        assert_eq!((found.units.len(), found.rows), (3, 2));
+        assert_eq!(layout("x,1,2\n0.00,1,2\n0.01,1,2").names, ["x", "1", "2"]);
     }
 
     #[test]

@@ -235,9 +235,10 @@ pub fn is_nothing(text: &str) -> bool {
     let remark = text.trim_matches('"');
     let separator =
         remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));
-    // PuTTY begins every session so.
+    // PuTTY begins every session so, and MicroPython every line that somebody types.
     separator
         || text.starts_with("=~=~=~")
+        || text.starts_with(">>>")
         || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', ' ']).is_empty()
 }
 

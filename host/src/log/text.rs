@@ -113,8 +113,11 @@ impl<R: Read> TextReader<R> {
     fn decode(&mut self) -> io::Result<()> {
         self.text.drain(..self.taken);
         self.taken = 0;
-        let before = self.text.len();
+        // Colours may begin in the piece before.
+        let open = self.text.rfind(ESCAPE).filter(|at| escape_in(&self.text[*at..]).is_none());
+        let before = open.unwrap_or(self.text.len());
         self.decoder.decode(&self.raw, self.ended, &mut self.text);
+        leave_out_escapes(&mut self.text, before);
         let text = &self.text.as_bytes()[before..];
         self.whole = match memchr::memrchr(b'\n', text) {
             _ if self.ended => self.text.len(),
@@ -135,6 +138,33 @@ impl<R: Read> TextReader<R> {
         }
         Ok(())
     }
+}
+
+/// What a terminal's colours and movements begin with.
+const ESCAPE: char = '\u{1b}';
+
+/// The length of the sequence that a text begins with which colours what follows or moves the cursor, as `ESC [ 0 ; 32 m`; none where it is
+/// none, or does not end.
+fn escape_in(text: &str) -> Option<usize> {
+    let rest = text.strip_prefix(ESCAPE)?.strip_prefix('[')?;
+    let end = rest.find(|c: char| !c.is_ascii_digit() && !";?".contains(c))?;
+    rest[end..].starts_with(|c: char| c.is_ascii_alphabetic()).then_some(end + 3)
+}
+
+/// Leaves out the sequences for a terminal behind `from`: boards and their tools colour their lines.
+fn leave_out_escapes(text: &mut String, from: usize) {
+    if memchr::memchr(0x1b, &text.as_bytes()[from..]).is_none() {
+        return;
+    }
+    let coloured = text.split_off(from);
+    let mut rest = coloured.as_str();
+    while let Some(at) = rest.find(ESCAPE) {
+        // What is no such sequence stays.
+        let length = escape_in(&rest[at..]);
+        text.push_str(&rest[..at + usize::from(length.is_none())]);
+        rest = &rest[at + length.unwrap_or(1)..];
+    }
+    text.push_str(rest);
 }
 
 impl<R: Read> BufRead for TextReader<R> {
@@ -242,6 +272,20 @@ mod tests {
             TextReader::new(Drip(text.as_bytes())).unwrap().read_to_string(&mut sink).unwrap();
             assert_eq!(sink, text);
         }
+    }
+
+    #[test]
+    fn the_colours_of_a_terminal_are_left_out_wherever_a_piece_of_the_file_ends() {
+        for begin in ["", "x", "xy", "xyz", "xyzu", "xyzuv"] {
+            let line = "\u{1b}[0;32m10,\u{1b}[1m80\u{1b}[0m,55\n";
+            let text = begin.to_owned() + &line.repeat(8000);
+            let mut read = String::new();
+            TextReader::new(Drip(text.as_bytes())).unwrap().read_to_string(&mut read).unwrap();
+            assert_eq!(read, begin.to_owned() + &"10,80,55\n".repeat(8000));
+        }
+        let mut read = String::new();
+        TextReader::new(Drip(b"a\x1b[12\nb\x1bc\x1b")).unwrap().read_to_string(&mut read).unwrap();
+        assert_eq!(read, "a\u{1b}[12\nb\u{1b}c\u{1b}");
     }
 
     #[test]

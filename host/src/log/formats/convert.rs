@@ -35,11 +35,14 @@ const PANDAS: &str =
 const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
                        python -c \"from asammdf import MDF; MDF('OLD').export('csv', 'NEW.csv', single_time_base=True)\"";
 
+const FRAMES: &str = "decode the frames with the DBC of the drive (python -m pip install cantools; of candump: python -m cantools decode \
+                      --single-line DBC < OLD) and write the signals as CSV";
+
 const YAML: &str = "write it as JSON, which is read (python -m pip install pyyaml): python -c \"import json, yaml; \
                     docs = [one for one in yaml.safe_load_all(open('OLD')) if one]; \
                     json.dump(docs if len(docs) > 1 else docs[0], open('NEW.json', 'w'))\"; of a ROS topic: ros2 topic echo --csv TOPIC > NEW.csv";
 
-const FOREIGN: [Foreign; 33] = [
+const FOREIGN: [Foreign; 34] = [
     content("XML", b"<?xml", "export the table as CSV from the program that made it"),
     content("a page of the web", b"<!DOCTYPE", WEB),
     content("a page of the web", b"<html", WEB),
@@ -59,11 +62,8 @@ const FOREIGN: [Foreign; 33] = [
         "write it as CSV with npTDMS: python -c \"from nptdms import TdmsFile; \
          TdmsFile('OLD').as_dataframe().to_csv('NEW.csv')\"",
     ),
-    content(
-        "a log of CAN frames (.blf)",
-        b"LOGG\x90\0\0\0",
-        "decode the frames with their DBC and write the signals as CSV",
-    ),
+    content("a log of CAN frames (.blf)", b"LOGG\x90\0\0\0", FRAMES),
+    content("a log of CAN frames (.trc)", b";$FILEVERSION", FRAMES),
     content("a Feather file", b"ARROW1\0\0", PANDAS),
     content("a Feather file", b"FEA1", PANDAS),
     content(
@@ -114,7 +114,11 @@ pub fn named(start: &[u8], path: &Path) -> Option<Fault> {
         b"TDSm" | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
         magic => start.get(row.at..).is_some_and(|rest| rest.starts_with(magic)),
     });
-    let known = row.map(|row| (row.name, row.remedy)).or_else(|| is_yaml(start).then_some(("YAML", YAML)));
+    let by_lines = || {
+        let yaml = is_yaml(start).then_some(("YAML", YAML));
+        yaml.or_else(|| are_frames(start).then_some(("a log of CAN frames", FRAMES)))
+    };
+    let known = row.map(|row| (row.name, row.remedy)).or_else(by_lines);
     known.map(|(name, remedy)| Fault::new(format!("this is {name}, not a log that is read"), remedy))
 }
 
@@ -136,6 +140,26 @@ fn is_yaml(start: &[u8]) -> bool {
     is_bare && (goes_on || second.starts_with("- ")) || item(first).is_some() && goes_on
 }
 
+/// Whether a text begins with CAN frames as candump prints them, `(1714557600.25) can0 123#00FF` or `can0  123  [2]  00 FF`, or as Vector's
+/// tools do.
+fn are_frames(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
+    let is_hex = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_hexdigit());
+    let is_frame = |line: &str| {
+        let line =
+            if line.starts_with('(') { line.split_once(')').map_or("", |(_, rest)| rest) } else { line };
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [bus, id, ..] = words[..] else { return false };
+        let length = words.get(2).and_then(|word| word.strip_prefix('[')?.strip_suffix(']'));
+        let is_short = id.split_once('#').is_some_and(|(id, _)| is_hex(id));
+        bus.starts_with(|c: char| c.is_ascii_alphabetic())
+            && (is_short || is_hex(id) && length.is_some_and(is_hex))
+    };
+    is_frame(first) && is_frame(second) || first.starts_with("date ") && second.starts_with("base ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,6 +178,14 @@ mod tests {
             (b"<?xml version='1.0'?>", "x.xml", "XML", "CSV"),
             (b"motor:\n  name: x\nsamples:\n  - time: 0\n", "x.csv", "YAML", "safe_load_all"),
             (b"---\n- {time: 0.0, pwm: 0}\n- {time: 0.1, pwm: 0}\n", "x.yml", "YAML", "JSON"),
+            (
+                b"(1714557600.250000) can0 123#00FF\n(1714557600.260000) can0 123#01FF\n",
+                "x.log",
+                "CAN frames",
+                "DBC",
+            ),
+            (b"  can0  123   [2]  00 FF\n  can0  124   [2]  01 FF\n", "x.txt", "CAN frames", "cantools"),
+            (b"date Wed May 1 12:00:00 2024\nbase hex  timestamps absolute\n", "x.asc", "CAN frames", "DBC"),
             (b"position:\n- 0.1\n- 0.2\n---\n", "x", "YAML", "ros2 topic echo --csv"),
         ] {
             let fault = named(start, Path::new(name)).unwrap();
@@ -171,6 +203,8 @@ mod tests {
             (b"0,1\0\0", "x.csv"),
             (b"Results:\n12,13\n", "x.yaml"),
             (b"pwm: 80\nenc: 7\n", "x.txt"),
+            (b"u 12 [V]\nw 13 [rad/s]\n", "x.txt"),
+            (b"(1, 2)\n(3, 4)\n", "x.txt"),
         ] {
             assert_eq!(named(start, Path::new(name)), None, "{name}");
         }

@@ -26,6 +26,7 @@ mod npy;
 #[cfg(feature = "log-npz")]
 mod npz;
 mod objects;
+mod octave;
 #[cfg(feature = "log-parquet")]
 mod parquet;
 mod python;
@@ -127,7 +128,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 13] = [
+const FORMATS: [Known; 14] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -151,6 +152,12 @@ const FORMATS: [Known; 13] = [
         extension: "txt",
         is: teleplot::is,
         how: How::Read(teleplot::read),
+    },
+    Known {
+        name: "a text file of Octave's variables",
+        extension: "txt",
+        is: octave::is,
+        how: How::Read(octave::read),
     },
     Known {
         name: "a NumPy array",
