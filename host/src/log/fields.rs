@@ -225,8 +225,17 @@ fn with_reader<T>(delimiter: u8, act: impl FnOnce(&mut Reader) -> T) -> T {
 /// A line without its end and the blanks around it; a tab before it ends a field that is blank. A semicolon ends it too where there is no
 /// other, as a row of a matrix or a message.
 pub fn trimmed(line: &str) -> &str {
-    let line = line.trim_matches(|c: char| c.is_whitespace() && c != '\t');
+    let line = behind_terminal(line.trim_matches(|c: char| c.is_whitespace() && c != '\t'));
     line.strip_suffix(';').filter(|rest| !rest.contains(';')).map_or(line, str::trim_end)
+}
+
+/// What follows the terminal's number that J-Link's viewer puts before every line, `00> 10,80,7`.
+pub(super) fn behind_terminal(line: &str) -> &str {
+    match line.as_bytes() {
+        [b'0'..=b'9', b'0'..=b'9', b'>'] => "",
+        [b'0'..=b'9', b'0'..=b'9', b'>', b' ', ..] => line[4..].trim_start_matches(' '),
+        _ => line,
+    }
 }
 
 /// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
@@ -306,6 +315,7 @@ mod tests {
             ("t: 12 pwm: 80 motor enc: -3 m: 7", "12"),
             ("t: 12 pwm: 80 motor enc: -3 (drive main.rs:42)", "12"),
             ("echo: t:12 pwm:80 motor enc:-3", "12"),
+            ("00> t:12 pwm:80 motor enc:-3", "12"),
             ("[7] t: 12 pwm: 80 motor enc: -3", "12"),
             ("[INFO] [drive] left.motor: t=12 pwm=80, motor enc=-3", "12"),
             ("t:,12,pwm:,80,motor enc:,-3", "12"),
@@ -318,6 +328,7 @@ mod tests {
         let names = || Separator::Names(vec!["t".into(), "pwm".into()]);
         assert_eq!(split("pwm 80, t 12", names()), ["12", "80"]);
         assert_eq!(split("pwm 80 t", names()), [""]);
+        assert_eq!(split("motor: pwm 80 t 12", names()), ["12", "80"]);
         assert_eq!(split("pwm,80,t,12", names()), ["12", "80"]);
         assert_eq!(split("t; 12; pwm; -80", names()), ["12", "-80"]);
         assert_eq!(split("note,80", names()), [""]);

@@ -5,6 +5,8 @@ use super::layout::{Layout, MOST, MOST_CHATTER, fields, is_number, new};
 
 /// Lines of which one tells the word before all.
 const LAST: usize = 5;
+/// What may stand in such words beside letters: `<info> app:`, `[motor] left-drive:`.
+const AROUND: [char; 9] = ['_', '<', '>', '[', ']', '.', '-', '/', ' '];
 
 /// The word and the colon that stand before two numbers or more in most lines.
 pub(super) fn tag_of(lines: &[&str]) -> Option<String> {
@@ -15,7 +17,9 @@ pub(super) fn tag_of(lines: &[&str]) -> Option<String> {
 /// The same, where it is that of `line`.
 fn tag_like(line: &str, lines: &[&str]) -> Option<String> {
     let tag = &line[..=line.find(':')?];
-    let is_word = tag.len() > 1 && tag.trim_end_matches(':').chars().all(|c| c.is_alphabetic() || c == '_');
+    let mut letters = tag.trim_end_matches(':').chars();
+    let is_word =
+        tag.contains(char::is_alphabetic) && letters.all(|c| c.is_alphabetic() || AROUND.contains(&c));
     let separators =
         [Separator::Byte(b';'), Separator::Byte(b'\t'), Separator::Byte(b','), Separator::Blanks];
     let has_numbers = |line: &&str| {

@@ -12,6 +12,18 @@ pub fn pairs(line: &str) -> Vec<(Range<usize>, Range<usize>)> {
     if !line.contains([':', '=']) {
         return words_and_numbers(line);
     }
+    // `motor: duty 80 enc 7`, as what a board's log says.
+    if let Some((word, rest)) = line.split_once(": ")
+        && is_word(word.trim())
+        && !rest.contains([':', '='])
+    {
+        let begin = line.len() - rest.len();
+        let moved = |range: Range<usize>| begin + range.start..begin + range.end;
+        let found = words_and_numbers(rest);
+        if !found.is_empty() {
+            return found.into_iter().map(|(name, value)| (moved(name), moved(value))).collect();
+        }
+    }
     const BETWEEN: [char; 5] = [',', ';', '|', '\t', ' '];
     let mut pairs = Vec::new();
     let mut rest = 0;

@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::fields::{Separator, Splitter, trimmed};
+use super::fields::{Separator, Splitter, behind_terminal, trimmed};
 use super::hexadecimal::Hexadecimal;
 use super::layout::Layout;
 use super::line_ends::read_row;
@@ -78,6 +78,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let mut lines: Vec<(u64, String)> = Vec::new();
     let mut meta = Metadata::default();
     let mut remarks: Vec<(u64, String)> = Vec::new();
+    let mut rate_told = None;
     let (mut number, mut told, mut bytes) = (0, 0, 0);
     while told < LOOKED_AT_LINES && bytes < LOOKED_AT_BYTES {
         let mut line = String::new();
@@ -96,6 +97,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
                 if !is_nothing(comment) {
                     remarks.push((at, comment.trim().to_owned()));
                 }
+                rate_told = rate_told.or_else(|| rates::told(comment));
             }
         } else if !is_nothing(text) {
             (told, bytes) = (told + 1, bytes + line.len());
@@ -131,7 +133,7 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
     let skipped = layout.header.unwrap_or(layout.rows.min(lines.len()));
     let skipped = if line < lines[0].0 { 0 } else { skipped };
     let before = &texts[..skipped.min(texts.len())];
-    let rate = before.iter().find_map(|text| rates::before(text));
+    let rate = before.iter().find_map(|text| rates::before(text).or_else(|| rates::told(text))).or(rate_told);
     if layout.units.is_empty() {
         layout.units = properties::of_labview(before, &layout.names);
     }
@@ -232,6 +234,7 @@ fn remark_of_semicolon(text: &str) -> Option<&str> {
 
 /// Blank lines, rows of nothing but separators, the banner of a terminal, and a spreadsheet's remark on its own separator.
 pub fn is_nothing(text: &str) -> bool {
+    let text = behind_terminal(text);
     let remark = text.trim_matches('"');
     let separator =
         remark.len() <= 5 && remark.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("sep="));
@@ -239,7 +242,7 @@ pub fn is_nothing(text: &str) -> bool {
     separator
         || text.starts_with("=~=~=~")
         || text.starts_with(">>>")
-        || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', ' ']).is_empty()
+        || text.trim_matches([',', ';', '\t', '|', '-', '+', ':', '=', '_', ' ']).is_empty()
 }
 
 fn remember(path: &Path, meta: &mut Metadata, comment: &str, line: u64) -> Result<()> {

@@ -1,4 +1,4 @@
-//! Rows per second, as what stands before the rows tells them: LabVIEW's `Delta_X`, an oscilloscope's interval, Rigol's increment.
+//! Rows per second, as what stands before the rows tells them: LabVIEW's `Delta_X`, an oscilloscope's interval, Rigol's increment, a remark.
 
 use super::numbers::number;
 
@@ -11,6 +11,54 @@ pub(super) fn before(text: &str) -> Option<f64> {
     let key = key.trim().to_lowercase();
     let (_, unit_s) = INTERVALS.into_iter().find(|(known, _)| *known == key)?;
     of(unit_s * number(rest.split(between).next()?.trim())?)
+}
+
+/// The same of a line in words: `sampling rate: 100 Hz`, `fs = 100`, `Sample time: 10 ms`.
+pub(super) fn told(text: &str) -> Option<f64> {
+    const RATES: [&str; 7] = [
+        "sample rate",
+        "samplerate",
+        "sampling rate",
+        "sample frequency",
+        "sampling frequency",
+        "abtastrate",
+        "fs",
+    ];
+    const INTERVALS: [&str; 9] = [
+        "sample time",
+        "sampling time",
+        "sample interval",
+        "sampling interval",
+        "sample period",
+        "sampling period",
+        "abtastzeit",
+        "dt",
+        "ts",
+    ];
+    let (key, value) = text.split_once([':', '='])?;
+    let (key, value) = (key.trim().to_lowercase(), value.trim());
+    let end = value.find(|c: char| !c.is_ascii_digit() && !".,eE+-".contains(c)).unwrap_or(value.len());
+    let size = number(value[..end].trim())?;
+    let unit = value[end..].split_whitespace().next().unwrap_or_default().to_lowercase();
+    let rate = if RATES.contains(&key.as_str()) {
+        match unit.as_str() {
+            "" | "hz" | "sps" | "s/s" | "sa/s" | "1/s" => size,
+            "khz" | "ksps" | "ks/s" => 1e3 * size,
+            _ => return None,
+        }
+    } else if INTERVALS.contains(&key.as_str()) {
+        match unit.as_str() {
+            "s" | "sec" => 1.0 / size,
+            "ms" => 1e3 / size,
+            "us" | "\u{b5}s" | "\u{3bc}s" => 1e6 / size,
+            // Seconds have a fraction, or are too long for a motor.
+            "" if size < 1.0 => 1.0 / size,
+            _ => return None,
+        }
+    } else {
+        return None;
+    };
+    of(1.0 / rate)
 }
 
 /// The same of Rigol's header, whose last columns are none: `X,CH1,CH2,Start,Increment` above a row of what they are, or
@@ -36,6 +84,24 @@ fn of(interval_s: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_remark_tells_the_rate_in_words_and_the_speed_of_a_line_is_none() {
+        for (text, rate) in [
+            ("sampling rate: 100 Hz", Some(100.0)),
+            (" Sample rate: 2.5kHz", Some(2500.0)),
+            ("fs = 250", Some(250.0)),
+            ("Sampling time: 10 ms", Some(100.0)),
+            ("dt=0.005", Some(200.0)),
+            ("dt: 5", None),
+            ("baud rate: 115200", None),
+            ("sampling rate: high", None),
+            ("fs = 0", None),
+            ("gear_ratio: 100", None),
+        ] {
+            assert_eq!(told(text), rate, "{text}");
+        }
+    }
 
     #[test]
     fn a_header_of_rigol_tells_the_rate_and_what_is_no_column() {

@@ -14,7 +14,7 @@ const KERNEL_DIGITS: usize = 3;
 /// The stamp before a line, and the line: that of a serial monitor, `12:34:56.789 -> 1,2,3`, with a single `>`, or `[12:34:56.789] 1,2`;
 /// that of a board's own log, `I (1234) motor: 1,2`, in ms since it started; that of ROS, `[INFO] [1700000000.25] [motor]: 1,2`, in s;
 /// that of a program's logger, `2024-05-01 12:34:56,789 - motor - INFO - u=1 w=2`; that of a terminal, `2024-05-01 12:34:56.789 1,2`; that of
-/// a kernel's log, `[   12.345678] u=1 w=2`, in s.
+/// a kernel's log, `[   12.345678] u=1 w=2`, in s; a number in ms or s before values with names, `10 ms u=1 w=2`.
 pub fn stamped(line: &str) -> Option<(&str, &str)> {
     if let Some(found) = logged(line).or_else(|| logged_by_ros(line)) {
         return Some(found);
@@ -27,7 +27,8 @@ pub fn stamped(line: &str) -> Option<(&str, &str)> {
     let by_monitor = line.split_once("->").or_else(|| line.split_once(" > "));
     let by_monitor = by_monitor.map(|(stamp, rest)| (stamp.trim(), rest.trim()));
     let by_monitor = by_monitor.filter(|(stamp, _)| clock::moment(stamp).is_some());
-    by_monitor.or_else(|| logged_between_colons(line)).or_else(|| logged_by_program(line))
+    let by_program = || logged_between_colons(line).or_else(|| logged_by_program(line));
+    by_monitor.or_else(by_program).or_else(|| counted(line))
 }
 
 /// The time of a stamp, s: a board counts milliseconds, ROS seconds with their fraction, a serial monitor reads a clock.
@@ -114,6 +115,21 @@ fn logged_by_program(line: &str) -> Option<(&str, &str)> {
     (!is_count(stamp) && (is_name_first(rest) || is_row)).then_some((stamp, rest))
 }
 
+/// A line before which a number with its unit stands, whole in ms or with a fraction in s: behind it there are values with names, or a colon parts
+/// them.
+fn counted(line: &str) -> Option<(&str, &str)> {
+    let (count, rest) = line.split_at(line.find(|c: char| !c.is_ascii_digit() && c != '.')?);
+    let rest = rest.trim_start();
+    let (rest, is_whole) = match rest.strip_prefix("ms") {
+        Some(rest) => (rest, true),
+        None => (rest.strip_prefix('s')?, false),
+    };
+    let said = rest.trim_start_matches([' ', '\t', ':', ';', ',', '|']);
+    let is_apart = rest.len() > said.len() && (rest.starts_with(':') || is_name_first(said));
+    let is_time = count.parse::<f64>().is_ok() && count.contains('.') != is_whole;
+    (is_apart && is_time).then_some((count, said))
+}
+
 /// What follows the dash or bar that parts the fields of a logger's line.
 fn behind_bar(text: &str) -> Option<&str> {
     text.strip_prefix("- ").or_else(|| text.strip_prefix("| "))
@@ -194,6 +210,9 @@ mod tests {
             ),
             ("2024-05-01 12:34:56,789 INFO drive.py:42 - u=1 w=2", "2024-05-01 12:34:56,789", "u=1 w=2"),
             ("[   12.345678] u=1 w=2", "12.345678", "u=1 w=2"),
+            ("10 ms\tu:1\tw:2", "10", "u:1\tw:2"),
+            ("10ms: 0.00V 0.5rad", "10", "0.00V 0.5rad"),
+            ("0.01 s | u = 1 | w = 2", "0.01", "u = 1 | w = 2"),
             ("[12.345678 0.010002] u=1 w=2", "12.345678", "u=1 w=2"),
         ] {
             assert_eq!(stamped(line), Some((stamp, said)), "{line}");
@@ -213,6 +232,9 @@ mod tests {
             "1:02:03 PM,1,2",
             "0.01 1,2",
             "0.01 u=1 w=2",
+            "10 ms, 5 V, 3 rad/s",
+            "0.01 ms u=1",
+            "10 m u=1",
         ] {
             assert_eq!(stamped(line), None, "{line}");
         }

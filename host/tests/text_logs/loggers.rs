@@ -84,3 +84,31 @@ fn lines_that_all_hold_the_same_names_are_rows_as_before() {
     let text = lines("", |_, t, u, x| format!("[{:12.6}] u={u} theta={x}", 5.0 + t));
     read_same(text.as_bytes(), &mapped("voltage=u,angle=theta"), "a kernel's log");
 }
+
+#[test]
+fn what_stands_before_the_values_of_a_line_is_left_out_or_tells_their_time() {
+    let by_number = "time=0:ms,voltage=1:V,angle=2:rad";
+    let by_name = "voltage=u,angle=theta";
+    for (what, text, map) in [
+        ("J-Link", lines("00> \n", |k, _, u, x| format!("00> {},{u},{x}", 10 * k)), by_number),
+        ("a level and a name", lines("", |k, _, u, x| format!("<info> app: {},{u},{x}", 10 * k)), by_number),
+        ("Zephyr", lines("", |k, _, u, x| format!("[{}] <inf> motor: u {u} theta {x}", at(k))), by_name),
+        ("milliseconds", lines("", |k, _, u, x| format!("{} ms\tu:{u}\ttheta:{x}", 10 * k)), by_name),
+        (
+            "MicroPython",
+            lines(">>> import main\n", |k, _, u, x| format!("({}, {u}, {x})", 10 * k)),
+            by_number,
+        ),
+    ] {
+        read_same(text.as_bytes(), &mapped(map), what);
+    }
+}
+
+#[test]
+fn a_remark_tells_the_rate_that_is_proposed() {
+    for remark in ["# sampling rate: 250 Hz", "Sampling time: 4 ms", "% fs = 250"] {
+        let text = lines(&format!("{remark}\nu,theta\n"), |_, _, u, x| format!("{u},{x}"));
+        let proposal = refusal(&text).proposal.unwrap();
+        assert_eq!(proposal.rate.as_deref(), Some("250"), "{remark}");
+    }
+}
