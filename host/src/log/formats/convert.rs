@@ -38,10 +38,6 @@ const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
 const FRAMES: &str = "decode the frames with the DBC of the drive (python -m pip install cantools; of candump: python -m cantools decode \
                       --single-line DBC < OLD) and write the signals as CSV";
 
-const YAML: &str = "write it as JSON, which is read (python -m pip install pyyaml): python -c \"import json, yaml; \
-                    docs = [one for one in yaml.safe_load_all(open('OLD')) if one]; \
-                    json.dump(docs if len(docs) > 1 else docs[0], open('NEW.json', 'w'))\"; of a ROS topic: ros2 topic echo --csv TOPIC > NEW.csv";
-
 const FOREIGN: [Foreign; 34] = [
     content("XML", b"<?xml", "export the table as CSV from the program that made it"),
     content("a page of the web", b"<!DOCTYPE", WEB),
@@ -114,30 +110,9 @@ pub fn named(start: &[u8], path: &Path) -> Option<Fault> {
         b"TDSm" | b"FEA1" | b"GIF8" => !is_text && start.starts_with(row.magic),
         magic => start.get(row.at..).is_some_and(|rest| rest.starts_with(magic)),
     });
-    let by_lines = || {
-        let yaml = is_yaml(start).then_some(("YAML", YAML));
-        yaml.or_else(|| are_frames(start).then_some(("a log of CAN frames", FRAMES)))
-    };
-    let known = row.map(|row| (row.name, row.remedy)).or_else(by_lines);
+    let known = row.map(|row| (row.name, row.remedy));
+    let known = known.or_else(|| are_frames(start).then_some(("a log of CAN frames", FRAMES)));
     known.map(|(name, remedy)| Fault::new(format!("this is {name}, not a log that is read"), remedy))
-}
-
-/// Whether a text begins with a key that has nothing behind it but indented lines or a list below it, or with a list of keys.
-fn is_yaml(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    let mut lines =
-        text.lines().map(str::trim_end).filter(|line| !matches!(*line, "" | "---") && !line.starts_with('#'));
-    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
-    let is_key = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '_');
-    let is_bare = first.strip_suffix(':').is_some_and(is_key);
-    let item = |line: &str| {
-        let item = line.strip_prefix("- ")?.trim_start_matches('{');
-        item.split_once(':')
-            .filter(|(key, rest)| is_key(key) && (rest.is_empty() || rest.starts_with(' ')))
-            .map(|_| ())
-    };
-    let goes_on = second.starts_with("  ") || item(second).is_some();
-    is_bare && (goes_on || second.starts_with("- ")) || item(first).is_some() && goes_on
 }
 
 /// Whether a text begins with CAN frames as candump prints them, `(1714557600.25) can0 123#00FF` or `can0  123  [2]  00 FF`, or as Vector's
@@ -176,8 +151,6 @@ mod tests {
             (b"PK\x03\x04", "x", "zip", "unpack"),
             (b"%PDF-1.7", "x.pdf", "PDF", "the log itself"),
             (b"<?xml version='1.0'?>", "x.xml", "XML", "CSV"),
-            (b"motor:\n  name: x\nsamples:\n  - time: 0\n", "x.csv", "YAML", "safe_load_all"),
-            (b"---\n- {time: 0.0, pwm: 0}\n- {time: 0.1, pwm: 0}\n", "x.yml", "YAML", "JSON"),
             (
                 b"(1714557600.250000) can0 123#00FF\n(1714557600.260000) can0 123#01FF\n",
                 "x.log",
@@ -186,7 +159,6 @@ mod tests {
             ),
             (b"  can0  123   [2]  00 FF\n  can0  124   [2]  01 FF\n", "x.txt", "CAN frames", "cantools"),
             (b"date Wed May 1 12:00:00 2024\nbase hex  timestamps absolute\n", "x.asc", "CAN frames", "DBC"),
-            (b"position:\n- 0.1\n- 0.2\n---\n", "x", "YAML", "ros2 topic echo --csv"),
         ] {
             let fault = named(start, Path::new(name)).unwrap();
             assert!(fault.why.contains(is) && fault.remedy.contains(remedy), "{name}: {fault:?}");

@@ -40,6 +40,7 @@ mod transposed;
 mod wpilog;
 #[cfg(feature = "log-xlsx")]
 mod xlsx;
+mod yaml;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -128,7 +129,7 @@ macro_rules! reader {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1A\n";
 
 /// All formats that are read. The content decides; among archives, what is in them.
-const FORMATS: [Known; 14] = [
+const FORMATS: [Known; 15] = [
     Known {
         name: "a WPILib data log",
         extension: "wpilog",
@@ -147,6 +148,7 @@ const FORMATS: [Known; 14] = [
         is: tagged::is,
         how: How::Read(tagged::read),
     },
+    Known { name: "YAML", extension: "yaml", is: yaml::is, how: How::Read(yaml::read) },
     Known {
         name: "a list of values with their names",
         extension: "txt",

@@ -35,8 +35,9 @@ pub fn is(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     // The last line is perhaps cut off.
     let Some((whole, _)) = text.rsplit_once('\n') else { return false };
-    let lines: Vec<&str> =
-        whole.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).collect();
+    // Dashes part the messages of a ROS topic.
+    let is_told = |line: &&str| !matches!(line.trim(), "" | "---") && !line.starts_with('#');
+    let lines: Vec<&str> = whole.lines().filter(is_told).collect();
     if lines.len() < FEWEST_LINES {
         return false;
     }
@@ -228,6 +229,9 @@ mod tests {
         let is = |text: String| is(text.as_bytes());
         assert!(is(of(&|k| format!(">u:{k}\n>x:{k}\n"))));
         assert!(is(of(&|k| format!("u: {k}\r\nx: {k}\r\n"))));
+        assert!(is(of(&|k| format!("pwm: {k}\nenc: {k}\n---\n"))));
+        assert!(is(of(&|k| format!("pwm: {k} volts: 12\nenc: {k} temp: 30\n"))));
+        assert!(!is(of(&|k| format!("pwm: {k} enc: {k}\n{}", if k % 2 == 0 { "pwm: 1\n" } else { "" }))));
         assert!(!is(of(&|k| format!("key{k}: {k}\n"))));
         assert!(!is(of(&|k| format!("t:{k} u:{k}\n"))));
         assert!(!is(of(&|k| format!("{k},{k}\n"))));
