@@ -33,6 +33,9 @@ impl OfFile {
 pub(super) struct Thousands {
     written: OfFile,
     decimal: Vec<char>,
+    /// Signs that numbers of nothing else have for a decimal one, and those that stand where thousands would.
+    plain: Vec<char>,
+    grouped: Vec<char>,
 }
 
 impl Thousands {
@@ -42,14 +45,29 @@ impl Thousands {
             self.written.read(column, text);
             let is_decimal = |sign: &char| text.contains(*sign) && !is_thousands(text, *sign);
             self.decimal.extend(['.', ','].into_iter().filter(is_decimal));
+            let is_plain = |sign: &char| is_decimal(sign) && is_plain(text, *sign);
+            self.plain.extend(['.', ','].into_iter().filter(is_plain));
+            self.grouped.extend(['.', ','].into_iter().filter(|sign| is_thousands(text, *sign)));
         }
     }
 
     /// The sign, where the rows tell one.
     pub fn sign(&self) -> Option<char> {
         let told = self.written.columns.iter().find_map(|column| column.between);
+        // A file has one decimal sign: where the other one stands, it stands between thousands.
+        let beside = |[sign, other]: [char; 2]| {
+            let is_one = self.grouped.contains(&sign) && self.plain.contains(&other);
+            is_one.then_some(sign)
+        };
+        let told = told.or_else(|| [['.', ','], [',', '.']].into_iter().find_map(beside));
         told.filter(|sign| !self.decimal.contains(sign))
     }
+}
+
+/// Whether a text is digits with this sign between them, once.
+fn is_plain(text: &str, sign: char) -> bool {
+    let digits = |c: char| c.is_ascii_digit() || c == sign;
+    text.trim_start_matches(['-', '+']).chars().all(digits) && text.matches(sign).count() == 1
 }
 
 /// The decimal sign of a file, from the first number on that has one beyond doubt: no number of the file has it between its thousands.
@@ -61,11 +79,7 @@ impl DecimalSign {
     fn allows(&mut self, text: &str) -> bool {
         let count = |sign: char| text.matches(sign).count();
         let Some(sign) = self.0 else {
-            let is_plain = |sign: char| {
-                let digits = |c: char| c.is_ascii_digit() || c == sign;
-                text.trim_start_matches(['-', '+']).chars().all(digits) && count(sign) == 1
-            };
-            let is_decimal = |sign: &char| is_plain(*sign) && !is_grouped(text, &[*sign]);
+            let is_decimal = |sign: &char| is_plain(text, *sign) && !is_grouped(text, &[*sign]);
             self.0 = ['.', ','].into_iter().find(is_decimal);
             return true;
         };
@@ -255,6 +269,11 @@ mod tests {
         let decimals = [["980", "0.125", "1"], ["990", "6.25", "1"], ["1.000", "7", "2"]];
         assert_eq!(told(&decimals), None);
         assert_eq!(told(&[["0", "6.000", "1"], ["1", "6.125", "2"]]), None);
+        // The other sign is a decimal one, and no number has both for that.
+        assert_eq!(told(&[["0.01", "5.5", "10,000"], ["0.02", "5.5", "10,125"]]), Some(','));
+        assert_eq!(told(&[["0,01", "5,5", "10.000"], ["0,02", "5,5", "-10.125"]]), Some('.'));
+        assert_eq!(told(&[["0.01", "5.5", "10,000"], ["0.02", "5.5", "0,125"]]), None);
+        assert_eq!(told(&[["12:00:00.25", "5,125", "1"], ["12:00:00.26", "6,125", "2"]]), None);
         assert_eq!(OfFile::default().read(1, "-4.000"), Some(-4.0));
     }
 
