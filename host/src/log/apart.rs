@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use super::clock::Clock;
+use super::samples::FEWEST_SAMPLES;
 use super::table::{self, Part, Read};
 use super::units::Quantity;
 use super::{Metadata, ReadOptions, Record, Warning, guess, preamble, sample, text};
@@ -151,6 +152,12 @@ fn joined(input: &Path, output: &Path, mut driven: Read, moved: Read) -> Result<
         )
         .into());
     }
+    if moved.time_s.len() < FEWEST_SAMPLES {
+        let why = format!("{} samples of the motion are too few to fit a motor", moved.time_s.len());
+        let remedy =
+            format!("record at least {FEWEST_SAMPLES} samples, better some seconds with changing voltage");
+        return Err(BadInput::new(output, why, remedy).into());
+    }
     let place = format!("{}+{}", input.display(), output.display());
     let held: Vec<usize> =
         common.iter().map(|&k| driven.time_s.partition_point(|t| *t <= moved.time_s[k]) - 1).collect();
@@ -227,6 +234,29 @@ mod tests {
         let mut text = "t,value\n".to_owned();
         (0..40).for_each(|k| writeln!(text, "{:.3},{}", 0.205 + 0.02 * f64::from(k), k % 5).unwrap());
         text
+    }
+
+    #[test]
+    fn an_input_that_is_logged_where_it_changes_is_none_too_short_and_an_output_is() {
+        let map = Some("time=t,voltage=value,angle=value".parse().unwrap());
+        let options = ReadOptions { map, ..ReadOptions::default() };
+        let (_directory, path) = files("t,value\n0.00,0\n0.20,6\n0.99,-4\n", &output(0.0));
+        let record = read(&path, &options).unwrap().remove(0);
+        assert_eq!((record.len(), record.voltage_v[19], record.voltage_v[20]), (100, 0.0, 6.0));
+        let (_directory, path) = files(&input(), "t,value\n0.3,0\n0.4,1\n0.5,2\n");
+        let refused = read(&path, &options).unwrap_err().to_string();
+        assert!(refused.contains("3 samples of the motion are too few"), "{refused}");
+    }
+
+    #[test]
+    fn times_of_other_names_in_the_same_place_are_proposed_by_their_number() {
+        let (_directory, path) =
+            files(&input().replace("t,value", "t,volts"), &output(0.2).replace("t,value", "timestamp,theta"));
+        let Err(Error::BadInput(fault)) = read(&path, &ReadOptions::default()) else { panic!("it was read") };
+        let map = fault.proposal.unwrap().map;
+        assert_eq!(map, "time=0:s,voltage=volts:V,angle=theta:rad");
+        let options = ReadOptions { map: Some(map.parse().unwrap()), ..ReadOptions::default() };
+        assert_eq!(read(&path, &options).unwrap().len(), 1);
     }
 
     #[test]

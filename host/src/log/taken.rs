@@ -88,6 +88,8 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
         let fix = "say with --map which columns are to be read, without this one where it is empty";
         return Err(BadInput::new(path, why, fix).in_column(&column.header).into());
     }
+    // Of two files the one of the motion is counted where they are joined.
+    let samples = if *part == Part::Half { samples.of_at_least(1) } else { samples };
     let (mut columns, mut warnings) = samples.finish(Some(Place::Line(head.line)))?;
     let file = path.display();
     let mut say =

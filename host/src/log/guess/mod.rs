@@ -288,12 +288,19 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
     let (mut drives, mut moves) = (of(input), of(output));
     let time = |sample: &Sample, parts: &[Part]| {
         let part = parts.iter().find(|part| part.quantity == Time)?;
-        Some((column(&sample.names, part.index), part.unit.clone()))
+        Some((column(&sample.names, part.index), part.unit.clone(), (part.index, part.rest)))
     };
-    // One mapping must fit both files.
-    if time(input, &drives) != time(output, &moves) {
-        return None;
-    }
+    // One mapping must fit both files: times of other names do where they stand in the same place.
+    let by_number = match (time(input, &drives), time(output, &moves)) {
+        (Some((name, unit, place)), Some((other, other_unit, other_place))) => {
+            if unit != other_unit || name != other && (place != other_place || place.1.is_some()) {
+                return None;
+            }
+            (name != other).then(|| (format!("time={name}:"), format!("time={}:", place.0)))
+        }
+        (None, None) => None,
+        _ => return None,
+    };
     drives.retain(|part| ![Angle, Speed, Current, Interval].contains(&part.quantity));
     let taken = drive::drive_alone(input, &drives);
     drives.extend(taken.as_ref().map(|(part, _)| part.clone()));
@@ -306,8 +313,12 @@ pub(super) fn propose_apart(input: &Sample, output: &Sample) -> Option<Proposal>
     }
     let first = written(&input.names, &drives, &input.rows, input.stamped);
     let second = written(&output.names, &moves, &output.rows, true);
+    let of_first = match by_number {
+        Some((name, number)) => first.map.replacen(&name, &number, 1),
+        None => first.map.clone(),
+    };
     Some(Proposal {
-        map: format!("{},{}", first.map, second.map),
+        map: format!("{of_first},{}", second.map),
         counts_per_rev: second.counts_per_rev.or(first.counts_per_rev),
         metres_per_rev: second.metres_per_rev.or(first.metres_per_rev),
         preview: [first.preview, second.preview].concat(),

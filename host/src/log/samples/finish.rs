@@ -67,7 +67,7 @@ impl Samples {
             let fault = BadInput::new(&self.path, why, remedy).proposing(proposal);
             return Err(first.mark(fault).in_column(&self.headers[0]).into());
         }
-        if kept < FEWEST_SAMPLES {
+        if kept < self.fewest {
             let fault = BadInput::new(
                 &self.path,
                 format!("{kept} samples are too few to fit a motor"),

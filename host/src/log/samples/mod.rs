@@ -78,6 +78,8 @@ pub struct Samples {
     /// The lines since the last row that are no rows.
     strays: Option<Strays>,
     cut_at_text: bool,
+    /// Fewer samples are refused.
+    fewest: usize,
     /// Another column that rises and is called a time.
     other_clock: Option<String>,
     repeats: usize,
@@ -116,6 +118,7 @@ impl Samples {
             bad: Vec::new(),
             bad_count: 0,
             strays: None,
+            fewest: FEWEST_SAMPLES,
             cut_at_text: false,
             other_clock: None,
             repeats: 0,
@@ -124,6 +127,12 @@ impl Samples {
             late: Vec::new(),
             stale: None,
         }
+    }
+
+    /// Takes so few samples for enough: what drives a motor may be logged where it changes.
+    pub fn of_at_least(mut self, fewest: usize) -> Self {
+        self.fewest = fewest;
+        self
     }
 
     /// Names a column that may have been meant where the time goes back.
