@@ -110,6 +110,11 @@ fn are_in_turn(rows: &[Row<'_>], kinds: &Kinds<'_>) -> bool {
     in_order as f64 >= MOST * rows.len().saturating_sub(1) as f64 && rarest as f64 >= MOST * most as f64
 }
 
+/// A line without its stamp.
+fn said(line: &str) -> &str {
+    stamped(line.trim()).map_or(line, |(_, said)| said)
+}
+
 /// Whether a file that begins so has lines of several kinds.
 pub fn is(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
@@ -131,14 +136,14 @@ pub fn is(start: &[u8]) -> bool {
     // Below a header that names every field it is a table, and the word one of its columns.
     let width = |line: &str| line.split([',', ';', '\t']).count();
     let is_headed = lines.first().is_some_and(|head| {
+        let head = said(head);
         row(head).is_none()
             && head.chars().any(char::is_alphabetic)
             && rows.iter().all(|(_, values)| width_of(values) + 1 == width(head))
     });
     // `name: value` is a list of values.
-    let said = |line: &&str| stamped(line.trim()).is_none_or(|(_, said)| said.contains(':'));
     let are_values = || {
-        lines.iter().all(|line| line.contains(':') && said(line))
+        lines.iter().all(|line| said(line).contains(':'))
             && rows.iter().all(|(_, values)| width_of(values) == 1)
     };
     // Words before as many numbers each, in no order, are states.

@@ -134,6 +134,8 @@ fn stamps_of_a_monitor_before_the_lines_are_their_times() {
         format!("{0} -> PWM,{1},{2}\n{0} -> ENC,{1},{3}\n", stamp(k, 0), 10 * k, duty(k), 7 * k)
     });
     records(&own, "time=stamp:ms,duty=PWM:255,angle=ENC:rev/1000", 12.0, None);
+    let single = lines(400, |k| format!("{0} -> PWM,{1}\n{0} -> ENC,{2}\n", stamp(k, 0), duty(k), 7 * k));
+    records(&single, "time=time_s,duty=PWM:255,angle=ENC:rev/1000", 12.0, None);
     let states =
         lines(400, |k| format!("{} -> {},120,{k}\n", stamp(k, 0), if k % 5 == 0 { "SAT" } else { "OK" }));
     assert!(!is(states.as_bytes()));
