@@ -13,7 +13,8 @@ const HUGE: f64 = 1e20;
 const OFTEN: f64 = 0.05;
 /// ... nor a column in which none is larger than this.
 const TINY: f64 = 1e-30;
-/// Whole numbers of 16 bits or more jump, half of the time, by this share of what they span; at random it is 0.29, as noise it is 0.15.
+/// Whole numbers of 16 bits or more jump, half of the time, by this share of what they span, and so do their steps; at random it is 0.29 and
+/// 0.25, as noise 0.15.
 const WIDE: f64 = 32_768.0;
 const JUMP: f64 = 0.2;
 const FEWEST_JUMPS: usize = 50;
@@ -82,12 +83,18 @@ impl Fault {
         let mut different = values.to_vec();
         different.sort_by(f64::total_cmp);
         different.dedup();
-        let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // An angle that begins anew at a turn jumps too, but its steps are as long as those before them, but for whole turns.
+        let change = |pair: &[f64]| {
+            let change = (pair[1] - pair[0]).rem_euclid(all);
+            change.min(all - change)
+        };
         let is_wide = values.len() >= FEWEST_JUMPS
             && values.iter().all(|value| value.fract() == 0.0)
             && all >= WIDE
             && 2 * different.len() >= values.len();
-        let share = if is_wide { median(&mut steps) / all } else { 0.0 };
+        let is_random = is_wide && usual(steps.windows(2).map(change)) >= JUMP * all;
+        let share = if is_random { usual(steps.iter().map(|step| step.abs())) / all } else { 0.0 };
         (share >= JUMP).then_some(Fault::Jumps(share))
     }
 
@@ -107,6 +114,11 @@ impl Fault {
             }
         }
     }
+}
+
+/// The middle one of some sizes.
+fn usual(sizes: impl Iterator<Item = f64>) -> f64 {
+    median(&mut sizes.collect::<Vec<_>>())
 }
 
 /// Whether nearly all steps are the same.
@@ -162,14 +174,9 @@ fn said(sample: &Sample, faults: &[(usize, Fault)]) -> String {
     if faults.len() > NAMED {
         all += &format!(", and {} more columns are like them", faults.len() - NAMED);
     }
-    let aliased = if faults.iter().any(|(_, fault)| matches!(fault, Fault::Jumps(_))) {
-        ", or a shaft that turns by more than a quarter of its range between two rows, which is to be logged more often"
-    } else {
-        ""
-    };
     format!(
         "{all}: those are no measurements but bytes of something else, as of a printf whose format is not that of its argument (%d of a float, %f of \
-         a whole number), of a structure that is unpacked otherwise than it was packed, or of a wrong baud rate{aliased}; print and unpack each \
+         a whole number), of a structure that is unpacked otherwise than it was packed, or of a wrong baud rate; print and unpack each \
          number as what it is, look whether single lines read right, and log again"
     )
 }
@@ -182,7 +189,7 @@ mod tests {
     /// Numbers without any order, 0 to 2^32.
     fn random(k: u32) -> u32 {
         let mixed = (k.wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995).wrapping_mul(0x85EB_CA6B);
-        (mixed ^ mixed >> 13).wrapping_mul(0xC2B2_AE35)
+        (mixed ^ (mixed >> 13)).wrapping_mul(0xC2B2_AE35)
     }
 
     fn sample(header: &str, value: impl Fn(u32) -> f64) -> Sample {
@@ -244,6 +251,7 @@ mod tests {
             ("t_ms;volts;rpm", &noise as &dyn Fn(u32) -> f64),
             ("t_ms;volts;rpm", &|k: u32| 4000.0 + 100.0 * noise(k)),
             ("t_ms;volts;position", &|k: u32| f64::from((100 * k) % 4096)),
+            ("t_ms;volts;position", &|k: u32| f64::from((17_000 * k + 10 * k * k) % 65_536)),
             ("t_ms;volts;position", &|k: u32| 1e9 + 1e3 * f64::from(k)),
             ("t_ms;volts;position", &spike),
             ("t_ms;volts;limit", &|_: u32| f64::from(f32::MAX)),
