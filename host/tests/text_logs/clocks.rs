@@ -93,6 +93,10 @@ fn a_rate_tells_the_time_where_its_column_cannot_and_the_refusal_proposes_it() {
     for (head, unit) in [(HEADER, ""), ("t,u,theta\n", "time=t:s,voltage=u:V,angle=theta:rad")] {
         let text = lines(head, |_, t, u, x| format!("{:.1},{u},{x}", (10.0 * t + 1e-9).floor() / 10.0));
         let options = mapped(unit);
+        if head != HEADER {
+            let proposal = refusal(&text).proposal.unwrap();
+            assert_eq!((proposal.map.as_str(), proposal.rate.as_deref()), (unit, Some("100")));
+        }
         let refused = read_bytes(text.as_bytes(), &options).unwrap_err();
         let motorlens::error::Error::BadInput(fault) = refused else { panic!("{refused}") };
         assert!(fault.why.contains("repeat the time"), "{fault}");

@@ -168,6 +168,41 @@ pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
     (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
 }
 
+/// More samples than this share that repeat the time of the one before make a clock none.
+const MOST_REPEATED: f64 = 0.1;
+/// Rows from which they are counted.
+const COUNTED: usize = 2000;
+
+/// Rows a second, to three digits, where the times of a log have too few digits to tell its samples apart: whole seconds, say.
+pub(super) fn rate_of_coarse(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
+    let time = parts.iter().find(|part| part.quantity == Quantity::Time && part.rest.is_none())?;
+    let second = Unit::parse(Quantity::Time, &time.unit).ok()?.factor;
+    let motions = || parts.iter().filter(|part| [Quantity::Angle, Quantity::Speed].contains(&part.quantity));
+    let is_read = |row: &&Vec<f64>| {
+        motions()
+            .map(|part| part.index)
+            .chain([time.index])
+            .all(|k| row.get(k).is_some_and(|x| x.is_finite()))
+    };
+    let read: Vec<&Vec<f64>> = rows.iter().take(COUNTED).filter(is_read).collect();
+    let at = |k: usize| read[k][time.index] * second;
+    let steps = || 1..read.len();
+    // What stands there twice was printed twice.
+    let is_again = |k: usize| {
+        let mut both = read[k].iter().zip(read[k - 1]);
+        both.all(|(one, other)| one == other || one.is_nan() && other.is_nan())
+    };
+    let repeats = steps().filter(|k| at(*k) == at(k - 1) && !is_again(*k)).count();
+    if repeats as f64 <= MOST_REPEATED * read.len() as f64 || steps().any(|k| at(k) < at(k - 1)) {
+        return None;
+    }
+    let mut changes = steps().filter(|k| at(*k) > at(k - 1));
+    let (first, last) = (changes.next()?, changes.next_back()?);
+    let rate = (last - first) as f64 / (at(last) - at(first));
+    let digits = 10_f64.powf(rate.log10().floor() - 2.0);
+    Some((rate / digits).round() * digits).filter(|rate| rate.is_finite() && *rate > 0.0)
+}
+
 /// Share of its steps that rise in a clock; a file may hold several recordings.
 pub(super) const RISES: f64 = 0.95;
 /// What rises in fewer of its steps is none.
@@ -334,6 +369,24 @@ mod tests {
         let names = ["timestep", "voltage", "position"].map(str::to_owned);
         let proposal = propose(&names, &(0..100).map(row).collect::<Vec<_>>()).unwrap();
         assert!(proposal.map.starts_with("voltage=") && proposal.rate.is_some(), "{}", proposal.map);
+    }
+
+    #[test]
+    fn times_of_too_few_digits_tell_the_rate_and_rows_twice_or_of_several_rates_do_not() {
+        let names = ["t", "u", "theta"].map(str::to_owned);
+        let rate = |row: &dyn Fn(usize) -> [f64; 3]| {
+            let rows: Vec<Vec<f64>> = (0..600).map(|k| row(k).to_vec()).collect();
+            rate_of_coarse(&super::super::parts(&names, &rows), &rows)
+        };
+        let (volts, angle) = (|k: usize| (0.1 * k as f64).sin(), |k: usize| (0.01 * k as f64).powi(2));
+        assert_eq!(rate(&|k: usize| [(k / 100) as f64, volts(k), angle(k)]), Some(100.0));
+        assert_eq!(rate(&|k: usize| [0.01 * k as f64, volts(k), angle(k)]), None);
+        assert_eq!(rate(&|k: usize| [0.01 * (k / 2) as f64, volts(k / 2), angle(k / 2)]), None);
+        let in_turn = |k: usize| {
+            let t = 0.01 * (k / 2) as f64;
+            if k % 2 == 0 { [t, volts(k), f64::NAN] } else { [t, f64::NAN, angle(k)] }
+        };
+        assert_eq!(rate(&in_turn), None);
     }
 
     #[test]

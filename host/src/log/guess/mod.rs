@@ -222,6 +222,9 @@ fn propose_from(sample: &Sample) -> Option<Proposal> {
     if proposal.rate.is_some() {
         proposal.unknown_units.extend(sample.clock.as_ref().map(interval::Clock::question));
     }
+    if let Some(rate) = clocks::rate_of_coarse(&parts, &sample.rows) {
+        proposal.rate = Some(rate.to_string());
+    }
     proposal.preview.extend(preview::unused(&sample.names, &sample.rows, &parts));
     proposal.unknown_units.extend(steady_states(sample, &parts));
     proposal.unknown_units.extend(other_clock(sample, &parts));
