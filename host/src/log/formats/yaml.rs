@@ -230,7 +230,8 @@ mod tests {
                 "name": ["wheel"], "position": [0.5, -1e-5], "velocity": []
             })
         );
-        let samples = "# by hand\nmotor:\n  name: \"x: y\"\nsamples:\n  - time: 0.0  # s\n    pwm: 1\n  - {time: 0.1, pwm: 2, q: [1, 2]}\n  -\n    time: 0.2\n";
+        let samples = "# by hand\nmotor:\n  name: \"x: y\"\nsamples:\n  - time: 0.0  # s\n    pwm: 1\n  - {time: 0.1, pwm: 2, q: [1, 2]}\n\
+                       \x20 -\n    time: 0.2\n";
         assert_eq!(
             document(samples),
             json!({
@@ -243,8 +244,8 @@ mod tests {
             json!({"a": null, "b": true, "c": null, "d": "on"})
         );
         let deep: String = (0..200).map(|k| format!("{}a:\n", " ".repeat(k))).collect();
-        for odd in [deep.as_str(), "- - - 1", "a\n b\nc", "[[[[", "{a: {b: [", ": 1", "- a: 1\n b: 2\n"] {
-            document(odd);
+        for text in [deep.as_str(), "- - - 1", "a\n b\nc", "[[[[", "{a: {b: [", ": 1", "- a: 1\n b: 2\n"] {
+            document(text);
         }
     }
 
