@@ -177,8 +177,8 @@ fn rows(lines: &[Line<'_>], moments: &[Option<f64>]) -> Result<Table, Fault> {
     let mut counts: Vec<(String, usize)> = Vec::new();
     for (_, entry) in entries() {
         let name = titled(entry);
-        match counts.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, count)) => *count += 1,
+        match counts.iter().position(|(known, _)| *known == name) {
+            Some(known) => counts[known].1 += 1,
             None if counts.len() < MOST_NAMES => counts.push((name, 1)),
             None => {}
         }

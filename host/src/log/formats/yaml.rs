@@ -261,7 +261,7 @@ mod tests {
                 1_700_000_000 + k / 50,
                 k % 50 * 20_000_000
             );
-            let _ = write!(list, "- {{time: {t}, u: {u}, theta: {x}}}\n");
+            let _ = writeln!(list, "- {{time: {t}, u: {u}, theta: {x}}}");
         }
         for (text, map) in [
             (echo, "time=header.stamp.sec+header.stamp.nanosec:ns,voltage=effort[0]:V,angle=position[0]:rad"),

@@ -384,7 +384,7 @@ mod tests {
         assert_eq!(rate(&|k: usize| [0.01 * (k / 2) as f64, volts(k / 2), angle(k / 2)]), None);
         let in_turn = |k: usize| {
             let t = 0.01 * (k / 2) as f64;
-            if k % 2 == 0 { [t, volts(k), f64::NAN] } else { [t, f64::NAN, angle(k)] }
+            if k.is_multiple_of(2) { [t, volts(k), f64::NAN] } else { [t, f64::NAN, angle(k)] }
         };
         assert_eq!(rate(&in_turn), None);
     }
