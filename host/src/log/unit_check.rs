@@ -23,7 +23,7 @@ const FRANTIC: f64 = 1000.0;
 /// About 140,000 turns a minute, beyond any brushed motor, rad/s.
 const FASTEST_SHAFT: f64 = 15_000.0;
 /// Beyond this, V or rad/s, no unit makes a motor of the numbers.
-const BEYOND_UNITS: f64 = 1e12;
+const BEYOND_UNITS: f64 = 1e15;
 
 /// Units that are wrong beyond doubt.
 pub fn unit_faults(record: &Record) -> Vec<Fault> {
@@ -38,20 +38,32 @@ pub(super) fn fault(column: &'static str, why: String, fix: impl Into<String>) -
     Fault { name: "wrong_units", column, why, fix: fix.into() }
 }
 
-/// Numbers that are none of a motor in any unit.
+/// Numbers that are none of a motor in any unit: more of them than a hundredth.
 fn bytes(record: &Record) -> Option<Fault> {
-    let (volts, speed) = (usual_peak(record.voltage_v.clone()), top_speed(record));
-    let (column, size) =
-        if speed > BEYOND_UNITS { (motion_column(record), speed) } else { ("voltage_v", volts) };
-    (size > BEYOND_UNITS).then(|| {
-        let of = if column == "voltage_v" { "V" } else { "rad/s" };
-        fault(
-            column,
-            format!("{size:.1e} {of} is of no motor in any unit: the numbers are bytes of something else"),
-            "print and unpack each number as what it is (%f of a float, %d of a whole number), check the baud rate, look whether single lines read \
-             right, and log again",
-        )
-    })
+    let many = |beyond: usize| 100 * beyond > record.len();
+    let beyond = |values: &[f64]| values.iter().filter(|value| value.abs() > BEYOND_UNITS).count();
+    let moves = |angle: &[f64]| {
+        let steps = angle.windows(2).zip(record.time_s.windows(2));
+        steps.filter(|(x, t)| (x[1] - x[0]).abs() > BEYOND_UNITS * (t[1] - t[0])).count()
+    };
+    let speeds = match (&record.speed_rad_s, &record.angle_rad) {
+        (Some(speed), _) => beyond(speed),
+        (None, Some(angle)) => moves(angle),
+        (None, None) => 0,
+    };
+    let (column, size, of) = if many(speeds) {
+        (motion_column(record), top_speed(record), "rad/s")
+    } else if many(beyond(&record.voltage_v)) {
+        ("voltage_v", peak(&record.voltage_v), "V")
+    } else {
+        return None;
+    };
+    Some(fault(
+        column,
+        format!("{size:.1e} {of} is of no motor in any unit: the numbers are bytes of something else"),
+        "print and unpack each number as what it is (%f of a float, %d of a whole number), check the baud rate, look whether single lines read \
+         right, and log again",
+    ))
 }
 
 fn whole(values: &[f64]) -> bool {
@@ -247,17 +259,12 @@ fn motion_column(record: &Record) -> &'static str {
 /// The fastest motion of the output shaft, rad/s. A glitch of the sensor is no wrong unit, so the fastest hundredth of
 /// the samples does not count.
 fn top_speed(record: &Record) -> f64 {
-    usual_peak(speed(record))
-}
-
-/// The largest magnitude but for a hundredth of the values.
-fn usual_peak(mut values: Vec<f64>) -> f64 {
-    values.iter_mut().for_each(|value| *value = value.abs());
-    if values.is_empty() {
+    let mut magnitudes: Vec<f64> = speed(record).iter().map(|speed| speed.abs()).collect();
+    if magnitudes.is_empty() {
         return 0.0;
     }
-    let index = (values.len() - 1) * 99 / 100;
-    *values.select_nth_unstable_by(index, f64::total_cmp).1
+    let index = (magnitudes.len() - 1) * 99 / 100;
+    *magnitudes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 #[cfg(test)]
