@@ -226,7 +226,20 @@ fn with_reader<T>(delimiter: u8, act: impl FnOnce(&mut Reader) -> T) -> T {
 /// other, as a row of a matrix or a message.
 pub fn trimmed(line: &str) -> &str {
     let line = behind_terminal(line.trim_matches(|c: char| c.is_whitespace() && c != '\t'));
+    let line = without_checksum(line);
     line.strip_suffix(';').filter(|rest| !rest.contains(';')).map_or(line, str::trim_end)
+}
+
+/// A sentence as receivers of satellites write them, `$MOT,10,80,7*5A`, without its checksum.
+fn without_checksum(line: &str) -> &str {
+    match line.rsplit_once('*') {
+        Some((sentence, sum))
+            if sentence.starts_with('$') && sum.len() == 2 && sum.bytes().all(|b| b.is_ascii_hexdigit()) =>
+        {
+            sentence
+        }
+        _ => line,
+    }
 }
 
 /// What follows the terminal's number that J-Link's viewer puts before every line, `00> 10,80,7`.
@@ -238,12 +251,14 @@ pub(super) fn behind_terminal(line: &str) -> &str {
     }
 }
 
-/// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `(1, 2)`, `| 1 | 2 |`.
+/// What is between the brackets or bars that a whole line stands in: `[1, 2]`, `[1, 2],`, `(1, 2)`, `<1,2>`, `| 1 | 2 |`.
 fn unwrapped(line: &str) -> &str {
-    let wrapped = [('[', ']'), ('(', ')'), ('|', '|')];
+    let wrapped = [('[', ']'), ('(', ')'), ('<', '>'), ('|', '|')];
+    // Rows of a list end with a comma.
+    let bare = line.strip_suffix(',').map_or(line, str::trim_end);
     let inside = wrapped
         .into_iter()
-        .find_map(|(open, close)| line.strip_prefix(open)?.strip_suffix(close).map(|inside| (open, inside)));
+        .find_map(|(open, close)| bare.strip_prefix(open)?.strip_suffix(close).map(|inside| (open, inside)));
     match inside {
         Some(('|', inside)) => inside,
         // `(ms),(V)` is none.
@@ -294,6 +309,10 @@ mod tests {
         assert_eq!(fields("\"say \"\"hi\"\"\"\tx", b'\t'), ["say \"hi\"", "x"]);
         assert_eq!(fields("\"0,01\",\"5,2\"", b','), ["0,01", "5,2"]);
         assert_eq!(fields("1", b','), ["1"]);
+        assert_eq!(fields("<1,2,3>", b','), ["1", "2", "3"]);
+        assert_eq!(fields("  [1, 2, 3],", b','), ["1", "2", "3"]);
+        assert_eq!(fields("$MOT,10,80,7*5A", b','), ["$MOT", "10", "80", "7"]);
+        assert_eq!(fields("1,2*5A", b','), ["1", "2*5A"]);
     }
 
     #[test]

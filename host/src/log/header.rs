@@ -12,7 +12,9 @@ pub(super) fn names_of(line: &str, separator: &Separator, width: usize) -> Optio
         if names.len() == width + 1 && names.last().is_some_and(last_is_empty) {
             names.pop();
         }
-        (names.len() == width && !names.iter().any(|name| is_bare_number(name))).then_some(names)
+        // `data = [` above the rows of a matrix names nothing.
+        let is_none = |name: &String| is_bare_number(name) || ["=", "["].contains(&name.as_str());
+        (names.len() == width && !names.iter().any(is_none)).then_some(names)
     };
     let own = if *separator == Separator::DecimalCommas { Separator::Byte(b',') } else { separator.clone() };
     let between = if let Separator::Byte(byte) = separator { char::from(*byte) } else { ',' };

@@ -72,7 +72,11 @@ fn numbers_below(lines: &[&str]) -> Option<(Separator, usize)> {
             // What may be names, as many as the numbers or not, is a header, good or bad.
             .filter(|separator| {
                 let before = fields(lines[k - 1], separator).len();
-                before < 2 || *separator == Separator::Blanks && Some(before) != width(lines[k], separator)
+                // A bracket that stays open begins a matrix.
+                let is_open = lines[k - 1].trim_end().ends_with(['[', '{']);
+                before < 2
+                    || is_open
+                    || *separator == Separator::Blanks && Some(before) != width(lines[k], separator)
             })
             .map(|separator| (separator, k))
     })

@@ -326,6 +326,12 @@ mod tests {
         let found = layout("12,5;;0,3\n12,5;7,5;0,2\n12,5;8,5;0,1");
         assert_eq!((found.header, found.separator), (None, Separator::Byte(b';')));
         assert_eq!(layout("t,,u\n1,,2\n2,,3").header, Some(0));
+        for text in
+            ["data = [\n1 2 3;\n3 4 5;\n5 6 7;\n7 8 9;\n];", "x = [\n [1, 2, 3],\n [3, 4, 5],\n [5, 6, 7]\n]"]
+        {
+            let found = layout(text);
+            assert_eq!((found.header, found.rows), (None, 1), "{text}");
+        }
         let found = layout("Setup done\nStarting ...\n1,2,3\n3,4,5\n5,6,7\n7,8,9");
         assert_eq!((found.header, found.names.len(), found.rows), (None, 0, 2));
     }

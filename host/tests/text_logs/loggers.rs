@@ -112,3 +112,17 @@ fn a_remark_tells_the_rate_that_is_proposed() {
         assert_eq!(proposal.rate.as_deref(), Some("250"), "{remark}");
     }
 }
+
+#[test]
+fn rows_between_marks_are_rows() {
+    let map = mapped("time=0:ms,voltage=1:V,angle=2:rad");
+    for (what, text) in [
+        ("marks", lines("", |k, _, u, x| format!("<{},{u},{x}>", 10 * k))),
+        ("a list", lines("data = [\n", |k, _, u, x| format!("  [{}, {u}, {x}],", 10 * k)) + "]\n"),
+        ("a matrix", lines("data = [\n", |k, _, u, x| format!("{} {u} {x};", 10 * k)) + "];\n"),
+    ] {
+        read_same(text.as_bytes(), &map, what);
+    }
+    let text = lines("", |k, _, u, x| format!("$MOT,{},{u},{x}*5A", 10 * k));
+    read_same(text.as_bytes(), &mapped("time=1:ms,voltage=2:V,angle=3:rad"), "sentences");
+}
