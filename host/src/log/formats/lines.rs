@@ -96,8 +96,9 @@ fn several(line: &str) -> Vec<Entry<'_>> {
 /// Whether the lines take turns in what they hold: names that come again and again, and no line with the names of all. A line without one of
 /// its names is of the same kind, and remarks that come once in succession are of none.
 pub fn are_of_kinds(lines: &[&Line<'_>]) -> bool {
-    let names = |line: &&Line<'_>| line.entries.iter().map(|entry| entry.name.to_owned()).collect();
-    let all: Vec<BTreeSet<String>> = lines.iter().map(names).collect();
+    let names =
+        |line: &Line<'_>| line.entries.iter().map(|entry| entry.name.to_owned()).collect::<BTreeSet<_>>();
+    let all: Vec<BTreeSet<String>> = lines.iter().map(|line| names(line)).collect();
     let mut kinds: BTreeMap<&BTreeSet<String>, usize> = BTreeMap::new();
     for names in &all {
         *kinds.entry(names).or_default() += 1;

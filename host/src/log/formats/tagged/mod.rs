@@ -72,7 +72,7 @@ fn rows_of<'a>(lines: impl Iterator<Item = &'a str>) -> (Vec<Row<'a>>, bool) {
     }
     let with_moment = |(moment, (tag, values)): (&Option<f64>, &Row<'a>)| {
         let values = std::iter::once((*moment)?).chain(values.iter().copied());
-        Some((*tag, values.collect()))
+        Some((*tag, values.collect::<Vec<f64>>()))
     };
     let timed: Vec<Row<'a>> = moments.iter().zip(&rows).filter_map(with_moment).collect();
     if are_stamped(&kinds(&timed)) { (timed, true) } else { (rows, false) }
