@@ -69,6 +69,9 @@ struct Reading {
     /// What the voltage does between samples: stays (zero) or runs straight to the next (first)
     #[arg(long, value_enum)]
     hold: Option<Hold>,
+    /// How many seconds before its row a voltage acts
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    voltage_lead: Option<f64>,
     /// Samples per second, where no column tells the time
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
@@ -92,6 +95,7 @@ impl Reading {
             motor: self.motor.clone(),
             map: self.map.clone(),
             hold: self.hold,
+            voltage_lead: self.voltage_lead,
             rate: self.rate,
             supply_volts: self.supply_volts,
             counts_per_rev: self.counts_per_rev,

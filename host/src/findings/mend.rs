@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::log::{BEYOND_SUPPLY, Warning};
+use crate::log::{BEFORE_ITS_VOLTAGE, BEYOND_SUPPLY, Warning};
 
 /// What a data problem is mended with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -46,6 +46,11 @@ fn drove_nothing(fault: &Warning) -> bool {
     name == "stale_voltage" || name == "commanded_voltage" && fault.what.contains(BEYOND_SUPPLY)
 }
 
+/// Whether the voltage of a row acts before the row: no effect acts before its cause.
+fn comes_late(fault: &Warning) -> bool {
+    name(fault) == "shifted_samples" && fault.what.contains(BEFORE_ITS_VOLTAGE)
+}
+
 /// The name of the fault.
 fn name(fault: &Warning) -> &str {
     fault.what.split_once(':').map_or("", |(name, _)| name)
@@ -57,7 +62,10 @@ impl Mend {
         let voltage = faults.iter().find(|fault| drove_nothing(fault));
         voltage.map(|fault| (Self::Voltage, fault.place.as_str())).or_else(|| {
             MENDS.into_iter().find_map(|(mend, names)| {
-                let fault = faults.iter().find(|fault| names.contains(&name(fault)))?;
+                let is_mended = |fault: &&Warning| {
+                    names.contains(&name(fault)) || mend == Mend::Columns && comes_late(fault)
+                };
+                let fault = faults.iter().find(is_mended)?;
                 Some((mend, fault.place.as_str()))
             })
         })
@@ -102,6 +110,16 @@ mod tests {
         assert_eq!(Mend::first(&all[..3]), Some((Mend::Range, "hard_stop")));
         assert_eq!(Mend::first(&all[..2]), None, "volts as small as a duty are no fault");
         assert_eq!(Mend::asked(&all), Some((Mend::Columns, "perhaps_duty")));
+    }
+
+    #[test]
+    fn a_voltage_that_is_logged_late_is_mended_first_and_a_motion_that_comes_late_may_be_an_effect() {
+        let shifted = |what: &str| {
+            let what = format!("shifted_samples: the motion comes 12 ms {what}");
+            [Warning { place: "run".into(), what, fix: "do".into() }]
+        };
+        assert_eq!(Mend::first(&shifted(BEFORE_ITS_VOLTAGE)), Some((Mend::Columns, "run")));
+        assert_eq!(Mend::first(&shifted("after its voltage")), None);
     }
 
     #[test]

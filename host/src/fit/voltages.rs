@@ -2,14 +2,15 @@
 
 use crate::log::{Hold, Record};
 
-/// Nothing before the start, then the mean of the held (or straight) voltage over each cell.
+/// Nothing before the start, then the mean of the held (or straight) voltage over each cell. A voltage that acts before its row does so by
+/// its record's metadata.
 pub(super) fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64> {
     let (t, v) = (&record.time_s, &record.voltage_v);
-    let origin = t[0];
+    let (origin, lead) = (t[0], record.meta.voltage_lead_s().unwrap_or(0.0));
     let mut voltages = vec![0.0; cells + 1];
     let mut add = |from: f64, to: f64, at_from: f64, at_to: f64| {
         // Spreads one piece over the cells it covers.
-        let (mut a, b) = ((from - origin) / step, (to - origin) / step);
+        let (mut a, b) = (((from - origin) / step).max(0.0), (to - origin) / step);
         while a < b - 1e-9 {
             let cell = ((a + 1e-9) as usize).min(cells - 1);
             let edge = (cell as f64 + 1.0).min(b);
@@ -22,9 +23,9 @@ pub(super) fn mean_voltages(record: &Record, step: f64, cells: usize) -> Vec<f64
     };
     for k in 0..t.len() - 1 {
         let to = if record.hold == Hold::First { v[k + 1] } else { v[k] };
-        add(t[k], t[k + 1], v[k], to);
+        add(t[k] - lead, t[k + 1] - lead, v[k], to);
     }
-    let (last, end) = (t[t.len() - 1], origin + cells as f64 * step);
+    let (last, end) = (t[t.len() - 1] - lead, origin + cells as f64 * step);
     let held = v[v.len() - 1];
     if end > last {
         add(last, end, held, held);
@@ -48,5 +49,20 @@ mod tests {
         let whole: f64 = cells[1..=until as usize].iter().sum::<f64>() * step;
         let rest = cells[until as usize + 1] * until.fract() * step;
         assert!((whole + rest - truth).abs() < 1e-4, "{} {truth}", whole + rest);
+    }
+
+    #[test]
+    fn a_voltage_with_a_lead_acts_that_long_before_its_row() {
+        let time_s: Vec<f64> = (0..10).map(|k| f64::from(k) * 0.02).collect();
+        let voltage_v = (0..10).map(|k| if k < 5 { 0.0 } else { 6.0 }).collect();
+        let mut record = Record { time_s, voltage_v, ..Record::default() };
+        record.meta.insert("voltage_lead_s", "0.0125").unwrap();
+        let cells = mean_voltages(&record, 1e-3, 181);
+        // The row at 100 ms acts from 87.5 ms on.
+        let near = |cell: usize, volts: f64| (cells[cell + 1] - volts).abs() < 1e-6;
+        assert!(
+            near(0, 0.0) && near(86, 0.0) && near(87, 3.0) && near(88, 6.0) && near(180, 6.0),
+            "{cells:?}"
+        );
     }
 }

@@ -30,6 +30,9 @@ pub struct ReadArgs {
     /// What the voltage does between samples: stays (zero) or runs straight to the next (first)
     #[arg(long, value_enum)]
     pub hold: Option<Hold>,
+    /// How many seconds before its row a voltage acts: it was written between two rows, or after its row was logged
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub voltage_lead: Option<f64>,
     /// What is known of the motor: gear_ratio, counts_per_rev, its name plate, values to keep fixed
     #[arg(short, long, value_name = "motor.toml")]
     pub motor: Option<PathBuf>,
@@ -86,6 +89,7 @@ impl ReadArgs {
             format: self.format,
             map: self.map.clone(),
             hold: self.hold,
+            voltage_lead_s: self.voltage_lead,
             rate_hz: self.rate,
             supply_volts: self.supply_volts,
             servo_gain: self.servo_gain,
@@ -171,6 +175,8 @@ mod tests {
             "7.9",
             "--hold",
             "first",
+            "--voltage-lead",
+            "0.0045",
             "--validate",
             "a.csv",
             "--validate",
@@ -179,7 +185,7 @@ mod tests {
         .unwrap();
         let options = verb.reading.options().unwrap();
         assert_eq!(options.supply_volts, Some(7.9));
-        assert_eq!(options.hold, Some(Hold::First));
+        assert_eq!((options.hold, options.voltage_lead_s), (Some(Hold::First), Some(0.0045)));
         assert_eq!(verb.reading.validate.len(), 2);
     }
 

@@ -57,7 +57,7 @@ impl Metadata {
     /// Says why, where the key is one the program understands and the value does not fit it.
     pub fn insert(&mut self, key: &str, value: &str) -> Result<(), String> {
         match key {
-            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" => {
+            "gear_ratio" | "counts_per_rev" | "metres_per_rev" | "no_load_rad_s_per_v" | "voltage_lead_s" => {
                 match value.parse::<f64>() {
                     Ok(number) if number.is_finite() && number > 0.0 => {}
                     _ => return Err(format!("{key} \"{value}\" is not a positive number")),
@@ -133,6 +133,11 @@ impl Metadata {
         self.typed("hold")
     }
 
+    /// How long before its row a voltage acts, s, if the log says.
+    pub fn voltage_lead_s(&self) -> Option<f64> {
+        self.typed("voltage_lead_s")
+    }
+
     /// The excitation that made the record, as whoever wrote it put it.
     pub fn programme(&self) -> Option<&str> {
         self.get("programme")
@@ -178,9 +183,13 @@ mod tests {
     #[test]
     fn a_known_key_with_an_impossible_value_is_refused() {
         let mut meta = Metadata::default();
-        for (key, value) in
-            [("gear_ratio", "-3"), ("counts_per_rev", "many"), ("hold", "second"), ("encoder_shaft", "wheel")]
-        {
+        for (key, value) in [
+            ("gear_ratio", "-3"),
+            ("counts_per_rev", "many"),
+            ("hold", "second"),
+            ("encoder_shaft", "wheel"),
+            ("voltage_lead_s", "-0.01"),
+        ] {
             assert!(meta.insert(key, value).unwrap_err().contains(value), "{key}");
         }
         assert_eq!(meta, Metadata::default());

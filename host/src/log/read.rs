@@ -31,6 +31,8 @@ pub struct ReadOptions {
     pub map: Option<Mapping>,
     /// What the voltage does between samples, above what the file says.
     pub hold: Option<Hold>,
+    /// How long before its row a voltage acts, s, above what the file says.
+    pub voltage_lead_s: Option<f64>,
     /// Samples per second, where no column tells the time.
     pub rate_hz: Option<f64>,
     /// Supply of the driver, V, where no column has it.
@@ -54,7 +56,7 @@ impl ReadOptions {
         }
     }
 
-    /// Lets the motor file override what the log says of the motor.
+    /// Lets the motor file override what the log says of the motor, and an option what it says of its voltage.
     pub(super) fn complete(&self, path: &Path, meta: &mut Metadata) -> Result<()> {
         let plate = &self.motor.nameplate;
         let gain = plate.no_load_speed_rad_s.zip(plate.voltage_v).map(|(speed, volts)| speed / volts);
@@ -64,6 +66,7 @@ impl ReadOptions {
             ("counts_per_rev", self.motor.counts_per_rev.map(|counts| counts.to_string())),
             ("metres_per_rev", self.motor.metres_per_rev.map(|metres| metres.to_string())),
             ("encoder_shaft", self.motor.encoder_shaft.map(|shaft| shaft.to_string())),
+            ("voltage_lead_s", self.voltage_lead_s.map(|lead| lead.to_string())),
         ];
         for (key, value) in known {
             if let Some(value) = value {

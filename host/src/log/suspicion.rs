@@ -4,6 +4,7 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::clipped::clipped;
+use super::early::{early, led_by};
 use super::guess::quoted;
 use super::held_back::held_back;
 use super::hold::hold;
@@ -75,9 +76,10 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
             found.push(Warning { place: place_of(one.record, column), what: format!("{name}: {why}"), fix });
         }
     }
-    found.extend(shifted(&seen));
-    found.extend(disagreeing(&seen));
     let all: Vec<&Record> = seen.iter().map(|one| one.record).collect();
+    // By whole rows, or by a part of one.
+    found.extend(shifted(&seen).or_else(|| early(&all)));
+    found.extend(disagreeing(&seen));
     found.extend(duty(&all));
     found.extend(share(&all));
     found.extend(one_level(&all));
@@ -98,6 +100,9 @@ pub(super) fn skip_of(record: &Record, times: &[(f64, f64)]) -> String {
 
 /// Said of a voltage that the supply cannot give, so that nothing was driven by it.
 pub(crate) const BEYOND_SUPPLY: &str = "lie above the supply's own voltage";
+
+/// Said of motion that no effect explains: none acts before its cause.
+pub(crate) const BEFORE_ITS_VOLTAGE: &str = "before its voltage";
 
 /// A voltage that the supply cannot give is a command.
 fn beyond_supply(record: &Record) -> Option<Odd> {
@@ -180,29 +185,30 @@ fn shifted(seen: &[Seen]) -> Option<Warning> {
     let shift = shifts[shifts.len() / 2];
     let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
     let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
-    let early = shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
+    let leads = shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
     let late = shift > (2.0 * interval).max(0.012);
     let clear = agree.len() >= FEW || agree.iter().all(|ratio| *ratio < SHIFT_BETTER);
-    if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(early || late) {
+    if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(leads || late) {
         return None;
     }
     let (ms, samples) = (1e3 * shift.abs(), shift.abs() / interval);
-    let (what, fix) = if early {
+    let (what, fix) = if leads {
         (
             format!(
-                "the motor moves {ms:.0} ms ({samples:.1} samples) before its voltage: the voltage is logged late"
+                "the motor moves {ms:.0} ms ({samples:.1} samples) {BEFORE_ITS_VOLTAGE}: the voltage is logged late"
             ),
-            "log voltage and motion of one instant in one row, or move the voltage up by that many rows",
+            format!("log voltage and motion of one instant in one row; {}", led_by(shift.abs())),
         )
     } else {
         (
             format!("the motion comes {ms:.0} ms ({samples:.1} samples) after its voltage"),
             "check that the columns of a row belong to one instant; if the drive is that slow, add the effect delay (or \
-             sensor_lag)",
+             sensor_lag)"
+                .into(),
         )
     };
     let place = place_of(first, "voltage_v");
-    Some(Warning { place, what: format!("shifted_samples: {what}"), fix: fix.into() })
+    Some(Warning { place, what: format!("shifted_samples: {what}"), fix })
 }
 
 /// The motion is read less often than it is logged.

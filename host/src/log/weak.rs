@@ -30,6 +30,8 @@ pub struct Weak<'a> {
     voltage: &'a [f64],
     half_s: f64,
     interval_s: f64,
+    /// How long before its row a voltage acts by the record's own word, s.
+    lead_s: f64,
 }
 
 struct Window {
@@ -109,7 +111,8 @@ impl<'a> Weak<'a> {
         if windows.len() < FEWEST_WINDOWS {
             return None;
         }
-        Some(Self { windows, time_s, voltage: &record.voltage_v, half_s, interval_s })
+        let lead_s = record.meta.voltage_lead_s().unwrap_or(0.0);
+        Some(Self { windows, time_s, voltage: &record.voltage_v, half_s, interval_s, lead_s })
     }
 
     /// Median time between samples, s.
@@ -121,6 +124,7 @@ impl<'a> Weak<'a> {
     /// changed by `law`.
     fn rows_of(&self, late_s: f64, law: impl Fn(f64) -> f64) -> Vec<([f64; 4], f64)> {
         let shape = Shape { half_s: self.half_s };
+        let late_s = late_s - self.lead_s;
         let row = |window: &Window| {
             let mut v = 0.0;
             for i in around(self.time_s, window.centre - late_s, self.half_s + self.interval_s) {
