@@ -39,7 +39,7 @@ mod tests {
         let angle = |t: f64| 2.0 - 2.0 * (3.0 * t).cos();
         let row = |k: u32| {
             let t = 0.01 * f64::from(k);
-            let (duty, speed) = ((200.0 * (3.0 * t).sin()).round(), 6.0 * (3.0 * t).sin());
+            let (duty, speed) = ((200.0 * (3.0 * t + 0.4).sin()).round(), 6.0 * (3.0 * t).sin());
             vec![
                 duty,
                 (1320.0 * angle(t) / std::f64::consts::TAU).floor(),
