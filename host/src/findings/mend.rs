@@ -36,7 +36,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
             "supply_as_drive",
         ],
     ),
-    (Mend::Range, &["hard_stop", "frozen_sensor", "switched_off"]),
+    (Mend::Range, &["hard_stop", "frozen_sensor", "switched_off", "turned_from_outside"]),
 ];
 
 /// Whether the voltage that was logged is surely not what drove the motor: held in the file and not by the drive, or more than the supply

@@ -92,6 +92,7 @@ mod text;
 mod ticks;
 pub mod timing;
 mod together;
+mod turned_from_outside;
 mod unit_check;
 pub mod units;
 mod unread;

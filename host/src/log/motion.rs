@@ -27,6 +27,16 @@ pub fn slope(time_s: &[f64], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// The way that a speed goes, from 0 at the first sample.
+pub fn integral(time_s: &[f64], speed: &[f64]) -> Vec<f64> {
+    let mut way = 0.0;
+    let steps = time_s.windows(2).zip(speed).map(|(pair, w)| {
+        way += w * (pair[1] - pair[0]);
+        way
+    });
+    std::iter::once(0.0).chain(steps).collect()
+}
+
 /// First-order low-pass of `values` with time constant `tau_s`, starting at its first value.
 pub fn low_pass(time_s: &[f64], values: &[f64], tau_s: f64) -> Vec<f64> {
     let mut state = values.first().copied().unwrap_or_default();

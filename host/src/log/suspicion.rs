@@ -19,6 +19,7 @@ use super::stale::stale_voltage;
 use super::stops::hard_stop;
 use super::switched_off::switched_off;
 use super::timing::median_interval;
+use super::turned_from_outside::turned_from_outside;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::unsigned_current::unsigned_current;
@@ -58,6 +59,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         hard_stop,
         held_back,
         switched_off,
+        turned_from_outside,
         speed_beside_angle,
         blind_near_zero,
         byte_duty,

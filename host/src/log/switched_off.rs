@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{peak, span, speed};
+use super::motion::{integral, peak, span, speed};
 use super::quantum::quantum;
 use super::suspicion::{Odd, skip_of};
 use super::timing::median;
@@ -205,16 +205,6 @@ fn is_near(speed: f64, usual: f64) -> bool {
 /// The mean of a value over these samples.
 fn mean(samples: &[usize], value: impl Fn(usize) -> f64) -> f64 {
     samples.iter().map(|k| value(*k)).sum::<f64>() / samples.len() as f64
-}
-
-/// The way that a speed goes.
-fn integral(time_s: &[f64], speed: &[f64]) -> Vec<f64> {
-    let mut way = 0.0;
-    let steps = time_s.windows(2).zip(speed).map(|(pair, w)| {
-        way += w * (pair[1] - pair[0]);
-        way
-    });
-    std::iter::once(0.0).chain(steps).collect()
 }
 
 #[cfg(test)]
