@@ -21,7 +21,7 @@ pub struct ReadArgs {
     /// A mA; a scale may follow: voltage=u:V*0.031, speed=y:rpm/-1. For a drive that logs its duty:
     /// duty=command:255,supply=battery:mV (or --supply-volts). For a position servo: target=goal:deg,angle=position:deg.
     /// Times may be clock times or dates with times; interval=dt:ms is the time since the row before, time=sec+nanosec:ns
-    /// adds up two columns, and where nothing tells the time there is --rate.
+    /// adds up two columns, and where nothing tells the time there is --rate. Of rows of several motors only=id:3 reads those of one.
     #[arg(long, value_name = "MAP")]
     pub map: Option<Mapping>,
     /// Layout of the log files

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::guess::{unit_names, words};
 use super::mapping::{Mapping, Source};
+use super::only::Only;
 use super::sample::Guess;
 use super::units::{PerTurn, Quantity, Unit};
 use super::{Metadata, ReadOptions};
@@ -57,6 +58,8 @@ impl TimeSource {
 pub(super) struct Columns {
     pub time: TimeSource,
     pub values: Vec<Wanted>,
+    /// The rows that are read, where not all are, by what stands in the column at this place.
+    pub only: Option<(usize, Only)>,
     /// `--rate` was given, and the log tells its times itself.
     pub rate_unused: bool,
 }
@@ -64,7 +67,7 @@ pub(super) struct Columns {
 impl Columns {
     /// The same with rows of this rate, Hz, whatever tells their time.
     pub fn by_rate(&self, rate: f64) -> Columns {
-        Columns { time: TimeSource::Rate(rate), values: self.values.clone(), rate_unused: false }
+        Columns { time: TimeSource::Rate(rate), rate_unused: false, ..self.clone() }
     }
 
     /// Whether column `k` of the table is one of them.
@@ -76,7 +79,8 @@ impl Columns {
             TimeSource::Columns(one, other) => one.index == k || other.index == k,
             TimeSource::Stamps | TimeSource::Rate(_) => false,
         };
-        of_time || self.values.iter().any(|column| column.index == k || column.less == Some(k))
+        let chooses = self.only.as_ref().is_some_and(|(place, _)| *place == k);
+        of_time || chooses || self.values.iter().any(|column| column.index == k || column.less == Some(k))
     }
 }
 
@@ -121,12 +125,30 @@ impl Choice<'_> {
             return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
         };
         let rate_unused = options.rate_hz.is_some() && !matches!(time, TimeSource::Rate(_));
-        let columns = Columns { time, values, rate_unused };
+        let columns = Columns { time, values, only: self.only(map)?, rate_unused };
         Ok(match missing(&columns) {
             Some(_) if self.partial && !columns.values.is_empty() => Ok(columns),
             Some(missing) => Err(missing),
             None => Ok(columns),
         })
+    }
+
+    /// Which rows the mapping wants, and where the column stands that tells; nothing where another file has it.
+    fn only(&self, map: Option<&Mapping>) -> Result<Option<(usize, Only)>> {
+        let Some(only) = map.and_then(Mapping::only) else { return Ok(None) };
+        match self.index_of(&only.column) {
+            Some(place) => Ok(Some((place, only.clone()))),
+            None if self.partial => Ok(None),
+            None => Err(self.absent(&only.column, "to choose rows by").into()),
+        }
+    }
+
+    /// The fault of a column that there is not.
+    fn absent(&self, column: &str, wanted: impl std::fmt::Display) -> BadInput {
+        let why = format!("there is no column \"{column}\" {wanted}");
+        BadInput::new(self.path, why, format!("take one of: {}", self.listed()))
+            .at_line(self.line)
+            .in_column(column)
     }
 
     fn time(&self, options: &ReadOptions) -> Result<Option<TimeSource>> {
@@ -248,15 +270,8 @@ impl Choice<'_> {
     }
 
     fn named(&self, quantity: Quantity, column: &str, mut unit: Unit) -> Result<Wanted> {
-        let index = self.index_of(column).ok_or_else(|| {
-            BadInput::new(
-                self.path,
-                format!("there is no column \"{column}\" for {quantity}"),
-                format!("take one of: {}", self.listed()),
-            )
-            .at_line(self.line)
-            .in_column(column)
-        })?;
+        let index =
+            self.index_of(column).ok_or_else(|| self.absent(column, format_args!("for {quantity}")))?;
         if self.names.get(index).is_some_and(|name| name == column) {
             self.only_one(column)?;
         }

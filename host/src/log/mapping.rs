@@ -5,10 +5,12 @@
 //! side of a bridge from the other. COLUMN is a header or a
 //! 0-based number. UNIT is a unit of the quantity (if left out, that which the header says, or SI), then any number of
 //! `*factor` or `/divisor`; for duty it is the number that means full duty, or those of none and full (`1500..2000`). Where duty is
-//! given instead of voltage, the voltage is duty times the supply column, or times `--supply-volts`.
+//! given instead of voltage, the voltage is duty times the supply column, or times `--supply-volts`. `only=COLUMN:VALUE` reads those rows alone
+//! that have the value there.
 
 use std::str::FromStr;
 
+use super::only::Only;
 use super::units::{Quantity, Unit};
 
 /// Where one quantity comes from.
@@ -37,6 +39,7 @@ impl Source {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
     sources: Vec<Source>,
+    only: Option<Only>,
 }
 
 impl Mapping {
@@ -50,17 +53,27 @@ impl Mapping {
         &self.sources
     }
 
+    /// Which rows alone are read, where not all are.
+    pub(super) fn only(&self) -> Option<&Only> {
+        self.only.as_ref()
+    }
+
+    /// The same for these rows alone.
+    pub(super) fn with_only(&self, only: Only) -> Self {
+        Self { only: Some(only), ..self.clone() }
+    }
+
     /// The same without one quantity.
     pub(super) fn without(&self, quantity: Quantity) -> Self {
         let kept = |source: &&Source| source.quantity != quantity;
-        Self { sources: self.sources.iter().filter(kept).cloned().collect() }
+        Self { sources: self.sources.iter().filter(kept).cloned().collect(), only: self.only.clone() }
     }
 
     /// The mapping as it is written.
     pub fn written(&self) -> String {
         let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(":{unit}") };
         let one = |source: &Source| format!("{}={}{}", source.quantity, source.column, unit(&source.written));
-        self.sources.iter().map(one).collect::<Vec<_>>().join(",")
+        self.sources.iter().map(one).chain(self.only().map(Only::written)).collect::<Vec<_>>().join(",")
     }
 
     /// Whether any angle or speed is mapped; then canonical columns of that kind are not taken on top.
@@ -101,6 +114,12 @@ impl FromStr for Mapping {
             let (key, place) = part
                 .split_once('=')
                 .ok_or_else(|| format!("\"{part}\" lacks an equals sign: write for example voltage=u:V"))?;
+            if key.trim() == "only" {
+                if mapping.only.replace(Only::parse(place)?).is_some() {
+                    return Err("only is there twice: the rows of one value are read".into());
+                }
+                continue;
+            }
             let quantity = quantity_named(key.trim())?;
             // A path behind a colon is no unit: `NT:/arm/velocity`.
             let (column, written) =
@@ -123,7 +142,7 @@ impl FromStr for Mapping {
         if mapping.source(Quantity::Time).is_some() && mapping.source(Quantity::Interval).is_some() {
             return Err("time and interval are both mapped: keep the time, which adds up no errors".into());
         }
-        if mapping.sources.is_empty() {
+        if mapping.sources.is_empty() && mapping.only.is_none() {
             return Err("the mapping is empty: write for example time=t:ms,voltage=u,speed=y:deg/s".into());
         }
         Ok(mapping)
@@ -174,6 +193,8 @@ mod tests {
             ("time=t,interval=dt:ms", "both mapped"),
             ("speed=y:knots", "no unit of speed"),
             ("speed=:rpm", "names no column"),
+            ("only=id", "only=id:3"),
+            ("only=id:1,only=id:2", "only is there twice"),
             ("", "empty"),
         ] {
             let error = text.parse::<Mapping>().unwrap_err();

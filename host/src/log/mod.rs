@@ -45,6 +45,7 @@ mod newest;
 mod numbered;
 mod numbers;
 mod one_level;
+mod only;
 mod other_clock;
 mod own_rate;
 mod pairs;

@@ -52,7 +52,7 @@ fn is_same(written: &str, refused: &Mapping) -> bool {
     let all_in = |one: &Mapping, other: &Mapping| {
         one.sources().iter().all(|a| other.sources().iter().any(|b| alike(a, b)))
     };
-    all_in(&map, refused) && all_in(refused, &map)
+    all_in(&map, refused) && all_in(refused, &map) && map.only() == refused.only()
 }
 
 #[cfg(test)]
@@ -76,6 +76,7 @@ mod tests {
         for other in [
             "say --map \"time=t:ms,voltage=my u:V,speed=w:rad/s\"",
             "say --map \"time=t:s,voltage=my u:V,speed=w:rad/s\" --rate 100",
+            "say --map \"time=t:s,voltage=my u:V,speed=w:rad/s,only=id:1\"",
             "pick by number: --map time=0:s,...",
         ] {
             assert_eq!(remedy(other), other);

@@ -2,6 +2,7 @@
 
 use super::Record;
 use super::guess::quoted;
+use super::only::Only;
 use super::sysid::{TEST_KEY, UNIT_KEY};
 use super::units::Quantity;
 
@@ -13,13 +14,13 @@ pub type Change<'a> = (Quantity, Quantity, &'a str);
 pub fn remapped(record: &Record, changes: &[Change]) -> String {
     let motion = [Quantity::Angle, Quantity::Speed];
     let displaces = changes.iter().any(|(_, to, _)| motion.contains(to));
+    let is_canonical = record.map.as_ref().is_none_or(|map| map.sources().is_empty());
     let mut parts = Vec::new();
     for quantity in Quantity::ALL {
         let given = record.map.as_ref().and_then(|map| map.source(quantity));
         let change = changes.iter().find(|(from, ..)| *from == quantity);
         // A mapping of one motion takes the place of every canonical one.
-        let displaced =
-            displaces && motion.contains(&quantity) && present(record, quantity) && record.map.is_none();
+        let displaced = displaces && motion.contains(&quantity) && present(record, quantity) && is_canonical;
         if given.is_none() && change.is_none() && !displaced {
             continue;
         }
@@ -35,6 +36,7 @@ pub fn remapped(record: &Record, changes: &[Change]) -> String {
         // Turned round twice is as it was.
         parts.push(format!("{to}={column}:{}", unit.replace("*-1*-1", "")));
     }
+    parts.extend(record.map.as_ref().and_then(|map| map.only()).map(Only::written));
     format!("--map {}", quoted(&parts.join(",")))
 }
 

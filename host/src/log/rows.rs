@@ -9,6 +9,7 @@ use super::direction;
 use super::fields::{Splitter, trimmed};
 use super::labels::Labels;
 use super::numbers::{OfFile, in_brackets, number};
+use super::only::Chosen;
 use super::other_clock::other_clock;
 use super::preamble::{self, Preamble};
 use super::samples::{Place, Samples};
@@ -36,6 +37,8 @@ pub(super) struct Rows<'a> {
     numbers: Vec<f64>,
     between: Between,
     pub several: Several,
+    /// The rows that are read, where not all are.
+    pub chosen: Option<Chosen>,
     /// The last value of each column, and how many blanks it stood for.
     last: Vec<Option<f64>>,
     pub held: Vec<Blanks>,
@@ -113,6 +116,7 @@ impl<'a> Rows<'a> {
             numbers: vec![0.0; count + 1],
             between: Between::new(&wanted.values),
             several: Several::default(),
+            chosen: wanted.only.clone().map(|(place, only)| Chosen::new(place, only)),
             last: vec![None; count],
             held: vec![Blanks::default(); count],
             written: OfFile::with_thousands(head.thousands),
@@ -147,10 +151,20 @@ impl<'a> Rows<'a> {
             self.stray(place, header, "a quotation mark is not closed".into(), text);
             return Ok(());
         }
-        if let Some(whose) = self.several.column().and_then(|column| self.splitter.get(column)) {
-            self.several.saw(whose);
-        }
         let short = self.width.is_some_and(|width| self.splitter.len() < width);
+        if let Some(chosen) = self.chosen.as_mut().filter(|_| !short)
+            && self.splitter.get(chosen.place()).is_some_and(|text| !chosen.takes(text))
+        {
+            return Ok(());
+        }
+        if let Some(whose) = self.several.column().and_then(|column| self.splitter.get(column))
+            && !short
+            && self.several.saw(whose)
+            && self.samples.begin_anew()
+        {
+            self.last.fill(None);
+            self.between = Between::new(&self.wanted.values);
+        }
         match self.numbers(number) {
             Ok(()) if self.is_again(text) => {
                 self.twice.saw(number);
@@ -160,7 +174,10 @@ impl<'a> Rows<'a> {
                 for (column, mean) in self.between.take(&self.numbers, true) {
                     self.samples.correct_last(column, mean);
                 }
-                self.samples.accept(place, &self.numbers)?;
+                if let Err(fault) = self.samples.accept(place, &self.numbers) {
+                    self.several.goes_back();
+                    return Err(fault);
+                }
                 if let Some(state) = state.and_then(|index| self.splitter.get(index)) {
                     self.structure.saw(self.samples.len().saturating_sub(1), state);
                 }

@@ -1,5 +1,7 @@
 //! One file with several tests: told apart by a clock that starts anew, and by a column that names the state.
 
+use super::guess::quoted;
+use super::only::Only;
 use super::samples::FEWEST_SAMPLES;
 use super::timing::median_interval;
 use super::{Record, Warning, repair};
@@ -44,6 +46,8 @@ pub(super) struct Structure {
     pub at_text: bool,
     /// The state is another from these samples on.
     pub states: Vec<(usize, String)>,
+    /// The column that says the states, where they are motors rather.
+    pub whose: Option<String>,
 }
 
 impl Structure {
@@ -79,10 +83,13 @@ impl Structure {
         if kept.is_empty() {
             return vec![record];
         }
-        let how = match by_state.is_empty() {
-            true if self.at_text => "lines that are no rows stand between them",
-            true => "its clock starts anew between them",
-            false => "by its column of states and its clock",
+        let by_motor =
+            self.whose.as_ref().map(|column| format!("by \"{column}\", perhaps of several motors"));
+        let how = match (by_motor.as_deref(), by_state.is_empty()) {
+            (Some(how), _) => how,
+            (None, true) if self.at_text => "lines that are no rows stand between them",
+            (None, true) => "its clock starts anew between them",
+            (None, false) => "by its column of states and its clock",
         };
         let left: usize = record.len() - kept.iter().map(|(a, b)| b - a).sum::<usize>();
         let left =
@@ -95,18 +102,29 @@ impl Structure {
                 "several_tests: the file holds several tests ({how}); read as {} records{left}",
                 kept.len()
             ),
-            fix: "nothing; --skip and --judge-by take the records by their names".into(),
+            fix: self.fix(&record),
         });
         let part = |(number, &(begin, end)): (usize, &(usize, usize))| {
             let mut part = repair::part(&record, begin..end, number + 1);
             let state = self.states.iter().rev().find(|(from, _)| usable && *from <= begin);
             if let Some((_, state)) = state.filter(|(_, state)| !state.is_empty()) {
-                part.name = format!("{} {state} {}", record.name, number + 1);
+                let of = self.whose.as_ref().map_or_else(String::new, |column| format!("{column} "));
+                part.name = format!("{} {of}{state} {}", record.name, number + 1);
             }
             part.warnings = std::mem::take(&mut warnings);
             part
         };
         kept.iter().enumerate().map(part).collect()
+    }
+
+    /// What to do about the tests in `record`.
+    fn fix(&self, record: &Record) -> String {
+        let (Some(column), Some((_, value))) = (&self.whose, self.states.first()) else {
+            return "nothing; --skip and --judge-by take the records by their names".into();
+        };
+        let only = Only { column: column.clone(), value: value.clone() };
+        let map = record.map.clone().unwrap_or_default().with_only(only).written();
+        format!("nothing, if all are of one motor; otherwise read each alone: --map {}", quoted(&map))
     }
 }
 

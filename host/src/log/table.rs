@@ -13,7 +13,7 @@ use super::metadata::BEHIND_DUTY;
 use super::newest;
 use super::numbered;
 use super::preamble::{self, Preamble};
-use super::sample::proposal;
+use super::sample::{Guess, proposal};
 use super::servo::Servo;
 use super::structure::Structure;
 use super::taken::{About, Taken};
@@ -99,7 +99,12 @@ fn by_clock_or_rate(
     let mut wanted = match choice.columns(&ReadOptions { map: map.clone(), ..options.clone() })? {
         Ok(wanted) => wanted,
         Err(missing) => {
-            let guess = proposal(path, input, &head)?.with_known(options.known(&meta));
+            let mut guess = proposal(path, input, &head)?.with_known(options.known(&meta));
+            if let (Guess::Proposed(proposal), Some(only)) =
+                (&mut guess, map.as_ref().and_then(Mapping::only))
+            {
+                proposal.map += &format!(",{}", only.written());
+            }
             return Err(choice.refusal(&missing, guess));
         }
     };

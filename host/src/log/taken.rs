@@ -47,6 +47,10 @@ impl<'a> Taken<'a> {
         let mut rows = Rows::new(path, wanted, head, clock);
         rows.several = Several::new(names, |k| wanted.reads(k));
         let state = structure::state_column(names).filter(|k| !wanted.reads(*k));
+        let state = state.or_else(|| {
+            rows.structure.whose = rows.several.parting().map(|k| names[k].clone());
+            rows.several.parting()
+        });
         Taken { wanted, rows, state, fault: None }
     }
 
@@ -61,7 +65,10 @@ impl<'a> Taken<'a> {
     /// The columns; where a rate tells the time, with the name of what cannot, and the reason.
     pub fn finish(self, about: &About, no_time: Option<(&str, &str)>) -> Result<Read> {
         match self.fault {
-            Some(fault) => Err(fault),
+            Some(fault) => {
+                let several = self.rows.several.fault(about.path, about.map.as_ref());
+                Err(several.map_or(fault, Error::from))
+            }
             None => finished(self.rows, self.wanted, about, no_time),
         }
     }
@@ -70,13 +77,20 @@ impl<'a> Taken<'a> {
 fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, &str)>) -> Result<Read> {
     let About { path, head, meta, map, part } = about;
     let path = *path;
-    if let Some(fault) = rows.several.fault(path) {
+    let by_motor = || rows.several.fault(path, map.as_ref());
+    if let Some(fault) = rows.chosen.as_ref().and_then(|chosen| chosen.fault(path)).or_else(by_motor) {
         return Err(fault.into());
     }
+    let is_parted = rows.several.parted_by().is_some();
     let Rows { samples, mut structure, labels, held, bracketed, twice, ticks, numbered, .. } = rows;
     let labels = labels.and_then(|(_, labels)| labels.usable());
     structure.restarts = samples.restarts().to_vec();
     structure.at_text = matches!(wanted.time, TimeSource::Rate(_));
+    // One value names nothing.
+    if structure.whose.is_some() && !is_parted {
+        structure.whose = None;
+        structure.states.clear();
+    }
     let samples_read = samples.len();
     let mut blanks = wanted.values.iter().zip(&held).filter(|(_, blanks)| blanks.count > 0);
     let first = blanks.clone().next();

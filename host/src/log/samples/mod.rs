@@ -85,6 +85,8 @@ pub struct Samples {
     repeats: usize,
     first_repeat: Option<Place>,
     restarts: Vec<usize>,
+    /// The next row begins a record, whatever its time.
+    begins: bool,
     late: Vec<Late>,
     /// The row before which the first one was left out.
     stale: Option<Late>,
@@ -124,6 +126,7 @@ impl Samples {
             repeats: 0,
             first_repeat: None,
             restarts: Vec::new(),
+            begins: false,
             late: Vec::new(),
             stale: None,
         }
@@ -152,7 +155,9 @@ impl Samples {
         if self.rows == 2 {
             self.leave_out_stale_first(previous, place, row[0]);
         }
-        if let Some(&before) = self.columns[0].last() {
+        if std::mem::take(&mut self.begins) {
+            self.restarts.push(self.len());
+        } else if let Some(&before) = self.columns[0].last() {
             let step = row[0] - before;
             if step < 0.0 && self.is_late(row[0]) {
                 let at = self.len() - 1;
@@ -197,6 +202,12 @@ impl Samples {
             self.bad.push(BadField { place: previous.unwrap_or(place), column, why });
             self.stale = Some(Late { place, before, time });
         }
+    }
+
+    /// Lets the next row begin another record, where there are samples for one since the last; tells whether there are.
+    pub fn begin_anew(&mut self) -> bool {
+        self.begins = self.len() - self.restarts.last().copied().unwrap_or(0) >= FEWEST_SAMPLES;
+        self.begins
     }
 
     /// Puts `value` in a column of the last row.
