@@ -17,6 +17,7 @@ use crate::findings::Standing;
 use crate::formula::Library;
 use crate::log::Record;
 use crate::model_file::{DISCOVERED, Model};
+use crate::report::shown_by_fit::ended_of;
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
@@ -80,10 +81,11 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
     };
     let noise = noise_floor(&all, &[], &problem);
     let effects: Vec<String> = model.values().kinds().iter().map(ToString::to_string).collect();
+    let ended = ended_of(&problem, &model.values());
     let standing = if model.origin.method == DISCOVERED {
-        Standing::compared(&together, noise, &effects)
+        Standing::compared(&together, noise, &effects, &ended)
     } else {
-        Standing::simulated(&together, noise, &effects)
+        Standing::simulated(&together, noise, &effects, &ended)
     };
     console.answer(&document, || {
         let usual = feedforward::errors(&problem, &all, None).map(|(usual, _)| usual);

@@ -136,7 +136,8 @@ pub fn run(args: &Args, library: &Library, console: &Console) -> Result<()> {
 /// Whether the model is enough, what its effects suppose, and what to do next.
 fn standing(fit: &Fit) -> Standing {
     let effects = named(&fit.model.values().kinds(), &fit.parameters);
-    let standing = Standing::simulated(&fit.validation.unwrap_or(fit.train), fit.noise_level, &effects);
+    let errors = fit.validation.unwrap_or(fit.train);
+    let standing = Standing::simulated(&errors, fit.noise_level, &effects, &fit.ended);
     Standing { headline: standing.headline + &fit.supposed.text, ..standing }
 }
 

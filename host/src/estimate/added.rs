@@ -18,6 +18,7 @@ use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
+use crate::report::shown_by_fit::ended_of;
 use crate::select;
 use crate::sentence::listed;
 
@@ -120,7 +121,7 @@ pub fn add(
         "with {effect} the likelihood of blocks held out gains {gain}, and the cross-validated simulation error is {:.0} % of what it was{}",
         100.0 * (new.crossed(&evidence) - old.crossed(&evidence)).exp(),
         if better { "" } else { "; that is not worth its parameters" }
-    );
+    ) + &ended_of(whole, &new_values);
     let origin = Origin {
         motorlens: env!("CARGO_PKG_VERSION").into(),
         records: records.iter().map(|r| r.name.clone()).collect(),

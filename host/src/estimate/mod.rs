@@ -34,6 +34,7 @@ use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::nearest::nearest;
+use crate::report::shown_by_fit::ended_of;
 
 /// How parameters are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]
@@ -96,6 +97,8 @@ pub struct Fit {
     pub no_usual: Option<String>,
     /// The noise level, rms in the measured unit.
     pub noise_level: f64,
+    /// What a sentence about it goes on with where a value stands where its search ends; empty where none does.
+    pub ended: String,
     /// What the sizes of its effects rest on that no record tells.
     pub supposed: Supposed,
     /// Best IAE of every generation; one number for methods without generations.
@@ -195,6 +198,7 @@ fn describe(problem: &Problem, values: &Values, model: Model, records: &[Record]
         usual: None,
         no_usual: None,
         noise_level: 0.0,
+        ended: ended_of(problem, values),
         supposed: Supposed::default(),
         objective_history: Vec::new(),
         evaluations: 0,

@@ -115,6 +115,7 @@ impl Findings {
         let experiment = found.experiment(Limits::of(&found.evidence));
         let accepted = found.selected.model();
         let mut later = shown_by_fit::of_model(&parameters, &found.effects, (&accepted.layout, &accepted.x));
+        let ended = shown_by_fit::ended(&accepted.layout, &accepted.x);
         let standing = Standing::of(&Facts {
             errors,
             effects: &named(in_model, &parameters),
@@ -126,6 +127,7 @@ impl Findings {
                 && (found.effects.is_empty()
                     || !found.selected.rivals.is_empty()
                     || shown_by_fit::too_little_excitation(&parameters).is_some()),
+            ended: &ended,
             hidden: &DetectionLimit::hidden(&found.limits),
             data_problems: !of_logs.is_empty() || !later.is_empty(),
             mend: Mend::first(of_logs),

@@ -44,6 +44,8 @@ pub struct Facts<'a> {
     pub doubted: Option<Doubted<'a>>,
     /// Whether an experiment is known that would tell indistinguishable models apart.
     pub experiment: bool,
+    /// What the sentence goes on with where a value of the model stands where its search ends; empty where none does.
+    pub ended: &'a str,
     /// Effects that the records cannot show at any size.
     pub hidden: &'a [Kind],
     /// Whether the data have problems of their own.
@@ -88,7 +90,7 @@ impl Standing {
             also = goes_on.then_some(later);
         }
         let before = facts.mend.map_or("", |(mend, _)| mend.first_of_all());
-        let headline = format!("{headline}{before}.");
+        let headline = format!("{headline}{}{before}.", facts.ended);
         let badge = match (facts.doubted, facts.suggested, verdict) {
             _ if facts.mend.is_some() => Verdict::BadData.badge(),
             (Some(_), ..) => "Not confirmed",
@@ -103,8 +105,9 @@ impl Standing {
         Self { verdict, badge, headline, next, also }
     }
 
-    /// Of a model with `effects` that was simulated and not diagnosed: its errors on the records that count, and their noise level.
-    pub fn simulated(errors: &Measures, noise: f64, effects: &[String]) -> Self {
+    /// Of a model with `effects` that was simulated and not diagnosed: its errors on the records that count, their noise level, and what is said
+    /// of values that stand where their search `ended`.
+    pub fn simulated(errors: &Measures, noise: f64, effects: &[String], ended: &str) -> Self {
         Self::of(&Facts {
             errors: Errors::of(errors, errors, noise),
             effects,
@@ -112,6 +115,7 @@ impl Standing {
             suggested: None,
             doubted: None,
             experiment: false,
+            ended,
             hidden: &[],
             data_problems: false,
             mend: None,
@@ -120,11 +124,11 @@ impl Standing {
     }
 
     /// The same where what the model is missing has been looked for before.
-    pub fn compared(errors: &Measures, noise: f64, effects: &[String]) -> Self {
+    pub fn compared(errors: &Measures, noise: f64, effects: &[String], ended: &str) -> Self {
         let enough = Errors::of(errors, errors, noise).is_close();
         let action = if enough { Action::Export } else { Action::Experiment };
         let next = NextStep::new(action, None);
-        Self { badge: "Compared", next, ..Self::simulated(errors, noise, effects) }
+        Self { badge: "Compared", next, ..Self::simulated(errors, noise, effects, ended) }
     }
 
     /// Of data that must be mended first.
@@ -154,6 +158,7 @@ mod tests {
             suggested: None,
             doubted: None,
             experiment: false,
+            ended: "",
             hidden: &[],
             data_problems: false,
             mend: None,
@@ -195,6 +200,16 @@ mod tests {
         assert!(told.also.is_none() && told.next.mend == Some(Mend::Voltage), "{told:?}");
         let told = Standing::of(&Facts { mend, left: Some(Adequacy::Something), ..facts(&effects, 40.0) });
         assert_eq!(told.verdict, Some(Verdict::PartlyExplained));
+    }
+
+    #[test]
+    fn a_value_where_its_search_ended_is_told_in_the_same_sentence() {
+        let effects = ["gravity (60 V)".to_owned()];
+        let ended = "; gravity.sine = 60 V is where the search for it ends, and no motor is like that";
+        let told = Standing::of(&Facts { left: Some(Adequacy::Something), ended, ..facts(&effects, 12.0) });
+        assert!(told.headline.ends_with(&format!("what is left is 12 x the noise{ended}.")), "{told:?}");
+        let told = Standing::of(&Facts { left: None, ended, ..facts(&effects, 12.0) });
+        assert!(told.headline.ends_with(&format!("{ended}.")), "{told:?}");
     }
 
     #[test]

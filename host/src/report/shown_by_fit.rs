@@ -4,7 +4,8 @@ use motorlens_shared::effects::Kind;
 
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
-use crate::fit::layout::Layout;
+use crate::fit::layout::{Layout, Values};
+use crate::fit::search::Problem;
 use crate::fit::uncertainty::Estimate;
 use crate::log::Warning;
 use crate::report::falls::judged;
@@ -41,8 +42,31 @@ pub fn too_little_excitation(parameters: &[Estimate]) -> Option<Warning> {
     })
 }
 
+/// What a headline goes on with where parameters of `layout` stand at `x` where the search for them ends: a size that rests on that is none.
+/// Empty where none does.
+pub fn ended(layout: &Layout, x: &[f64]) -> String {
+    where_ended(layout, x).map_or_else(String::new, |them| format!("; {them}, and no motor is like that"))
+}
+
+/// The same of `values` as `problem` lays them out.
+pub fn ended_of(problem: &Problem, values: &Values) -> String {
+    let layout = problem.layout(&values.kinds());
+    ended(&layout, &layout.pack(values))
+}
+
 /// The parameters of `layout` that stand at `x` where the search for them ends: no motor has such values, so that something else made them.
 fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
+    where_ended(layout, x).map(|them| Warning {
+        place: "all records together".into(),
+        what: format!("at_the_end: {them}: no motor is like that"),
+        fix: "look at the plots (motorlens serve LOG...) for readings that are garbled or late, a unit or a clock that is wrong, or a motor \
+              that hardly moves; leave such times out (--skip FROM..TO)"
+            .into(),
+    })
+}
+
+/// The same in words: which, at which values.
+fn where_ended(layout: &Layout, x: &[f64]) -> Option<String> {
     let value = |k: usize| {
         let axis = &layout.axes[k];
         format!("{} = {}", axis.name, in_words(layout.plain(k, x[k]), axis.unit))
@@ -53,13 +77,7 @@ fn at_the_end(layout: &Layout, x: &[f64]) -> Option<Warning> {
     } else {
         "are where the searches for them end"
     };
-    (!standing.is_empty()).then(|| Warning {
-        place: "all records together".into(),
-        what: format!("at_the_end: {} {them}: no motor is like that", standing.join(" and ")),
-        fix: "look at the plots (motorlens serve LOG...) for readings that are garbled or late, a unit or a clock that is wrong, or a motor \
-              that hardly moves; leave such times out (--skip FROM..TO)"
-            .into(),
-    })
+    (!standing.is_empty()).then(|| format!("{} {them}", standing.join(" and ")))
 }
 
 /// How many times nearer than the last model of `ladder` a smaller one, or the `usual` one, comes to the records that judge; 1 where none
@@ -189,8 +207,11 @@ fn of_the_sensor(kind: Kind, parameters: &[Estimate]) -> Option<Warning> {
 
 #[cfg(test)]
 mod tests {
+    use motorlens_shared::effects::Rig;
+
     use super::*;
     use crate::compare::measures::Measures;
+    use crate::fit::layout::Prior;
 
     #[test]
     fn a_usual_model_that_is_much_better_on_the_records_that_judge_is_told() {
@@ -202,6 +223,31 @@ mod tests {
         let better = told(rung(1.0, None), rung(0.5, None)).unwrap();
         assert_eq!(better.place, "all records together");
         assert_eq!(told(rung(1.0, Some(0.5)), rung(0.1, Some(0.45))), None);
+    }
+
+    #[test]
+    fn a_value_where_its_search_ends_is_told_alike_in_a_headline_and_as_a_data_problem() {
+        let rig = Rig {
+            step_s: 1e-3,
+            gear_ratio: 50.0,
+            encoder_on_motor: true,
+            nominal_v: 12.0,
+            supply_v: 12.0,
+            reference_speed: 10.0,
+            count_rad: 1e-3,
+        };
+        let prior = Prior { tau_e: (5e-4, 0.4), viscous_share: (0.08, 0.05) };
+        let layout = Layout::new(&[Kind::Coulomb], &rig, &prior);
+        let mut x: Vec<f64> = layout.axes.iter().map(|axis| 0.5 * (axis.low + axis.high)).collect();
+        assert_eq!((ended(&layout, &x), at_the_end(&layout, &x)), (String::new(), None));
+        let level = layout.axes.iter().position(|axis| axis.name == "coulomb.level").unwrap();
+        x[level] = layout.axes[level].high;
+        let (headline, fault) = (ended(&layout, &x), at_the_end(&layout, &x).unwrap());
+        assert!(
+            headline.starts_with("; coulomb.level = ") && headline.contains("where the search for it ends")
+        );
+        let told = headline.trim_start_matches("; ").split(", and no").next().unwrap();
+        assert!(fault.what.contains(told), "{} beside {headline}", fault.what);
     }
 
     #[test]

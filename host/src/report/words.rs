@@ -212,7 +212,7 @@ mod tests {
         let rung = |effects: &[Kind], rmse| Rung::leaving(effects, rmse, None);
         let ladder =
             [rung(&[], 3.04), rung(&[Kind::Delay], 0.7), rung(&[Kind::Delay, Kind::Stribeck], 0.789)];
-        let plain = Standing::simulated(&ladder[2].train, 0.1, &[]);
+        let plain = Standing::simulated(&ladder[2].train, 0.1, &[], "");
         assert!(summary(&ladder, 0.1, "rad", &plain).contains("fell from 3.04 rad to 0.789 rad"));
         let next = NextStep::new(Action::Remove, Some(Kind::Stribeck));
         let doubted = Standing { next, ..plain };

@@ -80,6 +80,7 @@ impl Scene {
             experiment: diagnosis.is_some_and(|d| {
                 d.next.is_some() && (self.effects().is_empty() || self.open().next().is_some())
             }),
+            ended: &shown_by_fit::ended(&self.chosen.layout, &self.chosen.x),
             hidden: &diagnosis.map_or_else(Vec::new, |d| DetectionLimit::hidden(&d.limits)),
             data_problems: !self.faults.is_empty() || !self.later_faults().is_empty(),
             mend: Mend::first(&self.faults),
