@@ -54,12 +54,12 @@ impl Mapping {
     }
 
     /// Which rows alone are read, where not all are.
-    pub(super) fn only(&self) -> Option<&Only> {
+    pub(crate) fn only(&self) -> Option<&Only> {
         self.only.as_ref()
     }
 
     /// The same for these rows alone.
-    pub(super) fn with_only(&self, only: Only) -> Self {
+    pub(crate) fn with_only(&self, only: Only) -> Self {
         Self { only: Some(only), ..self.clone() }
     }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::log::mapping::Mapping;
 use crate::log::{EncoderShaft, ReadOptions};
 use crate::motor_file::MotorFile;
 
@@ -66,7 +67,13 @@ impl Rig {
     /// How a file is read with the columns of `map`, empty for canonical ones: `before`, but for what map and fields say.
     pub fn options(&self, map: &str, before: ReadOptions) -> Result<ReadOptions> {
         let map = if map.is_empty() { None } else { Some(map.parse()) };
-        let map = map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
+        let map: Option<Mapping> =
+            map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
+        // The fields have no place for whose rows were chosen.
+        let map = match before.map.as_ref().and_then(Mapping::only) {
+            Some(only) => Some(map.unwrap_or_default().with_only(only.clone())),
+            None => map,
+        };
         let supply_volts = Self::number(&self.supply_v, "supply")?;
         let rate_hz = Self::number(&self.rate_hz, "samples per second")?;
         let motor = self.motor(before.motor)?;
@@ -83,5 +90,14 @@ mod tests {
         let rig = Rig { gear_ratio: Some("-3".into()), ..Rig::default() };
         assert!(rig.motor(MotorFile::default()).unwrap_err().to_string().contains("gear ratio is \"-3\""));
         assert_eq!(Rig::default().motor(MotorFile::default()).unwrap(), MotorFile::default());
+    }
+
+    #[test]
+    fn other_columns_are_those_of_the_same_rows() {
+        let before = ReadOptions { map: Some("only=id:3".parse().unwrap()), ..ReadOptions::default() };
+        for (map, written) in [("", "only=id:3"), ("time=t,speed=w:rpm", "time=t,speed=w:rpm,only=id:3")] {
+            let options = Rig::default().options(map, before.clone()).unwrap();
+            assert_eq!(options.map.unwrap().written(), written);
+        }
     }
 }
