@@ -2,14 +2,14 @@
 //!
 //! The controller is part of the model: `duty = clamp(gain * (target - angle) - damping * speed, -1, 1)`, and the voltage is the duty
 //! times the supply. Gain (`--servo-gain`, duty per rad; of a servo whose register is in other units, that of its register) and
-//! damping (`--servo-damping`, duty per rad/s) are known, or found here: where the controller saturates, and only there, the motion
-//! tells its gain apart from the motor's. The loop of a servo is much faster than its log, so the voltage runs on between samples
-//! (hold "first").
+//! damping (`--servo-damping`, duty per rad/s) are known, or found ([`super::servo_trials`]): where the controller saturates, and only there,
+//! the motion tells its gain apart from the motor's. The loop of a servo is much faster than its log. Where the target moves on between two
+//! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
 
 use super::motion::{low_pass, slope, speed};
+use super::servo_trials::{Loop, Seen, find, of_known};
 use super::timing::median_interval;
-use super::weak::{Regression, Weak};
-use super::{Hold, Record, Warning, servo_loop};
+use super::{Hold, Record, Warning};
 
 /// The loop of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,39 +33,34 @@ pub struct Controller {
 
 /// Supply that is assumed where nothing tells it, V: the gain of the motor is then that of this supply.
 pub const USUAL_SUPPLY: f64 = 12.0;
-/// Gains that are tried, duty per rad: full duty at 1.5 rad to full duty at 0.01 rad.
-const GAINS: (f64, f64, usize) = (0.7, 100.0, 40);
-/// Damping that is tried, seconds of the gain.
-const DAMPING_S: [f64; 5] = [0.0, 0.01, 0.02, 0.04, 0.08];
-/// A gain is told where so many of the samples would be at full duty ...
-const SATURATED: f64 = 0.02;
-/// ... and a tenth of the gain leaves this much more.
-const WORSE: f64 = 1.1;
 
 impl Controller {
-    /// Duty at each sample of `record`, whose loop is `servo`.
-    fn duty(self, record: &Record, servo: &Servo, speed: &[f64]) -> Vec<f64> {
-        let angle = record.angle_rad.as_deref().unwrap_or_default();
-        let error = servo.target_rad.iter().zip(angle).zip(speed);
-        error
-            .map(|((target, angle), w)| (self.gain * (target - angle) - self.damping * w).clamp(-1.0, 1.0))
-            .collect()
-    }
-
-    /// Gives `record` the voltage that this makes of its loop.
-    fn drive(self, record: &mut Record) {
-        let Some(servo) = record.servo.clone() else { return };
-        let speed = filtered_speed(record);
-        let duty = self.duty(record, &servo, &speed);
-        record.voltage_v = match &record.supply_v {
-            Some(supply) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
-            None => duty.iter().map(|duty| duty * USUAL_SUPPLY).collect(),
-        };
+    /// Duty at an `error` of the angle, rad, and a `speed`, rad/s.
+    pub(super) fn duty(self, error: f64, speed: f64) -> f64 {
+        (self.gain * error - self.damping * speed).clamp(-1.0, 1.0)
     }
 }
 
+/// Gives `record` the voltage that `run` makes of its loop.
+fn drive(run: Loop, record: &mut Record) {
+    let Some(servo) = record.servo.clone() else { return };
+    let speed = filtered_speed(record);
+    let duty = if run.moves {
+        let angle = record.angle_rad.as_deref().unwrap_or_default();
+        let error = run.target(&servo).into_iter().zip(angle).map(|(target, angle)| target - angle);
+        error.zip(&speed).map(|(error, w)| run.controller.duty(error, *w)).collect()
+    } else {
+        run.mean_duty(record, &servo, &speed)
+    };
+    record.hold = if run.moves { Hold::First } else { Hold::Zero };
+    record.voltage_v = match &record.supply_v {
+        Some(supply) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
+        None => duty.iter().map(|duty| duty * USUAL_SUPPLY).collect(),
+    };
+}
+
 /// The speed as a servo's loop sees it, and not as noisy as a difference of two samples.
-fn filtered_speed(record: &Record) -> Vec<f64> {
+pub(super) fn filtered_speed(record: &Record) -> Vec<f64> {
     match (&record.angle_rad, &record.speed_rad_s) {
         (_, Some(_)) => speed(record),
         (Some(angle), None) => {
@@ -84,10 +79,10 @@ pub fn close_loops(records: &mut [Record]) {
     for record in records.iter_mut() {
         let Some(servo) = record.servo.clone() else { continue };
         let known = servo.gain.map(|gain| Controller { gain, damping: servo.damping.unwrap_or(0.0) });
-        let Some(controller) = known.or(found.map(|(controller, _)| controller)) else { continue };
-        controller.drive(record);
-        record.hold = Hold::First;
-        let Controller { gain, damping } = controller;
+        let known = known.map(|known| of_known(&Seen::of(record).into_iter().collect::<Vec<_>>(), known));
+        let Some(run) = known.or(found.map(|(run, _)| run)) else { continue };
+        drive(run, record);
+        let Controller { gain, damping } = run.controller;
         for (key, value) in [
             ("servo_gain", gain.to_string()),
             ("servo_damping", damping.to_string()),
@@ -96,11 +91,29 @@ pub fn close_loops(records: &mut [Record]) {
             // These keys take any text.
             let _ = record.meta.insert(key, &value);
         }
-        record.warnings.retain(|warning| !warning.what.starts_with("servo_gain"));
+        let is_of_loop = |warning: &Warning| {
+            ["servo_gain", "late_target"].iter().any(|name| warning.what.starts_with(name))
+        };
+        record.warnings.retain(|warning| !is_of_loop(warning));
         if let (None, Some((_, told)), false) = (known, found, said) {
-            record.warnings.push(told_or_assumed(record, controller, told));
+            record.warnings.push(told_or_assumed(record, run.controller, told));
             said = true;
         }
+        if run.late > 0 {
+            record.warnings.push(late_target(record, run.late));
+        }
+    }
+}
+
+/// What is said of a target that arrives so many rows late.
+fn late_target(record: &Record, rows: usize) -> Warning {
+    let ms = 1e3 * rows as f64 * median_interval(&record.time_s);
+    Warning {
+        place: format!("{}, column target", record.path.display()),
+        what: format!(
+            "late_target: the shaft answers to its target {rows} rows ({ms:.0} ms) after the row that has it, and is taken to be driven so"
+        ),
+        fix: "nothing, if the way to the servo takes that long; otherwise log target and position of one instant in one row".into(),
     }
 }
 
@@ -124,111 +137,98 @@ fn told_or_assumed(record: &Record, Controller { gain, damping }: Controller, to
     }
 }
 
-/// The controller that explains the motion of `records` best, and whether they tell its gain.
-fn find(records: &[Record]) -> (Controller, bool) {
-    let (low, high, count) = GAINS;
-    let trials: Vec<Trial> = (0..count)
-        .flat_map(|k| {
-            let gain = low * (high / low).powf(k as f64 / (count - 1) as f64);
-            DAMPING_S.map(|seconds| Trial::new(records, Controller { gain, damping: gain * seconds }))
-        })
-        .collect();
-    let best = trials.iter().min_by(|a, b| a.left.total_cmp(&b.left));
-    let Some(best) = best.filter(|best| best.left.is_finite()) else {
-        return (Controller { gain: assumed(records), damping: 0.0 }, false);
-    };
-    let linear =
-        trials.iter().filter(|trial| trial.saturated == 0.0).map(|trial| trial.left).fold(f64::MAX, f64::min);
-    let told = best.saturated > SATURATED && linear > WORSE * best.left;
-    if !told {
-        let damping = best.controller.damping / best.controller.gain;
-        let gain = assumed(records);
-        return (Controller { gain, damping: gain * damping }, false);
-    }
-    // Between the gains tried, by thirds.
-    let seconds = best.controller.damping / best.controller.gain;
-    let step = (high / low).powf(1.0 / (count - 1) as f64);
-    let centre = best.controller.gain;
-    let left = |gain: f64| Trial::new(records, Controller { gain, damping: gain * seconds }).left;
-    let (mut a, mut b) = (centre / step, centre * step);
-    for _ in 0..12 {
-        let (c, d) = (a * (b / a).powf(1.0 / 3.0), a * (b / a).powf(2.0 / 3.0));
-        if left(c) < left(d) { b = d } else { a = c }
-    }
-    let gain = (a * b).sqrt();
-    let rough = Trial::new(records, Controller { gain, damping: gain * seconds });
-    let refined = rough.motor.and_then(|motor| servo_loop::refined(records, rough.controller, motor));
-    (refined.unwrap_or(rough.controller), true)
-}
-
-/// A gain that just does not saturate: nothing is known, and nothing is lost.
-fn assumed(records: &[Record]) -> f64 {
-    let errors = records.iter().flat_map(|record| {
-        let target = record.servo.iter().flat_map(|servo| &servo.target_rad);
-        target.zip(record.angle_rad.iter().flatten()).map(|(target, angle)| (target - angle).abs())
-    });
-    let largest = errors.fold(0.0, f64::max);
-    if largest > 0.0 { 1.0 / largest } else { 1.0 }
-}
-
-/// What a controller leaves unexplained of its own voltage, and how much of the time it is at full duty.
-struct Trial {
-    controller: Controller,
-    /// The motor as one of the records shows it.
-    motor: Option<Regression>,
-    left: f64,
-    saturated: f64,
-}
-
-impl Trial {
-    fn new(records: &[Record], controller: Controller) -> Self {
-        let (mut left, mut weight, mut full, mut all) = (0.0, 0.0, 0, 0);
-        let mut motor = None;
-        for record in records {
-            let mut record = record.clone();
-            controller.drive(&mut record);
-            let volts = record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[0]);
-            full += record.voltage_v.iter().filter(|v| v.abs() > 0.98 * volts).count();
-            all += record.len();
-            let seen = Weak::new(&record).and_then(|weak| weak.regress(0.0, |v| v));
-            if let Some(seen) = seen.filter(|seen| seen.gain > 0.0) {
-                motor = motor.or(Some(seen));
-                left += seen.left * record.len() as f64;
-                weight += record.len() as f64;
-            }
-        }
-        let left = if weight > 0.5 * all as f64 { left / weight } else { f64::INFINITY };
-        Self { controller, motor, left, saturated: full as f64 / all.max(1) as f64 }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::weak::Weak;
     use super::*;
 
-    /// A motor in a position loop that runs a hundred times as often as it is logged.
-    pub(super) fn servo(gain: f64, damping: f64, size: f64) -> Record {
+    /// Where a target is between two rows: it moves on, or stands as it was so many rows before.
+    #[derive(Clone, Copy)]
+    enum Between {
+        Moves,
+        Stands(usize),
+    }
+
+    /// A motor in a position loop that runs fifty times as often as it is logged.
+    fn servo(gain: f64, damping: f64, size: f64) -> Record {
+        driven([gain, damping, size], Between::Moves, |_| 0.0).0
+    }
+
+    /// The same whose target is so between two rows, and whose shaft has a `load` (V) by its angle; and the mean voltage of every row.
+    fn driven(
+        [gain, damping, size]: [f64; 3],
+        between: Between,
+        load: impl Fn(f64) -> f64,
+    ) -> (Record, Vec<f64>) {
         let (supply, dt) = (12.0, 2e-4);
         let (mut w, mut x) = (0.0_f64, 0.0_f64);
         let mut record = Record { name: "servo".into(), angle_rad: Some(Vec::new()), ..Record::default() };
-        let mut targets = Vec::new();
+        let (mut targets, mut means) = (Vec::new(), Vec::new());
         for k in 0..60_000 {
             let t = f64::from(k) * dt;
-            let target = size * ((0.9 * t).sin().signum() * 0.6 + 0.4 * (2.3 * t).sin());
+            let mut target = size * ((0.9 * t).sin().signum() * 0.6 + 0.4 * (2.3 * t).sin());
             if k % 50 == 0 {
                 record.time_s.push(t);
                 record.angle_rad.as_mut().unwrap().push(x);
                 targets.push(target);
+                means.push(0.0);
+            }
+            if let Between::Stands(late) = between {
+                target = targets[(targets.len() - 1).saturating_sub(late)];
             }
             let v = supply * (gain * (target - x) - damping * w).clamp(-1.0, 1.0);
-            let friction = if w == 0.0 { v.clamp(-0.3, 0.3) } else { 0.3 * w.signum() };
-            w += dt / 0.05 * (0.5 * (v - friction) - w);
+            *means.last_mut().unwrap() += v / 50.0;
+            let push = v - load(x);
+            let friction = if w == 0.0 { push.clamp(-0.3, 0.3) } else { 0.3 * w.signum() };
+            w += dt / 0.05 * (0.5 * (push - friction) - w);
             x += dt * w;
         }
         record.supply_v = Some(vec![supply; record.len()]);
         record.servo = Some(Servo { target_rad: targets, gain: None, damping: None });
         record.voltage_v = vec![0.0; record.len()];
-        record
+        (record, means)
+    }
+
+    fn gain_of(record: &Record) -> f64 {
+        record.meta.get("servo_gain").unwrap().parse().unwrap()
+    }
+
+    #[test]
+    fn a_target_that_stands_between_two_rows_gives_each_row_its_mean_voltage() {
+        for known in [None, Some(4.0)] {
+            let (mut record, means) = driven([4.0, 0.0, 1.0], Between::Stands(0), |_| 0.0);
+            record.servo.as_mut().unwrap().gain = known;
+            let mut records = [record];
+            close_loops(&mut records);
+            assert!(records[0].hold == Hold::Zero && (gain_of(&records[0]) / 4.0 - 1.0).abs() < 0.05);
+            let off = records[0].voltage_v.iter().zip(&means).map(|(v, mean)| (v - mean).powi(2));
+            let off = (off.sum::<f64>() / means.len() as f64).sqrt();
+            assert!(off < 0.3, "{off} V with {known:?}");
+            assert!(records[0].warnings.iter().all(|w| !w.what.starts_with("late_target")));
+        }
+    }
+
+    #[test]
+    fn the_controller_of_an_arm_that_lifts_a_weight_is_found() {
+        let (record, _) = driven([2.5, 0.0, 1.3], Between::Stands(0), |x| 2.0 * x.sin());
+        let mut records = [record];
+        close_loops(&mut records);
+        assert!((gain_of(&records[0]) / 2.5 - 1.0).abs() < 0.1, "{}", gain_of(&records[0]));
+    }
+
+    #[test]
+    fn a_target_that_arrives_some_rows_late_is_told_once_and_taken_so() {
+        for known in [None, Some(2.5)] {
+            let (mut record, _) = driven([2.5, 0.0, 1.3], Between::Stands(3), |_| 0.0);
+            record.servo.as_mut().unwrap().gain = known;
+            let mut records = [record];
+            close_loops(&mut records);
+            close_loops(&mut records);
+            let late: Vec<&Warning> =
+                records[0].warnings.iter().filter(|w| w.what.starts_with("late_target")).collect();
+            assert!(late.len() == 1 && late[0].what.contains("3 rows (30 ms)"), "{late:?}");
+            assert!((gain_of(&records[0]) / 2.5 - 1.0).abs() < 0.1, "{}", gain_of(&records[0]));
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::quantum::quantum;
 use super::refused::other_than_refused;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
 use super::supply_as_drive::supply_as_drive;
+use super::target_check::target_fault;
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Error, Result};
 
@@ -88,6 +89,10 @@ fn refusal(record: &Record, fault: Fault) -> crate::error::Error {
 
 /// All that is wrong with the content of `record`, the gravest first.
 pub fn content_faults(record: &Record) -> Vec<Fault> {
+    // A voltage that follows from such a target says nothing.
+    if let Some(fault) = target_fault(record) {
+        return vec![fault];
+    }
     let mut faults = unit_check::unit_faults(record);
     faults.extend(no_excitation(record).or_else(|| supply_as_drive(record)));
     match no_motion(record) {

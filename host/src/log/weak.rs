@@ -34,6 +34,7 @@ pub struct Weak<'a> {
     lead_s: f64,
 }
 
+#[derive(Clone)]
 struct Window {
     centre: f64,
     /// Speed, acceleration, direction and one under the bump.
@@ -115,6 +116,15 @@ impl<'a> Weak<'a> {
         Some(Self { windows, time_s, voltage: &record.voltage_v, half_s, interval_s, lead_s })
     }
 
+    /// The same motion under another voltage.
+    pub fn under<'b>(&self, voltage: &'b [f64]) -> Weak<'b>
+    where
+        'a: 'b,
+    {
+        let windows = self.windows.clone();
+        Weak { windows, time_s: self.time_s, voltage, half_s: self.half_s, interval_s: self.interval_s }
+    }
+
     /// Median time between samples, s.
     pub fn interval_s(&self) -> f64 {
         self.interval_s
@@ -150,7 +160,7 @@ impl<'a> Weak<'a> {
     }
 
     /// [`Self::regress`] with the torque of a pendulum beside friction and load.
-    fn under_load(&self, late_s: f64) -> Option<Regression> {
+    pub fn under_load(&self, late_s: f64) -> Option<Regression> {
         let rows = self.rows_of(late_s, |v| v);
         let full = rows.iter().zip(&self.windows).map(|((row, v), window)| {
             let gravity = window.gravity.map(|g| g / window.area);

@@ -1,0 +1,225 @@
+//! Which controller drives a servo, tried out: the one whose voltage the motion explains best.
+//!
+//! A controller gives the voltage of every row, the motor's equation in its weak form ([`super::weak`]) what of that the motion does not
+//! explain: beside friction alone, or under a weight too, which an arm lifts. Where the target stands between two rows and how late it
+//! arrives is not logged either, and is found alike.
+
+use super::Record;
+use super::motion::peak;
+use super::servo::{Controller, Servo, USUAL_SUPPLY, filtered_speed};
+use super::servo_loop;
+use super::weak::{Regression, Weak};
+
+/// Gains that are tried, duty per rad: full duty at 1.5 rad to full duty at 0.01 rad.
+const GAINS: (f64, f64, usize) = (0.7, 100.0, 40);
+/// Damping that is tried, seconds of the gain.
+const DAMPING_S: [f64; 5] = [0.0, 0.01, 0.02, 0.04, 0.08];
+/// A gain is told where so many of the samples would be at full duty ...
+const SATURATED: f64 = 0.02;
+/// ... and a tenth of the gain leaves this much more.
+const WORSE: f64 = 1.1;
+/// The shaft carries a weight where its torque leaves less than this share of what is left without.
+const CARRIES: f64 = 0.6;
+/// A target arrives late by up to so many rows, where that leaves less than this share of what is left at once.
+const MOST_LATE: usize = 6;
+const LATE: f64 = 0.7;
+/// Of the gains every so many suffice to find how late it is.
+const EVERY: usize = 2;
+/// Places between two rows at which the duty is worked out: full duty is reached between them.
+const BETWEEN: usize = 8;
+
+/// How a motor is driven: its controller, how many rows late the target arrives there, and whether that moves on straight from row to row or is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Loop {
+    pub controller: Controller,
+    pub late: usize,
+    pub moves: bool,
+}
+
+impl Loop {
+    /// The target as it arrives.
+    pub fn target(self, servo: &Servo) -> Vec<f64> {
+        (0..servo.target_rad.len()).map(|k| servo.target_rad[k.saturating_sub(self.late)]).collect()
+    }
+
+    /// The mean duty from each row of `record` to the next: the loop runs far more often than it is logged, and the shaft turns on meanwhile.
+    pub fn mean_duty(self, record: &Record, servo: &Servo, speed: &[f64]) -> Vec<f64> {
+        let (target, angle) = (self.target(servo), record.angle_rad.as_deref().unwrap_or_default());
+        let last = angle.len().saturating_sub(1);
+        let mean = |k: usize| {
+            let next = (k + 1).min(last);
+            let at = |values: &[f64], share: f64| values[k] + share * (values[next] - values[k]);
+            let duty = |step: usize| {
+                let share = (step as f64 + 0.5) / BETWEEN as f64;
+                let target = if self.moves { at(&target, share) } else { target[k] };
+                self.controller.duty(target - at(angle, share), at(speed, share))
+            };
+            (0..BETWEEN).map(duty).sum::<f64>() / BETWEEN as f64
+        };
+        (0..angle.len()).map(mean).collect()
+    }
+}
+
+/// A servo's record as every trial sees it.
+pub(super) struct Seen<'a> {
+    record: &'a Record,
+    servo: &'a Servo,
+    speed: Vec<f64>,
+    weak: Option<Weak<'a>>,
+}
+
+impl<'a> Seen<'a> {
+    pub fn of(record: &'a Record) -> Option<Self> {
+        let servo = record.servo.as_ref()?;
+        Some(Self { record, servo, speed: filtered_speed(record), weak: Weak::new(record) })
+    }
+
+    /// The volts that full duty is in each row.
+    fn supply(&self, k: usize) -> f64 {
+        self.record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k])
+    }
+}
+
+/// What a loop leaves unexplained of its own voltage, and how much of the time it is at full duty.
+struct Trial {
+    run: Loop,
+    /// The motor as one of the records shows it.
+    motor: Option<Regression>,
+    /// Beside friction and a constant load, and under a weight too.
+    left: [f64; 2],
+    saturated: f64,
+}
+
+impl Trial {
+    fn new(seen: &[Seen], run: Loop) -> Self {
+        let (mut sums, mut full, mut all) = ([(0.0, 0.0); 2], 0, 0);
+        let mut motor = None;
+        for one in seen {
+            let duty = run.mean_duty(one.record, one.servo, &one.speed);
+            full += duty.iter().filter(|duty| duty.abs() > 0.98).count();
+            all += duty.len();
+            let volts: Vec<f64> = duty.iter().enumerate().map(|(k, duty)| duty * one.supply(k)).collect();
+            let Some(weak) = one.weak.as_ref().map(|weak| weak.under(&volts)) else { continue };
+            let found = [weak.regress(0.0, |v| v), weak.under_load(0.0)];
+            let found = found.map(|of| of.filter(|of| of.gain > 0.0));
+            motor = motor.or(found[0]);
+            for (of, (left, weight)) in found.iter().zip(&mut sums) {
+                if let Some(of) = of {
+                    *left += of.left * duty.len() as f64;
+                    *weight += duty.len() as f64;
+                }
+            }
+        }
+        let mean = |(left, weight): (f64, f64)| {
+            if weight > 0.5 * all as f64 { left / weight } else { f64::INFINITY }
+        };
+        Self { run, motor, left: sums.map(mean), saturated: full as f64 / all.max(1) as f64 }
+    }
+}
+
+/// The trials of all `controllers` with a target that is so many rows late, moving on and held.
+fn trials(seen: &[Seen], controllers: &[Controller], late: usize) -> Vec<Trial> {
+    let runs = controllers
+        .iter()
+        .flat_map(|controller| [true, false].map(|moves| Loop { controller: *controller, late, moves }));
+    runs.map(|run| Trial::new(seen, run)).collect()
+}
+
+/// The trial that leaves least beside friction (0) or under a weight (1); the first of equals.
+fn least(trials: &[Trial], kind: usize) -> Option<&Trial> {
+    trials.iter().min_by(|a, b| a.left[kind].total_cmp(&b.left[kind]))
+}
+
+/// How a `controller` that is known drives what was `seen`.
+pub(super) fn of_known(seen: &[Seen], controller: Controller) -> Loop {
+    let tried = |late: usize| trials(seen, &[controller], late);
+    let run = |trials: &[Trial]| least(trials, 1).map(|trial| (trial.run, trial.left[1]));
+    let at_once = run(&tried(0));
+    let late = (1..=MOST_LATE).filter_map(|late| run(&tried(late))).min_by(|a, b| a.1.total_cmp(&b.1));
+    match (at_once, late) {
+        (Some((_, left)), Some((run, less))) if less < LATE * left => run,
+        (Some((run, _)), _) => run,
+        (None, _) => Loop { controller, late: 0, moves: true },
+    }
+}
+
+/// The loop that explains the motion of `records` best, and whether they tell its gain.
+pub(super) fn find(records: &[Record]) -> (Loop, bool) {
+    let seen: Vec<Seen> = records.iter().filter_map(Seen::of).collect();
+    let (low, high, count) = GAINS;
+    let every = |step: usize| -> Vec<Controller> {
+        let of_gain = |k: usize| {
+            let gain = low * (high / low).powf(k as f64 / (count - 1) as f64);
+            DAMPING_S.map(|seconds| Controller { gain, damping: gain * seconds })
+        };
+        (0..count).step_by(step).flat_map(of_gain).collect()
+    };
+    let mut tried = trials(&seen, &every(1), 0);
+    let kind = usize::from(carries(&tried));
+    let less = least(&tried, kind).map_or(f64::INFINITY, |trial| LATE * trial.left[kind]);
+    let some = every(EVERY);
+    let late =
+        (1..=MOST_LATE).filter_map(|late| Some((late, least(&trials(&seen, &some, late), kind)?.left[kind])));
+    let late =
+        late.filter(|(_, left)| *left < less).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(late, _)| late);
+    if late > 0 {
+        tried = trials(&seen, &every(1), late);
+    }
+    let kind = usize::from(carries(&tried));
+    let unknown = |seconds: f64| {
+        let gain = assumed(records);
+        (of_known(&seen, Controller { gain, damping: gain * seconds }), false)
+    };
+    let Some(best) = least(&tried, kind).filter(|best| best.left[kind].is_finite()) else {
+        return unknown(0.0);
+    };
+    let linear = tried
+        .iter()
+        .filter(|trial| trial.saturated == 0.0)
+        .map(|trial| trial.left[kind])
+        .fold(f64::MAX, f64::min);
+    let seconds = best.run.controller.damping / best.run.controller.gain;
+    if best.saturated <= SATURATED || linear <= WORSE * best.left[kind] {
+        return unknown(seconds);
+    }
+    // Between the gains tried, by thirds.
+    let step = (high / low).powf(1.0 / (count - 1) as f64);
+    let centre = best.run.controller.gain;
+    let of_gain = |gain: f64| Loop { controller: Controller { gain, damping: gain * seconds }, ..best.run };
+    let left = |gain: f64| Trial::new(&seen, of_gain(gain)).left[kind];
+    let (mut a, mut b) = (centre / step, centre * step);
+    for _ in 0..12 {
+        let (c, d) = (a * (b / a).powf(1.0 / 3.0), a * (b / a).powf(2.0 / 3.0));
+        if left(c) < left(d) { b = d } else { a = c }
+    }
+    let rough = Trial::new(&seen, of_gain((a * b).sqrt()));
+    // The simulated loop carries nothing.
+    let motor = rough.motor.filter(|_| kind == 0);
+    let arrived: Vec<Record> = records.iter().map(|record| arrived(record, rough.run)).collect();
+    let refined = motor.and_then(|motor| servo_loop::refined(&arrived, rough.run.controller, motor));
+    let controller = refined.unwrap_or(rough.run.controller);
+    let run = least(&trials(&seen, &[controller], late), kind).map_or(rough.run, |trial| trial.run);
+    (run, true)
+}
+
+/// Whether the shaft carries a weight, by what the best of `trials` leave.
+fn carries(trials: &[Trial]) -> bool {
+    let left = |kind: usize| least(trials, kind).map_or(f64::INFINITY, |trial| trial.left[kind]);
+    left(1) < CARRIES * left(0)
+}
+
+/// `record` with its target as `run` gets it.
+fn arrived(record: &Record, run: Loop) -> Record {
+    let servo = record.servo.as_ref().map(|servo| Servo { target_rad: run.target(servo), ..servo.clone() });
+    Record { servo, ..record.clone() }
+}
+
+/// A gain that just does not saturate: nothing is known, and nothing is lost.
+fn assumed(records: &[Record]) -> f64 {
+    let errors = records.iter().flat_map(|record| {
+        let target = record.servo.iter().flat_map(|servo| &servo.target_rad);
+        target.zip(record.angle_rad.iter().flatten()).map(|(target, angle)| target - angle)
+    });
+    let largest = peak(&errors.collect::<Vec<f64>>());
+    if largest > 0.0 { 1.0 / largest } else { 1.0 }
+}
