@@ -2,8 +2,9 @@
 
 use super::dropouts::{LONGEST_SPIKE, dropouts, speed_dropouts};
 use super::edges::{garbled_behind_edges, keep_drive};
+use super::many_garbled::{many_angles, many_speeds};
 use super::motion::peak;
-use super::repair::{far_steps, leave_out, named};
+use super::repair::{far_steps, leave_out, named, undoing};
 use super::sentinels::{at_the_ends, in_passes, picked};
 use super::unread::{is_long, unread_speeds};
 use super::wraps::wrapped;
@@ -16,21 +17,17 @@ const SUDDEN: f64 = 8.0;
 /// More readings of a voltage than this share are no accident of a transmission.
 const MOST_GARBLED: f64 = 0.02;
 
-/// Samples between two far steps, there and back.
+/// Samples between two far steps, there and back; some of them may be far from each other too.
 fn spikes(values: &[f64]) -> Vec<usize> {
     let far = far_steps(values);
     let mut found = Vec::new();
     let mut k = 0;
-    while k + 1 < far.len() {
-        let (there, back) = (far[k], far[k + 1]);
-        let up = values[there + 1] - values[there];
-        let left = values[back + 1] - values[there];
-        if back - there <= LONGEST_SPIKE && left.abs() < 0.25 * up.abs() {
-            found.extend(there + 1..=back);
-            k += 2;
-        } else {
-            k += 1;
+    while k < far.len() {
+        if let Some((place, back)) = undoing(values, &far, k) {
+            found.extend(far[k] + 1..=back);
+            k = place;
         }
+        k += 1;
     }
     found
 }
@@ -42,7 +39,7 @@ fn garbled_angles(angle: &[f64]) -> Vec<usize> {
         if pass > 0 && wrapped(&rest).is_some() {
             return Vec::new();
         }
-        let first = |x: &[f64]| if pass == 0 { spikes(x) } else { Vec::new() };
+        let first = |x: &[f64]| many_or_few(many_angles(x), || spikes(x), pass);
         first_of([&dropouts, &first, &|x| at_the_ends(x, 0.0)], &rest)
     })
 }
@@ -51,9 +48,19 @@ fn garbled_angles(angle: &[f64]) -> Vec<usize> {
 fn garbled_speeds(speed: &[f64], volts: &[f64]) -> Vec<usize> {
     in_passes(speed.len(), |pass, kept| {
         let (rest, volts) = (picked(speed, kept), picked(volts, kept));
-        let first = |w: &[f64]| if pass == 0 { speed_spikes(w) } else { Vec::new() };
+        let first = |w: &[f64]| many_or_few(many_speeds(w, &volts), || speed_spikes(w), pass);
         first_of([&|w| speed_dropouts(w, &volts), &first, &|w| at_the_ends(w, SPIKE_SPEED)], &rest)
     })
+}
+
+/// The `many` garbled samples and the `few` that stand apart; these alone only in the first pass.
+fn many_or_few(mut many: Vec<usize>, few: impl Fn() -> Vec<usize>, pass: usize) -> Vec<usize> {
+    if !many.is_empty() || pass == 0 {
+        many.extend(few());
+        many.sort_unstable();
+        many.dedup();
+    }
+    many
 }
 
 /// A rule that finds samples which are no readings.

@@ -37,6 +37,7 @@ mod labels;
 mod layout;
 mod line_ends;
 mod low_active;
+mod many_garbled;
 pub mod mapping;
 mod metadata;
 mod mistaken;

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::dropouts::LONGEST_SPIKE;
 use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
 use super::motion::peak;
@@ -19,6 +20,8 @@ use super::{Record, Warning};
 
 /// Steps this many times as large as the largest ordinary one are no motion.
 pub(super) const APART: f64 = 3.0;
+/// What is left of a step that is undone is less than this share of it.
+const UNDONE: f64 = 0.25;
 /// Share of the steps, from the largest on, among which such steps are sought.
 const RARE: f64 = 0.2;
 /// A record is cut at a pause of so many intervals and seconds.
@@ -77,8 +80,36 @@ pub(super) fn far_steps(values: &[f64]) -> Vec<usize> {
     let far: Vec<usize> = (0..steps.len()).filter(|&k| steps[k] > limit).collect();
     // A burst of fast motion in a still record is motion: it goes on in its direction. Garbled readings go there and back.
     let goes_on = |k: usize| (values[k + 1] - values[k]) * (values[k + 2] - values[k + 1]) > 0.0;
-    let burst = |f: &[usize]| f[2] - f[0] == 2 && (goes_on(f[0]) || goes_on(f[1]));
-    if far.windows(3).any(burst) { Vec::new() } else { far }
+    let moves = 2 * sorted.len() >= steps.len();
+    let burst = |run: &[usize]| {
+        let (first, last) = (run[0], run[run.len() - 1]);
+        run.len() > 2 && (first..last).any(goes_on) && !(moves && is_undone(values, run))
+    };
+    if far.chunk_by(|one, next| next - one == 1).any(burst) { Vec::new() } else { far }
+}
+
+/// The step among the `far` ones that undoes the one at this place among them, some samples later, and its place; none where none does.
+pub(super) fn undoing(values: &[f64], far: &[usize], place: usize) -> Option<(usize, usize)> {
+    let there = far[place];
+    let next = (place + 1..far.len()).take_while(|other| far[*other] - there <= LONGEST_SPIKE);
+    next.map(|other| (other, far[other])).find(|(_, back)| comes_back(values, there, *back))
+}
+
+/// Whether all steps of a `run` undo each other some samples later, as those of garbled readings beside each other do.
+fn is_undone(values: &[f64], run: &[usize]) -> bool {
+    let mut place = 0;
+    while place < run.len() {
+        let Some((other, _)) = undoing(values, run, place) else { return false };
+        place = other + 1;
+    }
+    true
+}
+
+/// Whether the steps `there` and `back`, from sample k to k + 1, undo each other: all between is far from where it was, and what follows is not.
+fn comes_back(values: &[f64], there: usize, back: usize) -> bool {
+    let off = |k: usize| (values[k] - values[there]).abs();
+    let least = (there + 1..=back).map(off).fold(f64::INFINITY, f64::min);
+    off(back + 1) < UNDONE * least
 }
 
 /// A counter that is set back goes so many times as far at once as in the samples around, ...

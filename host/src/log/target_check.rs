@@ -11,8 +11,10 @@ use super::usable::Fault;
 const MOST_LATE: usize = 3;
 /// ... within this share of the way of the target.
 const SAME: f64 = 1e-6;
-/// A shaft that turns against its target goes with it as little as this.
+/// A shaft that turns against its target goes with it as little as this, and over this share of its way: one that is asked for too fast a motion
+/// goes over less, and late.
 const AGAINST: f64 = -0.6;
+const FAR: f64 = 0.5;
 
 /// What is wrong with the angle of a servo beside its target.
 pub(super) fn target_fault(record: &Record) -> Option<Fault> {
@@ -33,7 +35,7 @@ pub(super) fn target_fault(record: &Record) -> Option<Fault> {
         });
     }
     let along = correlation(target, angle);
-    (along < AGAINST).then(|| {
+    (along < AGAINST && span(angle) > FAR * way).then(|| {
         let turned = [Quantity::Angle, Quantity::Speed].map(|quantity| (quantity, quantity, "*-1"));
         let count = if record.speed_rad_s.is_some() { 2 } else { 1 };
         Fault {
