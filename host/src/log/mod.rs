@@ -32,6 +32,7 @@ mod heads;
 mod held_back;
 mod hexadecimal;
 pub mod hold;
+mod holes;
 mod json;
 mod labels;
 mod layout;

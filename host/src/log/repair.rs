@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::dropouts::LONGEST_SPIKE;
 use super::ends::leave_out_clipped;
 use super::garbled::{hold_voltage_spikes, leave_out_spikes};
+use super::holes::{holes, leave_out_passed};
 use super::motion::peak;
 use super::samples::FEWEST_SAMPLES;
 use super::sentinels::between_jumps;
@@ -36,6 +37,8 @@ const NAMED: usize = 5;
 
 /// The parts of `record`, each without what no motor did.
 pub fn repaired(mut record: Record) -> Vec<Record> {
+    // Before anything is left out: what drove the motor then is known.
+    let missing: Vec<f64> = holes(&record).into_iter().map(|k| record.time_s[k]).collect();
     let clipped = leave_out_clipped(&mut record);
     hold_voltage_spikes(&mut record);
     leave_out_spikes(&mut record);
@@ -51,11 +54,14 @@ pub fn repaired(mut record: Record) -> Vec<Record> {
     resets.sort_unstable();
     resets.dedup();
     resets.retain(|k| pauses.binary_search(k).is_err());
+    leave_out_passed(&record, &mut resets);
+    let mut holes: Vec<usize> = missing.iter().filter_map(last_before).collect();
+    holes.retain(|k| pauses.binary_search(k).is_err() && resets.binary_search(k).is_err());
     let unread = Unread {
         angle: record.angle_rad.as_deref().map(|angle| between_jumps(angle, &resets)).unwrap_or_default(),
         speed: unread_speeds(&record),
     };
-    let mut parts = cut(record, &pauses, &resets, &unread);
+    let mut parts = cut(record, [&pauses, &holes, &resets], &unread);
     parts.iter_mut().for_each(leave_out_held);
     parts
 }
@@ -160,11 +166,11 @@ impl Unread {
     }
 }
 
-/// Cuts behind the samples `pauses` and `resets`, and around what is `unread`, which is left out; so are parts too short to teach anything.
-fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &Unread) -> Vec<Record> {
+/// Cuts behind the samples `pauses`, `holes` and `resets`, and around what is `unread`, which is left out; so are parts too short to teach anything.
+fn cut(record: Record, [pauses, holes, resets]: [&[usize]; 3], unread: &Unread) -> Vec<Record> {
     let around = unread.runs().flat_map(|run| [run.start, run.end]).filter(|k| *k > 0);
     let mut ends: Vec<usize> =
-        pauses.iter().chain(resets).map(|k| k + 1).chain(around).chain([record.len()]).collect();
+        pauses.iter().chain(holes).chain(resets).map(|k| k + 1).chain(around).chain([record.len()]).collect();
     ends.sort_unstable();
     ends.dedup();
     let begins = [0].into_iter().chain(ends.iter().copied());
@@ -182,6 +188,12 @@ fn cut(record: Record, pauses: &[usize], resets: &[usize], unread: &Unread) -> V
     let mut said = Vec::new();
     for (what, when, samples, fix) in [
         ("pauses: the log pauses", "before", behind(pauses), SEPARATE),
+        (
+            "missing_rows: rows are missing while the voltage changed, and nothing tells when it did",
+            "before",
+            behind(holes),
+            "log without pauses; no voltage is held through what is missing",
+        ),
         (
             "lost_counts: the angle jumps, which no motion explains (the counter was reset or lost counts)",
             "before",
