@@ -77,6 +77,7 @@ mod several;
 mod slow_sensor;
 mod stale;
 mod stamped;
+mod stands_amid;
 mod steady_states;
 mod still;
 mod stops;

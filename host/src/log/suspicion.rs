@@ -16,6 +16,7 @@ use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
 use super::stale::stale_voltage;
+use super::stands_amid::stands_amid;
 use super::stops::hard_stop;
 use super::switched_off::switched_off;
 use super::timing::median_interval;
@@ -59,6 +60,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         hard_stop,
         held_back,
         switched_off,
+        stands_amid,
         turned_from_outside,
         speed_beside_angle,
         blind_near_zero,
