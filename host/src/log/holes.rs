@@ -68,7 +68,7 @@ mod tests {
     }
 
     fn steps(t: f64) -> f64 {
-        if (2.5 * t) as usize % 2 == 0 { 6.0 } else { -4.0 }
+        if ((2.5 * t) as usize).is_multiple_of(2) { 6.0 } else { -4.0 }
     }
 
     #[test]

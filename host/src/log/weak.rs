@@ -122,7 +122,8 @@ impl<'a> Weak<'a> {
         'a: 'b,
     {
         let windows = self.windows.clone();
-        Weak { windows, time_s: self.time_s, voltage, half_s: self.half_s, interval_s: self.interval_s }
+        let Self { time_s, half_s, interval_s, lead_s, .. } = *self;
+        Weak { windows, time_s, voltage, half_s, interval_s, lead_s }
     }
 
     /// Median time between samples, s.
