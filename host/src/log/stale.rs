@@ -3,6 +3,7 @@
 use super::Record;
 use super::hold::hold;
 use super::ripple::answer;
+use super::stops::hard_stop;
 use super::suspicion::Odd;
 use super::timing::median_interval;
 use super::weak::Weak;
@@ -22,6 +23,10 @@ const TOLD: f64 = 0.45;
 
 /// The voltage stands still between updates, and the motor answers to a smoother one.
 pub(super) fn stale_voltage(record: &Record) -> Option<Odd> {
+    // A shaft that meets a stop answers to that, and not to its voltage.
+    if hard_stop(record).is_some() {
+        return None;
+    }
     let volts = &record.voltage_v;
     let changes: Vec<usize> = (1..volts.len()).filter(|k| volts[*k] != volts[*k - 1]).collect();
     if changes.len() < FEWEST_CHANGES {

@@ -18,10 +18,18 @@ const HARDER: f64 = 1.5;
 const PUSHES: f64 = 0.3;
 /// What stands at so much of the highest voltage is held by no weight that the motor moves.
 const FULL: f64 = 0.6;
+/// The shaft stands below this share of its highest speed.
+const STILL: f64 = 0.1;
 /// Shortest stay at the stop, s, together.
 const STAY_S: f64 = 0.1;
 /// A stop yields by this share of the whole way.
 const SOFT: f64 = 0.004;
+/// One that yields more by this share: the shaft meets it further out than where it stands there then, by so much of its way at most. It stands so
+/// for so long, s, and more than once: a spring holds it somewhere too.
+const SOFTER: f64 = 0.012;
+const OVERSHOT: f64 = 0.1;
+const STANDS_S: f64 = 0.05;
+const OFTEN: usize = 2;
 /// A drive is unchanged within this share of the highest.
 const SAME: f64 = 0.03;
 /// The motion has not ended at this share of its usual speed under that drive, which is the speed above this share of all: it may have begun
@@ -44,15 +52,20 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
         return None;
     }
     let count = quantum(angle).unwrap_or(0.0);
-    let near = (SOFT * span(angle)).max(2.0 * count);
     let speed = slope(&record.time_s, angle);
-    let ends = ends(angle);
-    let found: Vec<_> = [(ends.1, 1.0), (ends.0, -1.0)]
-        .into_iter()
-        .filter_map(|(end, outwards)| {
-            Some((end, stays(record, angle, &speed, [near, count], end, outwards)?))
-        })
-        .collect();
+    let at = |(low, high): (f64, f64), soft: f64| -> Vec<(f64, (f64, Vec<Stay>))> {
+        let near = (soft * span(angle)).max(2.0 * count);
+        let stays =
+            |(end, outwards)| Some((end, stays(record, angle, &speed, [near, count], end, outwards)?));
+        [(high, 1.0), (low, -1.0)].into_iter().filter_map(stays).collect()
+    };
+    let mut found = at(ends(angle), SOFT);
+    if found.is_empty() {
+        found = at(standing_ends(&record.time_s, angle, &speed), SOFTER);
+        if found.iter().map(|(_, (_, ranges))| ranges.len()).sum::<usize>() < OFTEN {
+            return None;
+        }
+    }
     let (end, volts) = found.first().map(|(end, (volts, _))| (*end, *volts))?;
     let ranges: Vec<Stay> = found.into_iter().flat_map(|(_, (_, ranges))| ranges).collect();
     let times: Vec<(f64, f64)> = ranges.iter().map(|stay| (stay.from, stay.until)).collect();
@@ -99,6 +112,29 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     ))
 }
 
+/// The lowest and the highest angle at which the shaft stands for a while, near its ends; an end itself where it stands nowhere near.
+fn standing_ends(time_s: &[f64], angle: &[f64], speed: &[f64]) -> (f64, f64) {
+    let ((low, high), slow) = (ends(angle), STILL * peak(speed));
+    let (mut lowest, mut highest) = (None, None);
+    let mut begin = 0;
+    for k in 0..=angle.len() {
+        if k < angle.len() && speed[k].abs() < slow {
+            continue;
+        }
+        if k > begin && time_s[k - 1] - time_s[begin] >= STANDS_S {
+            let stands = angle[k - 1];
+            if high - stands <= OVERSHOT * (high - low) {
+                highest = Some(highest.map_or(stands, |highest: f64| highest.max(stands)));
+            }
+            if stands - low <= OVERSHOT * (high - low) {
+                lowest = Some(lowest.map_or(stands, |lowest: f64| lowest.min(stands)));
+            }
+        }
+        begin = k + 1;
+    }
+    (lowest.unwrap_or(low), highest.unwrap_or(high))
+}
+
 /// A time in which the shaft stands at an end of its way.
 struct Stay {
     /// When its motion ended, s.
@@ -119,7 +155,7 @@ fn stays(
     outwards: f64,
 ) -> Option<(f64, Vec<Stay>)> {
     let (time, volts) = (&record.time_s, &record.voltage_v);
-    let (slow, highest) = (0.1 * peak(speed), peak(volts));
+    let (slow, highest) = (STILL * peak(speed), peak(volts));
     // The voltages that move it freely in this direction.
     let mut moving: Vec<f64> = (0..angle.len())
         .filter(|&k| speed[k] * outwards > slow && (angle[k] - end).abs() > near)
@@ -334,5 +370,34 @@ mod tests {
             assert_eq!(hard_stop(&bounded(1e9, friction)), None, "{friction}");
         }
         assert_eq!(hard_stop(&motor()), None);
+    }
+
+    /// Stops that yield by a radian at 400 V, which the shaft meets a fifth of a radian further out than it stands there then.
+    #[test]
+    fn a_stop_that_yields_is_one_and_a_spring_is_none() {
+        let levels = [3.0, 8.0, 2.0, -4.0, -9.0, -2.0];
+        let driven = |load: &dyn Fn(f64) -> f64| {
+            let time_s: Vec<f64> = (0..1600).map(|k| f64::from(k) * 0.01).collect();
+            let voltage_v: Vec<f64> = time_s.iter().map(|t| levels[(2.5 * t) as usize % 6]).collect();
+            let (mut x, mut w) = (0.0_f64, 0.0_f64);
+            let angles = voltage_v.iter().map(|volts| {
+                let at = x;
+                for _ in 0..10 {
+                    let push = volts - load(x);
+                    let held = if w == 0.0 { push.clamp(-0.5, 0.5) } else { 0.5 * w.signum() };
+                    let next = w + 0.001 / 0.08 * (2.0 * (push - held) - w);
+                    w = if w * next < 0.0 { 0.0 } else { next };
+                    x += 0.001 * w;
+                }
+                at
+            });
+            let angle_rad = Some(angles.collect());
+            Record { name: "run".into(), time_s, voltage_v, angle_rad, ..Record::default() }
+        };
+        let (name, _, why, _) = hard_stop(&driven(&|x| 400.0 * (x - x.clamp(-2.0, 2.0)))).unwrap();
+        assert!(name == "hard_stop" && why.contains("stands at 2.00 rad"), "{why}");
+        for load in [&(|x: f64| 1.5 * x) as &dyn Fn(f64) -> f64, &|x: f64| 6.0 * x.sin(), &|_: f64| 0.0] {
+            assert_eq!(hard_stop(&driven(load)), None);
+        }
     }
 }
