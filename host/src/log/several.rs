@@ -21,6 +21,8 @@ const WHOSE: [&str; 14] = [
 const DRIVEN: [&str; 6] = ["motor", "motors", "joint", "servo", "axis", "wheel"];
 /// Of these, those that may number anything, the levels of a drive as well: alone they part no records.
 const OF_ANYTHING: [&str; 3] = ["index", "no", "number"];
+/// Of these, those that are called so where they are switched on and off too: 0 and 1 in such a column are no numbers of motors.
+const SWITCHED: [&str; 4] = ["motor", "motors", "servo", "device"];
 /// More values than this are no motors ...
 const MOST: usize = 32;
 /// ... and they take turns: in at least this share of the rows it is another one's.
@@ -66,8 +68,8 @@ impl Several {
 
     /// Its name, where its blocks are records of their own and there are several values.
     pub fn parted_by(&self) -> Option<&str> {
-        let (_, header) = self.column.as_ref().filter(|_| self.parting().is_some())?;
-        (self.values.len() > 1).then_some(header)
+        let (_, header) = self.column.as_ref().filter(|_| self.parting().is_some() && !self.is_switch())?;
+        (self.values.len() > 1).then_some(header.as_str())
     }
 
     /// Takes what a row says there, and tells whether it ends a block that is long enough for a record. Where it says nothing the last
@@ -85,7 +87,17 @@ impl Several {
         if self.values.len() <= MOST {
             self.values.insert(text.to_owned());
         }
-        is_long && self.values.len() <= MOST && self.parting().is_some()
+        is_long && self.values.len() <= MOST && self.parting().is_some() && !self.is_switch()
+    }
+
+    /// Whether the column may say when the one motor is switched on.
+    fn is_switch(&self) -> bool {
+        let mut words = self.column.iter().flat_map(|(_, header)| words::of(header));
+        words.all(|word| SWITCHED.contains(&word.as_str()))
+            && self
+                .values
+                .iter()
+                .all(|value| value.parse::<f64>().is_ok_and(|value| value == 0.0 || value == 1.0))
     }
 
     /// Says that the time of the last row goes back.
@@ -98,6 +110,7 @@ impl Several {
         let (_, header) = self.column.as_ref()?;
         let several = (2..=MOST).contains(&self.values.len());
         let in_short_blocks = self.parting().is_some()
+            && !self.is_switch()
             && self.changes >= OFTEN * self.values.len()
             && self.rows < FEWEST_SAMPLES * self.changes;
         let in_turn = self.changes as f64 > TURNS * self.rows as f64 || in_short_blocks || self.goes_back;
@@ -157,7 +170,7 @@ mod tests {
     #[test]
     fn blocks_of_numbers_are_records_whatever_their_clock_does() {
         let blocks = |header: &str, time: fn(u32) -> u32| {
-            let row = |k: u32| format!("{},{},{},{}\n", 10 * time(k), k / 100, k % 7, k % 9);
+            let row = |k: u32| format!("{},{},{},{}\n", 10 * time(k), k / 100 + 1, k % 7, k % 9);
             let text = format!("{header},u,w\n{}", (0..300).map(row).collect::<String>());
             let (_directory, path) = file(text.as_bytes());
             let map = Some("time=0:ms,voltage=u:V,speed=w:rad/s".parse().unwrap());
@@ -168,13 +181,21 @@ mod tests {
         for time in times {
             let records = blocks("t,servo", time);
             let names: Vec<&str> = records.iter().map(|r| r.name.as_str()).collect();
-            assert_eq!(names, ["run servo 0 1", "run servo 1 2", "run servo 2 3"]);
+            assert_eq!(names, ["run servo 1 1", "run servo 2 2", "run servo 3 3"]);
             assert_eq!(records.iter().map(Record::len).collect::<Vec<_>>(), [100; 3]);
             let said = records[0].warnings.iter().find(|w| w.what.contains("by \"servo\"")).unwrap();
-            assert!(said.fix.contains("only=servo:0"), "{said:?}");
+            assert!(said.fix.contains("only=servo:1"), "{said:?}");
         }
         // What may number the levels of a staircase parts nothing.
         assert_eq!(blocks("t,no", |k| k).len(), 1);
+    }
+
+    #[test]
+    fn a_motor_that_is_switched_on_and_off_is_one() {
+        let row = |k: u32| format!("{:.2},{},{},{}\n", 0.01 * f64::from(k), k / 50 % 2, k % 7, k % 9);
+        let text = format!("time_s,motor,voltage_v,speed_rad_s\n{}", (0..300).map(row).collect::<String>());
+        let (_directory, path) = file(text.as_bytes());
+        assert_eq!(read(&path, &ReadOptions::default()).unwrap().len(), 1);
     }
 
     #[test]
