@@ -102,7 +102,9 @@ mod tests {
     #[test]
     fn the_rows_of_one_motor_are_read_alone() {
         let (_directory, path) = file(rows().as_bytes());
-        for (map, end_rad) in [("only=id:1", 1.99), ("only=id:2.0", 3.98), ("angle=3:rad,only=1:2", 3.98)] {
+        for (map, end_rad) in
+            [("only=id:1", 1.99), ("only=id:2.0", 3.98), ("angle=angle_rad:rad,only=1:2", 3.98)]
+        {
             let records = read(&path, &mapped(map)).unwrap();
             let angle = records[0].angle_rad.as_ref().unwrap();
             assert_eq!((records.len(), angle.len()), (1, 200), "{map}");
