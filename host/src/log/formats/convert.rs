@@ -38,10 +38,20 @@ const ASAMMDF: &str = "write it as CSV: python -m pip install asammdf, then \
 const FRAMES: &str = "decode the frames with the DBC of the drive (python -m pip install cantools; of candump: python -m cantools decode \
                       --single-line DBC < OLD) and write the signals as CSV";
 
-const FOREIGN: [Foreign; 34] = [
+const FOREIGN: [Foreign; 36] = [
     content("XML", b"<?xml", "export the table as CSV from the program that made it"),
     content("a page of the web", b"<!DOCTYPE", WEB),
     content("a page of the web", b"<html", WEB),
+    content(
+        "a document with its formatting (.rtf)",
+        b"{\\rtf",
+        "save it as plain text from the program that wrote it",
+    ),
+    content(
+        "a pointer of Git LFS to the log",
+        b"version https://git-lfs.github.com/spec/",
+        "fetch the log itself in its repository: git lfs pull",
+    ),
     content("a ROS 1 bag", b"#ROSBAG V", MCAP),
     content("a database, perhaps a ROS 2 bag (.db3)", b"SQLite format 3\0", MCAP),
     content("a PX4 log (.ulg)", b"ULog\x01\x12\x35", "convert it with pyulog: ulog2csv OLD"),
@@ -150,6 +160,13 @@ mod tests {
             (b"\x1F\x8B\x08", "x.csv", "gzip", "gunzip"),
             (b"PK\x03\x04", "x", "zip", "unpack"),
             (b"%PDF-1.7", "x.pdf", "PDF", "the log itself"),
+            (b"{\\rtf1\\ansi time_s,voltage_v\\par\n", "x.csv", ".rtf", "plain text"),
+            (
+                b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n",
+                "x.csv",
+                "Git LFS",
+                "git lfs pull",
+            ),
             (b"<?xml version='1.0'?>", "x.xml", "XML", "CSV"),
             (
                 b"(1714557600.250000) can0 123#00FF\n(1714557600.260000) can0 123#01FF\n",
