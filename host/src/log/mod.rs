@@ -72,6 +72,7 @@ mod samples;
 mod sentinels;
 pub mod servo;
 mod servo_loop;
+mod servo_told;
 mod servo_trials;
 mod several;
 mod slow_sensor;

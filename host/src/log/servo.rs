@@ -7,6 +7,7 @@
 //! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
 
 use super::motion::{low_pass, slope, speed};
+use super::servo_told::{late_target, told_or_assumed};
 use super::servo_trials::{Loop, Seen, find, of_known};
 use super::timing::median_interval;
 use super::{Hold, Record, Warning};
@@ -35,6 +36,9 @@ pub struct Controller {
 pub const USUAL_SUPPLY: f64 = 12.0;
 
 impl Controller {
+    /// Full duty by the sign of the error: of a larger gain no encoder tells more.
+    pub(super) const RELAY: Self = Self { gain: 1e3, damping: 0.0 };
+
     /// Duty at an `error` of the angle, rad, and a `speed`, rad/s.
     pub(super) fn duty(self, error: f64, speed: f64) -> f64 {
         (self.gain * error - self.damping * speed).clamp(-1.0, 1.0)
@@ -80,7 +84,7 @@ pub fn close_loops(records: &mut [Record]) {
         let Some(servo) = record.servo.clone() else { continue };
         let known = servo.gain.map(|gain| Controller { gain, damping: servo.damping.unwrap_or(0.0) });
         let known = known.map(|known| of_known(&Seen::of(record).into_iter().collect::<Vec<_>>(), known));
-        let Some(run) = known.or(found.map(|(run, _)| run)) else { continue };
+        let Some(run) = known.or(found.map(|found| found.run)) else { continue };
         drive(run, record);
         let Controller { gain, damping } = run.controller;
         for (key, value) in [
@@ -95,8 +99,8 @@ pub fn close_loops(records: &mut [Record]) {
             ["servo_gain", "late_target"].iter().any(|name| warning.what.starts_with(name))
         };
         record.warnings.retain(|warning| !is_of_loop(warning));
-        if let (None, Some((_, told)), false) = (known, found, said) {
-            record.warnings.push(told_or_assumed(record, run.controller, told));
+        if let (None, Some(found), false) = (known, found, said) {
+            record.warnings.push(told_or_assumed(record, run.controller, found.told));
             said = true;
         }
         if run.late > 0 {
@@ -105,46 +109,14 @@ pub fn close_loops(records: &mut [Record]) {
     }
 }
 
-/// What is said of a target that arrives so many rows late.
-fn late_target(record: &Record, rows: usize) -> Warning {
-    let ms = 1e3 * rows as f64 * median_interval(&record.time_s);
-    Warning {
-        place: format!("{}, column target", record.path.display()),
-        what: format!(
-            "late_target: the shaft answers to its target {rows} rows ({ms:.0} ms) after the row that has it, and is taken to be driven so"
-        ),
-        fix: "nothing, if the way to the servo takes that long; otherwise log target and position of one instant in one row".into(),
-    }
-}
-
-fn told_or_assumed(record: &Record, Controller { gain, damping }: Controller, told: bool) -> Warning {
-    let what = if told {
-        format!(
-            "servo_gain: the controller is not logged; the motion tells a gain of {gain:.3} duty per rad and a damping of {damping:.3} duty per rad/s"
-        )
-    } else {
-        format!(
-            "servo_gain: the controller is not logged and never at full duty, so that its gain cannot be told from the motor's: {gain:.3} duty \
-             per rad is assumed, and only the product of both gains is right"
-        )
-    };
-    Warning {
-        place: format!("{}, column target", record.path.display()),
-        what,
-        fix: "give what is known: --servo-gain DUTY_PER_RAD, --servo-damping DUTY_PER_RAD_S, and the supply (--supply-volts, --map supply=...); \
-              or log the duty (--map duty=...); large steps of the target saturate the controller and tell its gain"
-            .into(),
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::weak::Weak;
     use super::*;
 
     /// Where a target is between two rows: it moves on, or stands as it was so many rows before.
     #[derive(Clone, Copy)]
-    enum Between {
+    pub(in crate::log) enum Between {
         Moves,
         Stands(usize),
     }
@@ -155,7 +127,7 @@ mod tests {
     }
 
     /// The same whose target is so between two rows, and whose shaft has a `load` (V) by its angle; and the mean voltage of every row.
-    fn driven(
+    pub(in crate::log) fn driven(
         [gain, damping, size]: [f64; 3],
         between: Between,
         load: impl Fn(f64) -> f64,
@@ -193,6 +165,11 @@ mod tests {
         record.meta.get("servo_gain").unwrap().parse().unwrap()
     }
 
+    /// What is said of the controller.
+    fn said(record: &Record) -> &Warning {
+        record.warnings.iter().find(|warning| warning.what.starts_with("servo_gain")).unwrap()
+    }
+
     #[test]
     fn a_target_that_stands_between_two_rows_gives_each_row_its_mean_voltage() {
         for known in [None, Some(4.0)] {
@@ -214,6 +191,7 @@ mod tests {
         let mut records = [record];
         close_loops(&mut records);
         assert!((gain_of(&records[0]) / 2.5 - 1.0).abs() < 0.1, "{}", gain_of(&records[0]));
+        assert!(said(&records[0]).what.contains("tells a gain"), "{:?}", said(&records[0]));
     }
 
     #[test]
@@ -228,6 +206,11 @@ mod tests {
                 records[0].warnings.iter().filter(|w| w.what.starts_with("late_target")).collect();
             assert!(late.len() == 1 && late[0].what.contains("3 rows (30 ms)"), "{late:?}");
             assert!((gain_of(&records[0]) / 2.5 - 1.0).abs() < 0.1, "{}", gain_of(&records[0]));
+            assert!(
+                known.is_some() || said(&records[0]).what.contains("tells a gain"),
+                "{:?}",
+                records[0].warnings
+            );
         }
     }
 
@@ -249,6 +232,30 @@ mod tests {
         let mut records = [servo(1.0, 0.0, 0.2)];
         close_loops(&mut records);
         assert!(records[0].warnings[0].what.contains("only the product"), "{:?}", records[0].warnings);
+    }
+
+    #[test]
+    fn full_duty_by_the_sign_of_the_error_is_a_relay_without_damping() {
+        let mut records = [servo(1e6, 0.0, 1.5)];
+        close_loops(&mut records);
+        let damping: f64 = records[0].meta.get("servo_damping").unwrap().parse().unwrap();
+        assert!(damping < 0.005 * gain_of(&records[0]), "{:?}", said(&records[0]));
+        assert!(said(&records[0]).what.contains("the motion tells a relay"), "{:?}", said(&records[0]));
+    }
+
+    #[test]
+    fn where_no_loop_follows_the_motion_a_controller_is_assumed_and_not_told() {
+        let mut record = servo(2.0, 0.0, 1.5);
+        // Turned by something else.
+        let angle = |t: &f64| (3.1 * t).sin() + 0.3 * (7.7 * t).sin();
+        record.angle_rad = Some(record.time_s.iter().map(angle).collect());
+        let mut records = [record];
+        close_loops(&mut records);
+        let said = said(&records[0]);
+        assert!(
+            said.what.contains("the motion does not tell it") && said.what.contains("assumed"),
+            "{said:?}"
+        );
     }
 
     #[test]

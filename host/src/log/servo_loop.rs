@@ -1,4 +1,5 @@
-//! The loop of a position servo, simulated from its target to its angle: the controller, and a motor with a lag and dry friction.
+//! The loop of a position servo, simulated from its target to its angle: the controller, and a motor with a lag and dry friction, under a weight
+//! where the shaft carries one.
 //!
 //! The weak-form regression tells a controller roughly, and too small a gain where the shaft often stands still: friction there has no
 //! direction. The simulation has its friction right, and a loop does not drift, so its error over the whole record is minimised
@@ -28,15 +29,27 @@ const FIRST_STEP: f64 = 0.15;
 /// What the friction, V, and the damping, s of the gain, begin with: small, and not zero, whose logarithm has no slope.
 const FRICTION_V: f64 = 0.2;
 const DAMPING_S: f64 = 1e-3;
-/// A simulation that leaves more than this share of the angle's variation tells nothing.
-const EXPLAINED: f64 = 0.1;
 
 /// A record, its loop, and how many of its samples are simulated.
 type Part<'a> = (&'a Record, &'a Servo, usize);
 
-/// The controller under which the simulated loop follows `records` best, from one that is about right and the motor seen with it; none
-/// where no loop explains them.
-pub(super) fn refined(records: &[Record], start: Controller, motor: Regression) -> Option<Controller> {
+/// A simulated loop, and how well it follows the angle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Followed {
+    pub controller: Controller,
+    pub motor: Regression,
+    /// Share of the angle's variation that the loop leaves.
+    pub left: f64,
+}
+
+/// The loop that follows `records` best, from a controller that is about right and the motor seen with it, under the weight seen with that
+/// where the shaft `carries` one; none where the angle does not change.
+pub(super) fn refined(
+    records: &[Record],
+    start: Controller,
+    motor: Regression,
+    carries: bool,
+) -> Option<Followed> {
     let mut left = MOST_SAMPLES;
     let parts: Vec<Part> = records
         .iter()
@@ -47,18 +60,24 @@ pub(super) fn refined(records: &[Record], start: Controller, motor: Regression) 
         })
         .collect();
     let seconds = (start.damping / start.gain).max(DAMPING_S);
-    let begin = [start.gain, seconds, motor.gain, motor.tau_s.max(5e-3), FRICTION_V];
+    let mut begin = vec![start.gain, seconds, motor.gain, motor.tau_s.max(5e-3), FRICTION_V];
+    if carries {
+        begin.push(1.0);
+    }
     let solver = LevenbergMarquardt::new().with_ftol(ENDED).with_patience(PATIENCE);
     let solver = solver.with_scale_diag(false).with_stepbound(FIRST_STEP);
     let search = Search { start: &begin, bound: BOUND, difference: DIFFERENCE, solver };
-    let [held, straight] = [false, true].map(|moves| search.minimise(|at| errors(&parts, moves, at)));
+    let [held, straight] = [false, true].map(|moves| search.minimise(|at| errors(&parts, &motor, moves, at)));
     let Minimum { x, squares, .. } = if held.squares < straight.squares { held } else { straight };
     let variation: f64 = parts.iter().map(|(record, _, count)| variation(record, *count)).sum();
-    let [gain, seconds] = [x[0], x[1]];
-    let explains = squares.is_finite() && squares < EXPLAINED * variation;
+    let [gain, seconds] = [x[0].min(Controller::RELAY.gain), x[1]];
     // Of a damping that is as small as it began nothing is told.
     let damping = if seconds > 2.0 * DAMPING_S { gain * seconds } else { 0.0 };
-    explains.then_some(Controller { gain, damping })
+    let mut moved = motor;
+    (moved.gain, moved.tau_s) = (x[2], x[3]);
+    let controller = Controller { gain, damping };
+    let found = Followed { controller, motor: moved, left: squares / variation };
+    Some(found).filter(|found| found.left.is_finite())
 }
 
 /// Sum of squares of the angle about its mean, rad^2.
@@ -69,13 +88,15 @@ fn variation(record: &Record, count: usize) -> f64 {
 }
 
 /// What the simulated loops miss the measured angles by, rad.
-fn errors(parts: &[Part], moves: bool, parameters: &[f64]) -> Vec<f64> {
-    parts.iter().flat_map(|part| errors_of(*part, moves, parameters)).collect()
+fn errors(parts: &[Part], seen: &Regression, moves: bool, parameters: &[f64]) -> Vec<f64> {
+    parts.iter().flat_map(|part| errors_of(*part, seen, moves, parameters)).collect()
 }
 
-/// The same of one record, under gain, damping as seconds of the gain, gain and time constant of the motor, and friction; the target moves on straight from row to row, or is held.
-fn errors_of((record, servo, count): Part, moves: bool, parameters: &[f64]) -> Vec<f64> {
+/// The same of one record, under gain, damping as seconds of the gain, gain and time constant of the motor, friction, and where the shaft
+/// carries a weight the multiple of the one that was `seen`; the target moves on straight from row to row, or is held.
+fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, parameters: &[f64]) -> Vec<f64> {
     let [gain, seconds, motor, tau_s, friction] = std::array::from_fn(|k| parameters[k]);
+    let weight = |x: f64| parameters.get(5).map_or(0.0, |times| times * seen.load_at(x));
     let (time, angle) = (&record.time_s, record.angle_rad.as_deref().unwrap_or_default());
     let (mut x, mut w) = (angle[0], 0.0_f64);
     let mut all = Vec::with_capacity(count);
@@ -91,11 +112,28 @@ fn errors_of((record, servo, count): Part, moves: bool, parameters: &[f64]) -> V
         for step in 0..steps {
             let target = from + way * (step as f64 + 0.5) / steps as f64;
             let volts = supply * (gain * (target - x - seconds * w)).clamp(-1.0, 1.0);
-            let holds = if w == 0.0 { volts.clamp(-friction, friction) } else { friction * w.signum() };
-            let turned = w + lag * (motor * (volts - holds) - w);
+            let push = volts - weight(x);
+            let holds = if w == 0.0 { push.clamp(-friction, friction) } else { friction * w.signum() };
+            let turned = w + lag * (motor * (push - holds) - w);
             w = if turned * w < 0.0 { 0.0 } else { turned };
             x += dt * w;
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::servo::tests::{Between, driven};
+    use crate::log::weak::Weak;
+
+    #[test]
+    fn a_loop_that_carries_its_weight_follows_an_arm_better_than_one_that_carries_nothing() {
+        let (record, means) = driven([2.5, 0.0, 1.3], Between::Stands(0), |x| 2.0 * x.sin());
+        let seen = Weak::new(&record).unwrap().under(&means).under_load(0.0).unwrap();
+        let start = Controller { gain: 2.5, damping: 0.0 };
+        let left = |carries: bool| refined(std::slice::from_ref(&record), start, seen, carries).unwrap().left;
+        assert!(left(true) < 0.3 * left(false), "{} {}", left(true), left(false));
+    }
 }

@@ -2,12 +2,14 @@
 //!
 //! A controller gives the voltage of every row, the motor's equation in its weak form ([`super::weak`]) what of that the motion does not
 //! explain: beside friction alone, or under a weight too, which an arm lifts. Where the target stands between two rows and how late it
-//! arrives is not logged either, and is found alike.
+//! arrives is not logged either, and is found alike. What the motion tells of a controller is judged by the simulated loop
+//! ([`super::servo_loop`]): the trial that leaves least may still leave nearly all.
 
 use super::Record;
 use super::motion::peak;
 use super::servo::{Controller, Servo, USUAL_SUPPLY, filtered_speed};
-use super::servo_loop;
+use super::servo_loop::{self, Followed};
+use super::servo_told::Told;
 use super::weak::{Regression, Weak};
 
 /// Gains that are tried, duty per rad: full duty at 1.5 rad to full duty at 0.01 rad.
@@ -18,6 +20,13 @@ const DAMPING_S: [f64; 5] = [0.0, 0.01, 0.02, 0.04, 0.08];
 const SATURATED: f64 = 0.02;
 /// ... and a tenth of the gain leaves this much more.
 const WORSE: f64 = 1.1;
+/// The controller is told where the simulated loop leaves less than this share of the angle's variation; one that leaves more than the
+/// second share is no better than any other.
+const FOLLOWED: f64 = 0.1;
+const HARDLY: f64 = 0.5;
+/// A relay is tried where the loop leaves more than this share, and takes its place where it leaves less than this share of that.
+const CLOSE: f64 = 1e-4;
+const MUCH_LESS: f64 = 0.5;
 /// The shaft carries a weight where its torque leaves less than this share of what is left without.
 const CARRIES: f64 = 0.6;
 /// A target arrives late by up to so many rows, where that leaves less than this share of what is left at once.
@@ -60,6 +69,13 @@ impl Loop {
     }
 }
 
+/// A loop that is not logged, and what tells its controller.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    pub run: Loop,
+    pub told: Told,
+}
+
 /// A servo's record as every trial sees it.
 pub(super) struct Seen<'a> {
     record: &'a Record,
@@ -83,9 +99,9 @@ impl<'a> Seen<'a> {
 /// What a loop leaves unexplained of its own voltage, and how much of the time it is at full duty.
 struct Trial {
     run: Loop,
-    /// The motor as one of the records shows it.
-    motor: Option<Regression>,
-    /// Beside friction and a constant load, and under a weight too.
+    /// The motor as one of the records shows it, beside friction and a constant load, and under a weight too.
+    motors: [Option<Regression>; 2],
+    /// What is left so.
     left: [f64; 2],
     saturated: f64,
 }
@@ -93,7 +109,7 @@ struct Trial {
 impl Trial {
     fn new(seen: &[Seen], run: Loop) -> Self {
         let (mut sums, mut full, mut all) = ([(0.0, 0.0); 2], 0, 0);
-        let mut motor = None;
+        let mut motors = [None; 2];
         for one in seen {
             let duty = run.mean_duty(one.record, one.servo, &one.speed);
             full += duty.iter().filter(|duty| duty.abs() > 0.98).count();
@@ -102,9 +118,9 @@ impl Trial {
             let Some(weak) = one.weak.as_ref().map(|weak| weak.under(&volts)) else { continue };
             let found = [weak.regress(0.0, |v| v), weak.under_load(0.0)];
             let found = found.map(|of| of.filter(|of| of.gain > 0.0));
-            motor = motor.or(found[0]);
-            for (of, (left, weight)) in found.iter().zip(&mut sums) {
+            for ((of, motor), (left, weight)) in found.iter().zip(&mut motors).zip(&mut sums) {
                 if let Some(of) = of {
+                    *motor = motor.or(Some(*of));
                     *left += of.left * duty.len() as f64;
                     *weight += duty.len() as f64;
                 }
@@ -113,7 +129,7 @@ impl Trial {
         let mean = |(left, weight): (f64, f64)| {
             if weight > 0.5 * all as f64 { left / weight } else { f64::INFINITY }
         };
-        Self { run, motor, left: sums.map(mean), saturated: full as f64 / all.max(1) as f64 }
+        Self { run, motors, left: sums.map(mean), saturated: full as f64 / all.max(1) as f64 }
     }
 }
 
@@ -143,63 +159,97 @@ pub(super) fn of_known(seen: &[Seen], controller: Controller) -> Loop {
     }
 }
 
-/// The loop that explains the motion of `records` best, and whether they tell its gain.
-pub(super) fn find(records: &[Record]) -> (Loop, bool) {
-    let seen: Vec<Seen> = records.iter().filter_map(Seen::of).collect();
+/// The controllers that are tried, of every so many gains.
+fn controllers(every: usize) -> Vec<Controller> {
     let (low, high, count) = GAINS;
-    let every = |step: usize| -> Vec<Controller> {
-        let of_gain = |k: usize| {
-            let gain = low * (high / low).powf(k as f64 / (count - 1) as f64);
-            DAMPING_S.map(|seconds| Controller { gain, damping: gain * seconds })
-        };
-        (0..count).step_by(step).flat_map(of_gain).collect()
+    let of_gain = |k: usize| {
+        let gain = low * (high / low).powf(k as f64 / (count - 1) as f64);
+        DAMPING_S.map(|seconds| Controller { gain, damping: gain * seconds })
     };
-    let mut tried = trials(&seen, &every(1), 0);
-    let kind = usize::from(carries(&tried));
-    let less = least(&tried, kind).map_or(f64::INFINITY, |trial| LATE * trial.left[kind]);
-    let some = every(EVERY);
-    let late =
-        (1..=MOST_LATE).filter_map(|late| Some((late, least(&trials(&seen, &some, late), kind)?.left[kind])));
-    let late =
-        late.filter(|(_, left)| *left < less).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(late, _)| late);
-    if late > 0 {
-        tried = trials(&seen, &every(1), late);
+    (0..count).step_by(every).flat_map(of_gain).collect()
+}
+
+/// How many rows late the target arrives, and the trials of all controllers so.
+fn with_lateness(seen: &[Seen]) -> (usize, Vec<Trial>) {
+    let at_once = trials(seen, &controllers(1), 0);
+    let kind = usize::from(carries(&at_once));
+    let less = least(&at_once, kind).map_or(f64::INFINITY, |trial| LATE * trial.left[kind]);
+    let some = controllers(EVERY);
+    let late = (1..=MOST_LATE).filter_map(|late| {
+        let tried = trials(seen, &some, late);
+        least(&tried, kind).map(|trial| (late, trial.left[kind]))
+    });
+    match late.filter(|(_, left)| *left < less).min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((late, _)) => (late, trials(seen, &controllers(1), late)),
+        None => (0, at_once),
     }
+}
+
+/// The loop that explains the motion of `records` best, and what tells its controller.
+pub(super) fn find(records: &[Record]) -> Found {
+    let seen: Vec<Seen> = records.iter().filter_map(Seen::of).collect();
+    let (late, tried) = with_lateness(&seen);
     let kind = usize::from(carries(&tried));
-    let unknown = |seconds: f64| {
+    let unknown = |seconds: f64, told: Told| {
         let gain = assumed(records);
-        (of_known(&seen, Controller { gain, damping: gain * seconds }), false)
+        Found { run: of_known(&seen, Controller { gain, damping: gain * seconds }), told }
     };
     let Some(best) = least(&tried, kind).filter(|best| best.left[kind].is_finite()) else {
-        return unknown(0.0);
+        return unknown(0.0, Told::Nothing);
     };
     let linear = tried
         .iter()
         .filter(|trial| trial.saturated == 0.0)
         .map(|trial| trial.left[kind])
         .fold(f64::MAX, f64::min);
-    let seconds = best.run.controller.damping / best.run.controller.gain;
     if best.saturated <= SATURATED || linear <= WORSE * best.left[kind] {
-        return unknown(seconds);
+        return unknown(best.run.controller.damping / best.run.controller.gain, Told::NeverFull);
     }
-    // Between the gains tried, by thirds.
+    let rough = between(&seen, best.run, kind);
+    let followed = followed(records, &rough, kind).filter(|followed| followed.left < HARDLY);
+    let Some(Followed { controller, left, .. }) = followed else {
+        return unknown(0.0, Told::Nothing);
+    };
+    let run = least(&trials(&seen, &[controller], late), kind).map_or(rough.run, |trial| trial.run);
+    let told = match controller.gain {
+        _ if left >= FOLLOWED => Told::Nothing,
+        gain if gain >= GAINS.1 => Told::Relay,
+        _ => Told::Gain,
+    };
+    Found { run, told }
+}
+
+/// The trial of the gain that leaves least between those tried beside that of `run`, by thirds.
+fn between(seen: &[Seen], run: Loop, kind: usize) -> Trial {
+    let (low, high, count) = GAINS;
     let step = (high / low).powf(1.0 / (count - 1) as f64);
-    let centre = best.run.controller.gain;
-    let of_gain = |gain: f64| Loop { controller: Controller { gain, damping: gain * seconds }, ..best.run };
-    let left = |gain: f64| Trial::new(&seen, of_gain(gain)).left[kind];
+    let Controller { gain: centre, damping } = run.controller;
+    let of_gain = |gain: f64| {
+        let controller = Controller { gain, damping: gain * damping / centre };
+        Trial::new(seen, Loop { controller, ..run })
+    };
+    let left = |gain: f64| of_gain(gain).left[kind];
     let (mut a, mut b) = (centre / step, centre * step);
     for _ in 0..12 {
         let (c, d) = (a * (b / a).powf(1.0 / 3.0), a * (b / a).powf(2.0 / 3.0));
         if left(c) < left(d) { b = d } else { a = c }
     }
-    let rough = Trial::new(&seen, of_gain((a * b).sqrt()));
-    // The simulated loop carries nothing.
-    let motor = rough.motor.filter(|_| kind == 0);
+    of_gain((a * b).sqrt())
+}
+
+/// The simulated loop that follows `records` best from where a `rough` one is, or from a relay.
+fn followed(records: &[Record], rough: &Trial, kind: usize) -> Option<Followed> {
     let arrived: Vec<Record> = records.iter().map(|record| arrived(record, rough.run)).collect();
-    let refined = motor.and_then(|motor| servo_loop::refined(&arrived, rough.run.controller, motor));
-    let controller = refined.unwrap_or(rough.run.controller);
-    let run = least(&trials(&seen, &[controller], late), kind).map_or(rough.run, |trial| trial.run);
-    (run, true)
+    let from = |controller: Controller, motor: Regression| {
+        servo_loop::refined(&arrived, controller, motor, kind == 1)
+    };
+    let graded = from(rough.run.controller, rough.motors[kind]?)?;
+    if graded.left <= CLOSE {
+        return Some(graded);
+    }
+    // Full duty either way within a row hides the motor from the regression, and not from the loop.
+    let relay = from(Controller::RELAY, graded.motor).filter(|relay| relay.left < MUCH_LESS * graded.left);
+    relay.or(Some(graded))
 }
 
 /// Whether the shaft carries a weight, by what the best of `trials` leave.

@@ -53,10 +53,20 @@ pub struct Regression {
     pub tau_s: f64,
     /// Voltage of no motion, V: what a constant load takes.
     pub load_v: f64,
+    /// Voltage that a pendulum takes where its angle's sine is one, and its cosine, V; none where it was not looked for.
+    gravity_v: [f64; 2],
     /// Share of the voltage's variation that is left, 0 ..= 1.
     pub left: f64,
     /// Sum of the squares of what is left, V^2.
     left_v2: f64,
+}
+
+impl Regression {
+    /// Voltage that load and pendulum take at an `angle`, rad.
+    pub fn load_at(&self, angle: f64) -> f64 {
+        let (sine, cosine) = angle.sin_cos();
+        self.load_v + self.gravity_v[0] * sine + self.gravity_v[1] * cosine
+    }
 }
 
 impl<'a> Weak<'a> {
@@ -226,6 +236,7 @@ fn solved<const N: usize>(rows: &[([f64; N], f64)]) -> Option<Regression> {
         gain: 1.0 / x[0],
         tau_s: x[1] / x[0],
         load_v: x.get(3).copied().unwrap_or(0.0),
+        gravity_v: [4, 5].map(|k| x.get(k).copied().unwrap_or(0.0)),
         left: (left / variation).sqrt(),
         left_v2: left,
     })
