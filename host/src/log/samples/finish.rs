@@ -54,7 +54,7 @@ impl Samples {
             && self.repeats as f64 > REPEAT_SHARE * self.rows as f64
         {
             let why = format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows);
-            let remedy = "log the time with more digits, or log each sample once";
+            let remedy = "log the time with more digits, or log each sample once; rows that came evenly are dated by --rate, rows a second";
             let rate = self.rate();
             let even = rate.map(|rate| {
                 format!("{remedy}; if the rows came evenly, --rate {rate} (rows per second) tells the time in the place of this column")
