@@ -189,7 +189,9 @@ fn shifted(seen: &[Seen]) -> Option<Warning> {
     let shift = shifts[shifts.len() / 2];
     let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
     let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
-    let leads = shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
+    // What a loop makes of a target and the motion itself has no row of its own.
+    let is_logged = first.servo.is_none();
+    let leads = is_logged && shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
     let late = shift > (2.0 * interval).max(0.012);
     let clear = agree.len() >= FEW || agree.iter().all(|ratio| *ratio < SHIFT_BETTER);
     if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(leads || late) {

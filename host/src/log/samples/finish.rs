@@ -54,15 +54,13 @@ impl Samples {
             && self.repeats as f64 > REPEAT_SHARE * self.rows as f64
         {
             let why = format!("{} of {} rows repeat the time of the row before", self.repeats, self.rows);
-            let remedy = "log the time with more digits, or log each sample once; rows that came evenly are dated by --rate, rows a second";
+            let remedy = "log the time with more digits, or log each sample once";
             let rate = self.rate();
-            let even = rate.map(|rate| {
-                format!("{remedy}; if the rows came evenly, --rate {rate} (rows per second) tells the time in the place of this column")
-            });
-            let remedy = self.or_intervals(
-                self.columns[0].last().copied().unwrap_or(0.0),
-                even.as_deref().unwrap_or(remedy),
+            let rows = rate.map_or_else(|| "N".into(), |rate| rate.to_string());
+            let even = format!(
+                "{remedy}; if the rows came evenly, --rate {rows} (rows per second) tells the time in the place of this column"
             );
+            let remedy = self.or_intervals(self.columns[0].last().copied().unwrap_or(0.0), &even);
             let proposal = rate.map(|rate| Proposal { rate: Some(rate.to_string()), ..Proposal::default() });
             let fault = BadInput::new(&self.path, why, remedy).proposing(proposal);
             return Err(first.mark(fault).in_column(&self.headers[0]).into());
