@@ -31,6 +31,8 @@ const ORDERS: [std::ops::RangeInclusive<usize>; 2] = [2..=2, 2..=6];
 /// Readings before each whose voltages may have moved it, and readings for each of them that it takes to tell by how much.
 const VOLTAGES: usize = 12;
 const PER_VOLTAGE: usize = 10;
+/// So many differences, evenly over the record, tell it well enough.
+const DIFFERENCES: usize = 20_000;
 
 /// What is white in the readings of `grid`: the least that differences of several orders tell, since smooth motion fades from order to order and
 /// white noise does not (difference-based estimate of variance: P. Hall, J. Kay, D. Titterington, *Biometrika* 77, 1990). Robust, by the median.
@@ -63,18 +65,20 @@ fn scatter(y: &[f64], voltages: &[f64], orders: &std::ops::RangeInclusive<usize>
 /// Standard deviation by the median of the sizes; none of nothing.
 fn robust(d: &[f64]) -> Option<f64> {
     let mut sizes: Vec<f64> = d.iter().map(|d| d.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).map(|median| median / 0.6745)
+    let middle = sizes.len() / 2;
+    (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745)
 }
 
 /// The same of what the last `voltages` do not foresee of the differences `d`, of which each ends with one; none where there are too few.
 fn unforeseen(d: &[f64], voltages: &[f64]) -> Option<f64> {
     let lags = VOLTAGES.min(d.len() / PER_VOLTAGE);
-    let rows = d.len().checked_sub(lags).filter(|_| lags > 1)?;
+    let all = d.len().checked_sub(lags).filter(|_| lags > 1)?;
+    let taken = || (0..all).step_by(all.div_ceil(DIFFERENCES).max(1));
+    let rows = taken().count();
     let row = |k: usize| voltages[k..=k + lags].iter().copied().chain([1.0]);
     let size = lags + 2;
     let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-    for k in 0..rows {
+    for k in taken() {
         let row = DVector::from_iterator(size, row(k));
         normal.syger(1.0, &row, &row, 1.0);
         right.axpy(d[k + lags], &row, 1.0);
@@ -87,7 +91,7 @@ fn unforeseen(d: &[f64], voltages: &[f64]) -> Option<f64> {
     normal.fill_upper_triangle_with_lower_triangle();
     let answer = normal.cholesky()?.solve(&right);
     let left: Vec<f64> =
-        (0..rows).map(|k| d[k + lags] - row(k).zip(answer.iter()).map(|(u, a)| u * a).sum::<f64>()).collect();
+        taken().map(|k| d[k + lags] - row(k).zip(answer.iter()).map(|(u, a)| u * a).sum::<f64>()).collect();
     let freedom = rows as f64 / rows.saturating_sub(size).max(1) as f64;
     robust(&left).map(|left| left * freedom.sqrt())
 }
