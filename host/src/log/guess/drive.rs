@@ -62,6 +62,14 @@ pub(super) fn said_of_drive(names: &[String], rows: &[Vec<f64>], part: &Part) ->
             "\"{name}\" is taken for a duty because it goes to {}; where it is millivolts, write voltage={own}:mV",
             short(range.peak())
         )),
+        // Neither its name nor anything else makes it volts: the power of a robot kit's motor is in percent.
+        Quantity::Voltage if called == Some(Quantity::Duty) && words::said(name).unit.is_none() => {
+            Some(format!(
+                "\"{name}\" is taken for volts because it goes to {} in fractions; where it is percent of full duty, write duty={own}:100 \
+                 --supply-volts 12",
+                short(range.peak())
+            ))
+        }
         _ => None,
     }
 }
@@ -294,6 +302,27 @@ mod tests {
             assert!(!asked.contains("--map"), "{asked}");
         }
         assert!(asked("effect").contains("if \"effect\" is that, say --map "));
+    }
+
+    /// The power of a flywheel, in percent, was proposed as volts without a word.
+    #[test]
+    fn a_command_that_is_taken_for_volts_by_its_size_alone_is_told_as_a_guess() {
+        let said = |name: &str| {
+            let names = ["t", name, "rpm"].map(str::to_owned);
+            let level = |k: u32| [0.0, 30.8, 56.4][(k / 30 % 3) as usize];
+            let rows: Vec<Vec<f64>> =
+                (0..90).map(|k| vec![0.01 * f64::from(k), level(k), 3.0 * f64::from(k)]).collect();
+            super::super::propose(&names, &rows).unwrap()
+        };
+        for name in ["Power", "Output", "cmd"] {
+            let proposal = said(name);
+            assert!(proposal.map.contains(&format!("voltage={name}:V")), "{}", proposal.map);
+            let told = format!("where it is percent of full duty, write duty={name}:100 --supply-volts 12");
+            assert!(proposal.assumptions().contains(&told), "{}", proposal.assumptions());
+        }
+        for name in ["Power [V]", "u", "voltage"] {
+            assert!(!said(name).assumptions().contains("percent"), "{name}");
+        }
     }
 
     #[test]
