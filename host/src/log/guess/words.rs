@@ -199,6 +199,8 @@ pub fn said(name: &str) -> Said {
         (Some((Current, ..)), Some((Angle | Speed, _))) => None,
         // The time of a rate names none: `deg_per_sec`.
         (Some((Angle | Time, ..)), Some((Speed, _))) => Some((Speed, 5)),
+        // The number of a row that is one of milliseconds: `i_ms`; an `i_s` is a source's current.
+        (Some((Current, ..)), Some((Time, short))) if ["ms", "us", "ns"].contains(&short) => Some((Time, 2)),
         // The ticks of a clock: `ticks_ms`.
         (Some((Angle, ..)), Some((Time, _))) => Some((Time, 4)),
         (Some((named, plain, _)), Some(_)) => Some((named, plain)),

@@ -8,6 +8,8 @@ fn names_of_the_wild_say_quantity_and_unit() {
     for (name, quantity, unit) in [
         ("t_ms", Time, Some("ms")),
         ("millis", Time, Some("ms")),
+        ("i_ms", Time, Some("ms")),
+        ("i_A", Current, Some("A")),
         ("Time (s)", Time, Some("s")),
         ("Zeit [s]", Time, Some("s")),
         ("speed.Time", Time, None),
