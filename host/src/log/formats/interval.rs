@@ -14,10 +14,35 @@ use crate::log::units::Quantity;
 /// What the column of times is called that such a number makes.
 pub const TIME: &str = "time_s";
 /// What an interval in seconds is called, and what a rate in Hz, in small letters.
-const INTERVALS: [&str; 7] =
-    ["dt", "ts", "delta_t", "sample_time", "sampletime", "sampling_interval", "timestep"];
-const RATES: [&str; 7] =
-    ["fs", "fs_hz", "rate_hz", "sample_rate", "samplerate", "sampling_rate", "sampling_frequency"];
+const INTERVALS: [&str; 11] = [
+    "dt",
+    "dt_s",
+    "ts",
+    "delta_t",
+    "sample_time",
+    "sampletime",
+    "sample_period",
+    "sampling_interval",
+    "sampling_period",
+    "control_dt",
+    "timestep",
+];
+/// A servo's log has a row for each of its actions.
+const RATES: [&str; 13] = [
+    "fs",
+    "fs_hz",
+    "rate_hz",
+    "sample_hz",
+    "sample_rate",
+    "samplerate",
+    "sample_rate_hz",
+    "sampling_rate",
+    "sampling_rate_hz",
+    "sampling_frequency",
+    "action_hz",
+    "control_hz",
+    "loop_hz",
+];
 /// Intervals of a motor's log, s.
 const PLAUSIBLE_S: RangeInclusive<f64> = 1e-6..=1.0;
 
@@ -171,6 +196,10 @@ mod tests {
         let expected = Some(column("time_s", &[0.0, 0.5, 1.0]));
         assert_eq!(times(&[column("J", &[0.1]), column("data.Ts", &[0.5])]), expected);
         assert_eq!(times(&[column("fs", &[2.0])]), expected);
+        for (name, number) in [("config.action_hz", 2.0), ("sampling_rate_hz", 2.0), ("control_dt", 0.5)] {
+            assert_eq!(times(&[column(name, &[number])]), expected, "{name}");
+        }
+        assert_eq!(times(&[column("pwm_hz", &[20.0])]), None, "that of the driver");
         let with_clock = [column("t", &[0.0, 0.1, 0.2]), log[0].clone()];
         assert_eq!(clock(&with_clock, &[column("dt", &[0.5])]), None);
         for other in [column("dt", &[0.0]), column("dt", &[0.5, 0.5]), column("tau", &[0.5])] {
