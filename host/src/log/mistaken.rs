@@ -23,6 +23,10 @@ const ALIKE: f64 = 2.0;
 /// must turn with its voltage; as it was read it may turn against it, since a sign that is turned round is a fault of its own, of which
 /// another one tells, and makes no angle a speed.
 fn is_rather(seen: &Seen, other: &Record) -> Option<(f64, f64)> {
+    // Of a voltage that never changes there is no variation but that of rounding.
+    if span(&other.voltage_v) == 0.0 {
+        return None;
+    }
     let other = Weak::new(other)?.under_any_latency().filter(|best| best.gain > 0.0)?;
     let as_read = seen.weak.as_ref().and_then(Weak::under_any_latency);
     let (right, wrong) = (other.left, as_read.map_or(1.0, |best| best.left));
@@ -166,6 +170,20 @@ mod tests {
         let mut turned = Record { map, ..motor() };
         turned.angle_rad.iter_mut().flatten().for_each(|x| *x = -*x);
         assert_eq!(speed_as_angle(&Seen::of(&turned)), None);
+    }
+
+    /// A step that had begun before the first row: nothing but rounding varies in its voltage, and as an angle the speed "explained" that.
+    #[test]
+    fn under_one_voltage_a_speed_that_still_rises_is_not_called_an_angle() {
+        let speeds = (0..200).map(|k| 10.0 + 30.0 * (1.0 - (-f64::from(k) / 60.0).exp())).collect();
+        let record = Record {
+            time_s: (0..200).map(|k| 0.01 * f64::from(k)).collect(),
+            voltage_v: vec![12.0; 200],
+            speed_rad_s: Some(speeds),
+            angle_rad: None,
+            ..motor()
+        };
+        assert_eq!(angle_as_speed(&Seen::of(&record)), None);
     }
 
     /// The wheels of a robot whose drive rises in steps, and whose driver goes off at the end though the command stays.
