@@ -2,7 +2,7 @@
 //!
 //! The controller is part of the model: `duty = clamp(gain * (target - angle) - damping * speed, -1, 1)`, and the voltage is the duty
 //! times the supply. Gain (`--servo-gain`, duty per rad; of a servo whose register is in other units, that of its register) and
-//! damping (`--servo-damping`, duty per rad/s) are known, or found ([`super::servo_trials`]): where the controller saturates, and only there,
+//! damping (`--servo-damping`, duty per rad/s) are known, or found (`servo_trials`): where the controller saturates, and only there,
 //! the motion tells its gain apart from the motor's. The loop of a servo is much faster than its log. Where the target moves on between two
 //! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
 
