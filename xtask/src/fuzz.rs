@@ -23,6 +23,9 @@ pub struct Options {
     /// Only families of readers whose name contains this
     #[arg(long)]
     only: Option<String>,
+    /// Guide by what the readers compare, too; takes twice the time, and the dictionaries have most of it
+    #[arg(long)]
+    compares: bool,
 }
 
 /// A family of readers: the target that feeds it, its words, its share of the inputs, and the longest of them, B.
@@ -67,7 +70,8 @@ pub fn run(options: &Options) -> Result<()> {
     let installed = process::output(process::cargo().args(["fuzz", "--version"]));
     installed.context("cargo-fuzz is not installed: cargo install cargo-fuzz --locked")?;
     let build = ["fuzz", "build", "--fuzz-dir", "tests/fuzz", "--sanitizer", "none", "--release"];
-    process::run(process::cargo().args(build))?;
+    let plain = (!options.compares).then_some("--no-trace-compares");
+    process::run(process::cargo().args(build).args(plain))?;
     let kept = process::root().join("target/fuzz");
     let seeds = kept.join("seeds");
     process::run(Command::new(program("text")?).env("MOTORLENS_FUZZ_SEEDS", &seeds))?;
