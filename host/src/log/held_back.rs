@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use super::Record;
 use super::motion::{peak, speed};
-use super::suspicion::{Odd, skip_of};
+use super::suspicion::Odd;
+use super::times::skip_of;
 use super::timing::median;
 
 /// A voltage is the same within this share of the highest.

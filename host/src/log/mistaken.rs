@@ -5,7 +5,8 @@
 use super::Record;
 use super::motion::{peak, span};
 use super::remap::remapped;
-use super::suspicion::{Odd, Seen, skip_of};
+use super::suspicion::{Odd, Seen};
+use super::times::skip_of;
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::weak::Weak;

@@ -97,6 +97,7 @@ mod target_check;
 mod tektronix;
 mod text;
 mod ticks;
+mod times;
 pub mod timing;
 mod together;
 mod turned_from_outside;

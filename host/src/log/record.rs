@@ -106,6 +106,11 @@ impl Record {
         self.time_s.is_empty()
     }
 
+    /// Whether a position loop made the voltage: it holds the shaft where it is, as a stop or a hand does.
+    pub(super) fn is_of_position_loop(&self) -> bool {
+        self.servo.is_some() || self.meta.get("kp").is_some()
+    }
+
     /// Time from the first to the last sample, s.
     pub fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {

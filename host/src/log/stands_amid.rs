@@ -6,11 +6,11 @@
 use std::ops::Range;
 
 use super::Record;
-use super::guess::quoted;
 use super::labels::Labels;
 use super::motion::{peak, speed};
 use super::suspicion::Odd;
-use super::switched_off::switched_off;
+use super::switched_off::without;
+use super::times::ranges_in_words;
 
 /// The motor stands up to this share of its highest speed.
 const STANDS: f64 = 0.02;
@@ -21,12 +21,10 @@ const ELSEWHERE: f64 = 0.8;
 const LONG_S: f64 = 0.5;
 const PUSHED_S: f64 = 0.1;
 const FEWEST: usize = 4;
-/// Ranges that are named.
-const NAMED: usize = 4;
 
 /// The motor stands amid a drive that goes to both sides.
 pub(super) fn stands_amid(record: &Record) -> Option<Odd> {
-    if record.servo.is_some() || record.meta.get("kp").is_some() || switched_off(record).is_some() {
+    if record.is_of_position_loop() {
         return None;
     }
     let (time, volts, speed) = (&record.time_s, &record.voltage_v, speed(record));
@@ -35,6 +33,7 @@ pub(super) fn stands_amid(record: &Record) -> Option<Odd> {
     }
     let (fastest, highest) = (peak(&speed), peak(volts));
     let stands = |k: usize| speed[k].abs() <= STANDS * fastest;
+    let pushes = |k: &usize| volts[*k].abs() >= PUSHES * highest;
     let pushed = |run: &Range<usize>, side: f64| {
         let samples = run.clone().filter(|k| volts[*k] * side >= PUSHES * highest);
         let held = |k: usize| time.get(k + 1).map_or(0.0, |next| next - time[k]);
@@ -53,42 +52,28 @@ pub(super) fn stands_amid(record: &Record) -> Option<Odd> {
         }
         begin = k + 1;
     }
-    let is_found = |k: usize| found.iter().any(|run| run.contains(&k));
-    let elsewhere = || (0..record.len()).filter(|k| volts[*k].abs() >= PUSHES * highest && !is_found(*k));
-    let turning = elsewhere().filter(|k| !stands(*k)).count();
+    let pushing = || (0..record.len()).filter(pushes);
+    let turning = pushing().filter(|k| !stands(*k)).count();
+    let elsewhere = pushing().count() - found.iter().cloned().flatten().filter(pushes).count();
     if found.is_empty()
         || fastest == 0.0
-        || (turning as f64) < ELSEWHERE * elsewhere().count() as f64
+        || (turning as f64) < ELSEWHERE * elsewhere as f64
         || turning < FEWEST
     {
         return None;
     }
     let last = record.len() - 1;
     let times: Vec<(f64, f64)> = found.iter().map(|run| (time[run.start], time[run.end.min(last)])).collect();
-    let named: Vec<String> =
-        times.iter().take(NAMED).map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
-    let more = match times.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} times more"),
-    };
-    let skips: Vec<String> = times
-        .iter()
-        .map(|(from, to)| format!("--skip {}", quoted(&format!("{}:{from:.3}..{to:.3}", record.name))))
-        .collect();
     Some((
         "switched_off",
         "voltage_v",
         format!(
-            "the motor stands from {}{more} while its drive goes to both sides and turns it elsewhere: the driver was off whatever it was told, \
+            "the motor stands from {} while its drive goes to both sides and turns it elsewhere: the driver was off whatever it was told, \
              something held the shaft, or its sensor stood{}",
-            named.join(" and from "),
+            ranges_in_words(&times),
             Labels::of(record.labels.as_ref(), &times)
         ),
-        format!(
-            "no model turns and stands at one drive: leave that out with {}, and log a duty of 0 while the driver is off (a column of the log \
-             may tell when: power, enable)",
-            skips.join(" ")
-        ),
+        without(record, &times),
     ))
 }
 

@@ -8,8 +8,9 @@ use super::Record;
 use super::labels::Labels;
 use super::motion::{ends, peak, slope, span};
 use super::quantum::quantum;
-use super::suspicion::{Odd, skip_of};
+use super::suspicion::Odd;
 use super::switched_off::without;
+use super::times::{ranges_in_words, skip_of};
 use super::timing::quantile;
 
 /// The voltage must push so many times as hard as what moves the shaft or makes it leave: friction alone holds less ...
@@ -41,14 +42,12 @@ const BELOW_USUAL: f64 = 0.75;
 const SLOWING: Range<f64> = 0.1..0.8;
 const FEWEST_ROWS: usize = 2;
 const FEW_COUNTS: f64 = 4.0;
-/// Ranges named in a message.
-const NAMED: usize = 4;
 
 /// The angle stands at its largest or smallest value under a voltage that moves it elsewhere.
 pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
     let angle = record.angle_rad.as_ref()?;
     // A position loop holds a load at one angle, as a stop does.
-    if record.servo.is_some() || record.meta.get("kp").is_some() {
+    if record.is_of_position_loop() {
         return None;
     }
     let count = quantum(angle).unwrap_or(0.0);
@@ -97,16 +96,12 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
             "or record a motion that does not reach it",
         )
     };
-    let more = ranges.len().saturating_sub(NAMED);
-    let named: Vec<String> =
-        ranges.iter().take(NAMED).map(|stay| format!("{:.3} s to {:.3} s", stay.from, stay.until)).collect();
-    let rest = if more > 0 { format!(" and {more} times more") } else { String::new() };
     Some((
         "hard_stop",
         "angle_rad",
         format!(
-            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{rest}{said}",
-            named.join(", from ")
+            "the angle stands at {end:.2} rad at up to {volts:.1} V, a voltage that moves the motor elsewhere: {cause}, from {}{said}",
+            ranges_in_words(&times)
         ),
         format!("{no_model} with {}, {instead}", skip_of(record, &times)),
     ))

@@ -5,7 +5,6 @@
 
 use super::clipped::clipped;
 use super::early::{early, led_by};
-use super::guess::quoted;
 use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
@@ -59,8 +58,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         jumps,
         hard_stop,
         held_back,
-        switched_off,
-        stands_amid,
+        driver_off,
         turned_from_outside,
         speed_beside_angle,
         blind_near_zero,
@@ -90,16 +88,15 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
     found
 }
 
+/// The driver was off at times: steady motion ended without a change of the drive, or the motor stood while that went to both sides.
+fn driver_off(record: &Record) -> Option<Odd> {
+    switched_off(record).or_else(|| stands_amid(record))
+}
+
 /// The `column` of `record`, as a data problem has its place.
 pub(crate) fn place_of(record: &Record, column: &str) -> String {
     let file = record.path.display().to_string();
     format!("{}, column {column}", if file.is_empty() { &record.name } else { &file })
-}
-
-/// The options that leave these `times` of `record` out, s, from and until.
-pub(super) fn skip_of(record: &Record, times: &[(f64, f64)]) -> String {
-    let range = |(from, until): &(f64, f64)| quoted(&format!("{}:{from:.3}..{until:.3}", record.name));
-    times.iter().map(|time| format!("--skip {}", range(time))).collect::<Vec<_>>().join(" ")
 }
 
 /// Said of a voltage that the supply cannot give, so that nothing was driven by it.

@@ -9,7 +9,8 @@ use super::Record;
 use super::labels::Labels;
 use super::motion::{integral, peak, span, speed};
 use super::quantum::quantum;
-use super::suspicion::{Odd, skip_of};
+use super::suspicion::Odd;
+use super::times::{ranges_in_words, skip_of};
 use super::timing::median;
 
 /// A command that stays is the same number, but for how a quotient is rounded, as a share of the highest.
@@ -37,7 +38,7 @@ const APART: f64 = 0.05;
 /// The motor stands at a drive at which it turns elsewhere, and steady motion ended without a change of the drive.
 pub(super) fn switched_off(record: &Record) -> Option<Odd> {
     // A position loop holds the shaft where it is.
-    if record.servo.is_some() || record.meta.get("kp").is_some() {
+    if record.is_of_position_loop() {
         return None;
     }
     let seen = Seen::of(record)?;
@@ -56,7 +57,6 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
         (record.time_s[from], record.time_s[rest.end.min(last)])
     });
     let times: Vec<(f64, f64)> = times.collect();
-    let named: Vec<String> = times.iter().map(|(from, to)| format!("{from:.3} s to {to:.3} s")).collect();
     let of = if seen.by_supply { "of the supply" } else { "V" };
     Some((
         "switched_off",
@@ -64,7 +64,7 @@ pub(super) fn switched_off(record: &Record) -> Option<Odd> {
         format!(
             "the motor stands from {} at a drive of {level:.3} {of} that turns it steadily at {:.2} rad/s elsewhere, and its motion ended \
              without a change of the drive: the driver was off while its command stayed, or something held the shaft{}",
-            named.join(" and from "),
+            ranges_in_words(&times),
             settled * level.signum(),
             Labels::of(record.labels.as_ref(), &times)
         ),

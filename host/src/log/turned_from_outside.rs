@@ -7,11 +7,11 @@
 use std::ops::Range;
 
 use super::Record;
-use super::guess::quoted;
 use super::labels::Labels;
 use super::motion::{integral, peak, slope};
 use super::quantum::quantum;
 use super::suspicion::Odd;
+use super::times::{ranges_in_words, skip_of};
 use super::timing::median_interval;
 
 /// A voltage up to this share of the highest drives the shaft no faster than what counts as turning here.
@@ -30,13 +30,11 @@ const FASTER: f64 = 10.0;
 /// ... and began so long before the next voltage that no late column explains it, s; that long where it is still turning then.
 const BEFORE_S: f64 = 0.3;
 const STILL_TURNING_S: f64 = 1.0;
-/// Ranges that are named; the rest is counted.
-const NAMED: usize = 3;
 
 /// The shaft begins to turn from rest though nothing drives it.
 pub(super) fn turned_from_outside(record: &Record) -> Option<Odd> {
     // The voltage of a position loop is worked out, and does not tell when the loop was off.
-    if record.servo.is_some() || record.meta.get("kp").is_some() {
+    if record.is_of_position_loop() {
         return None;
     }
     let seen = Seen::of(record)?;
@@ -45,29 +43,20 @@ pub(super) fn turned_from_outside(record: &Record) -> Option<Odd> {
     let first = found.first()?;
     let time = |k: usize| record.time_s[k];
     let ranges: Vec<(f64, f64)> = found.iter().map(|one| (time(one.from), time(one.to))).collect();
-    let named = ranges.iter().take(NAMED).map(|(from, to)| format!("{from:.3} s to {to:.3} s"));
-    let skips = ranges
-        .iter()
-        .take(NAMED)
-        .map(|(from, to)| format!("--skip {}", quoted(&format!("{}:{from:.3}..{to:.3}", record.name))));
-    let more = match ranges.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} times more"),
-    };
     Some((
         "turned_from_outside",
         if record.angle_rad.is_some() { "angle_rad" } else { "speed_rad_s" },
         format!(
-            "the shaft begins to turn after {:.1} s of rest at 0 V and reaches {:.2} rad/s without a voltage, from {}{more}: a hand or a load \
+            "the shaft begins to turn after {:.1} s of rest at 0 V and reaches {:.2} rad/s without a voltage, from {}: a hand or a load \
              turned it, or something drove it that the log does not tell{}",
             first.rest_s,
             first.speed,
-            named.collect::<Vec<String>>().join(" and from "),
+            ranges_in_words(&ranges),
             Labels::of(record.labels.as_ref(), &ranges)
         ),
         format!(
             "no model of a motor turns without a drive: leave that out with {}; where the motor was driven then, map the column of that drive",
-            skips.collect::<Vec<String>>().join(" ")
+            skip_of(record, &ranges)
         ),
     ))
 }
