@@ -232,12 +232,11 @@ pub fn trimmed(line: &str) -> &str {
 
 /// A sentence as receivers of satellites write them, `$MOT,10,80,7*5A`, without its checksum.
 fn without_checksum(line: &str) -> &str {
+    if !line.starts_with('$') {
+        return line;
+    }
     match line.rsplit_once('*') {
-        Some((sentence, sum))
-            if sentence.starts_with('$') && sum.len() == 2 && sum.bytes().all(|b| b.is_ascii_hexdigit()) =>
-        {
-            sentence
-        }
+        Some((sentence, sum)) if sum.len() == 2 && sum.bytes().all(|b| b.is_ascii_hexdigit()) => sentence,
         _ => line,
     }
 }

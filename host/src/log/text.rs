@@ -140,6 +140,16 @@ impl<R: Read> TextReader<R> {
     }
 }
 
+/// The text of a file that was read as a whole, in whatever encoding.
+///
+/// # Errors
+/// Says why it is no text.
+pub fn whole(all: &[u8]) -> io::Result<String> {
+    let mut text = String::new();
+    TextReader::new(all)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
 /// What a terminal's colours and movements begin with.
 const ESCAPE: char = '\u{1b}';
 

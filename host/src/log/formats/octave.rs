@@ -4,10 +4,12 @@
 
 use super::table::{Column, Table, Values, matrix};
 use super::{Content, Fault};
-use crate::log::text::TextReader;
+use crate::log::text;
 
 /// How such a file begins.
 const CREATED: &str = "# Created by Octave";
+/// More rows than any log has: a range of more numbers is none.
+const MOST: f64 = 1e8;
 
 /// A variable as it is read.
 #[derive(Debug, Default)]
@@ -40,10 +42,8 @@ fn told<'a>(line: &'a str, key: &str) -> Option<&'a str> {
 /// # Errors
 /// A fault where it is no text, or holds no numbers.
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
-    let mut text = String::new();
-    let lines =
-        TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
-    lines.map_err(|why| Fault::new(why.to_string(), "save the variables again"))?;
+    let text = text::whole(all);
+    let text = text.map_err(|why| Fault::new(why.to_string(), "save the variables again"))?;
     let mut variables: Vec<Variable> = Vec::new();
     for line in text.lines() {
         if let Some(name) = told(line, "name") {
@@ -118,9 +118,6 @@ impl Variable {
         matrix(&self.name, rows, width, &by_column)
     }
 }
-
-/// No log has more rows than a range of so many numbers.
-const MOST: f64 = 1e8;
 
 #[cfg(test)]
 mod tests {

@@ -9,12 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::events::{Events, Series};
 use super::lines::{Entry, Line, are_of_kinds, line_of};
 use super::table::{Column, Table, Values};
+use super::tagged::LONGEST_STEP_MS;
 use super::{Content, Fault};
 use crate::log::clock::Clock;
 use crate::log::guess::words;
 use crate::log::numbers::number;
 use crate::log::stamped::moment_of;
-use crate::log::text::TextReader;
+use crate::log::text;
 use crate::log::timing::median_interval;
 
 /// Share of the lines of a file's beginning that are such values, with and without Teleplot's mark.
@@ -54,20 +55,13 @@ pub fn is(start: &[u8]) -> bool {
         && (is_marked || are_of_kinds(&read))
 }
 
-/// The text of a file, in whatever encoding.
-fn text_of(all: &[u8]) -> std::io::Result<String> {
-    let mut text = String::new();
-    std::io::Read::read_to_string(&mut TextReader::new(all)?, &mut text)?;
-    Ok(text)
-}
-
 /// Reads such a file.
 ///
 /// # Errors
 /// A fault where it is no text.
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
-    let text =
-        text_of(all).map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
+    let text = text::whole(all);
+    let text = text.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
     let mut lines: Vec<Line> = text.lines().filter_map(line_of).collect();
     if lines.iter().any(Line::is_marked) {
         lines.retain(Line::is_marked);
@@ -78,8 +72,8 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
         return Ok(Content::Events(events(entries())));
     }
     // A board's own time goes before when a line was received.
-    let moments =
-        if entries().any(|entry| words::is_time(entry.name)) { Vec::new() } else { moments(&lines) };
+    let names: BTreeSet<&str> = entries().map(|entry| entry.name).collect();
+    let moments = if names.iter().any(|name| words::is_time(name)) { Vec::new() } else { moments(&lines) };
     if tell(&lines, &moments) {
         return Ok(Content::Events(received(&lines, &moments)));
     }
@@ -145,9 +139,6 @@ fn titled(entry: &Entry) -> String {
         format!("{} [{}]", entry.name, entry.unit.trim())
     }
 }
-
-/// Whole stamps that are further apart than this, ms, are microseconds.
-const LONGEST_STEP_MS: f64 = 500.0;
 
 /// The values with their stamps.
 fn events<'e, 'a: 'e>(entries: impl Iterator<Item = &'e Entry<'a>>) -> Events {

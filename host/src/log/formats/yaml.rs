@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::objects;
 use super::{Content, Fault};
-use crate::log::text::TextReader;
+use crate::log::text;
 
 /// Deeper blocks are none of a log.
 const DEEPEST: usize = 16;
@@ -39,10 +39,8 @@ pub fn is(start: &[u8]) -> bool {
 /// # Errors
 /// A fault where it is no text, or holds no table.
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
-    let mut text = String::new();
-    let lines =
-        TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
-    lines.map_err(|why| Fault::new(why.to_string(), REMEDY))?;
+    let text = text::whole(all);
+    let text = text.map_err(|why| Fault::new(why.to_string(), REMEDY))?;
     let mut json = String::new();
     for document in text.split("\n---").map(document).filter(|value| !value.is_null()) {
         json.push_str(&document.to_string());

@@ -13,7 +13,7 @@ use crate::log::clock::Clock;
 use crate::log::direction;
 use crate::log::numbers::number;
 use crate::log::stamped::{moment_of, stamped};
-use crate::log::text::TextReader;
+use crate::log::text;
 use crate::log::timing::median_interval;
 
 /// Share of the lines of a file's beginning that are such rows.
@@ -28,7 +28,7 @@ const TURNS: f64 = 1.0;
 /// Stamps of one kind that rise.
 const RISE: f64 = 0.95;
 /// Stamps in whole numbers that are further apart are microseconds.
-const LONGEST_STEP_MS: f64 = 500.0;
+pub(super) const LONGEST_STEP_MS: f64 = 500.0;
 /// What single letters stand for where both are there; `P` beside others is a position, or a controller's.
 const LETTERS: [(&str, &str); 2] = [("P", "pwm"), ("E", "enc")];
 
@@ -164,10 +164,8 @@ pub fn is(start: &[u8]) -> bool {
 /// # Errors
 /// A fault where it is no text.
 pub fn read(all: &[u8]) -> Result<Content, Fault> {
-    let mut text = String::new();
-    let lines =
-        TextReader::new(all).and_then(|mut lines| std::io::Read::read_to_string(&mut lines, &mut text));
-    lines.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
+    let text = text::whole(all);
+    let text = text.map_err(|why| Fault::new(why.to_string(), "save the lines as they were received"))?;
     let (rows, by_line) = rows_of(text.lines());
     let mut kinds = kinds(&rows);
     if !are_stamped(&kinds) {
