@@ -41,6 +41,15 @@ pub fn rate(time_s: &[f64]) -> f64 {
     if interval > 0.0 { 1.0 / interval } else { 0.0 }
 }
 
+/// A rate to three digits, as a person writes it; none where it is none.
+pub fn to_three_digits(rate: f64) -> Option<f64> {
+    let digits = 10_f64.powf(rate.log10().floor() - 2.0);
+    let rounded = (rate / digits).round() * digits;
+    // 33.300000000000004 is written as 33.3.
+    let rounded = if digits >= 1.0 { rounded } else { (rounded * 1e6).round() / 1e6 };
+    (rounded.is_finite() && rounded > 0.0).then_some(rounded)
+}
+
 /// Median absolute deviation of the intervals from their median, s: how far a typical sample comes early or late.
 pub fn jitter(time_s: &[f64]) -> f64 {
     let interval = median_interval(time_s);
@@ -73,6 +82,15 @@ mod tests {
         time.extend((0..100).map(|i| 5.0 + f64::from(i) * 0.01));
         assert!((rate(&time) - 100.0).abs() < 1e-6);
         assert!(jitter(&time) < 1e-9);
+    }
+
+    #[test]
+    fn a_rate_to_three_digits_is_written_with_no_more() {
+        let written = |rate: f64| to_three_digits(rate).map(|rate| rate.to_string());
+        for (rate, text) in [(33.298, "33.3"), (999.7, "1000"), (12_345.0, "12300"), (0.123_46, "0.123")] {
+            assert_eq!(written(rate).as_deref(), Some(text));
+        }
+        assert_eq!([0.0, -1.0, f64::INFINITY, f64::NAN].map(to_three_digits), [None; 4]);
     }
 
     #[test]

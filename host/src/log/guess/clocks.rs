@@ -4,6 +4,7 @@ use super::columns::Part;
 use super::one_motion::{NEAR, ratio};
 use super::ranges::Range;
 use super::{symbols, words};
+use crate::log::samples::REPEAT_SHARE;
 use crate::log::timing;
 use crate::log::units::{Quantity, Unit};
 
@@ -168,9 +169,7 @@ pub(super) fn rate_of(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
     (interval_s > 0.0).then(|| (1e3 / interval_s).round() / 1e3)
 }
 
-/// More samples than this share that repeat the time of the one before make a clock none.
-const MOST_REPEATED: f64 = 0.1;
-/// Rows from which they are counted.
+/// Rows from which it is told how many repeat the time of the one before.
 const COUNTED: usize = 2000;
 
 /// Rows a second, to three digits, where the times of a log have too few digits to tell its samples apart: whole seconds, say.
@@ -193,14 +192,13 @@ pub(super) fn rate_of_coarse(parts: &[Part], rows: &[Vec<f64>]) -> Option<f64> {
         both.all(|(one, other)| one == other || one.is_nan() && other.is_nan())
     };
     let repeats = steps().filter(|k| at(*k) == at(k - 1) && !is_again(*k)).count();
-    if repeats as f64 <= MOST_REPEATED * read.len() as f64 || steps().any(|k| at(k) < at(k - 1)) {
+    if repeats as f64 <= REPEAT_SHARE * read.len() as f64 || steps().any(|k| at(k) < at(k - 1)) {
         return None;
     }
     let mut changes = steps().filter(|k| at(*k) > at(k - 1));
     let (first, last) = (changes.next()?, changes.next_back()?);
     let rate = (last - first) as f64 / (at(last) - at(first));
-    let digits = 10_f64.powf(rate.log10().floor() - 2.0);
-    Some((rate / digits).round() * digits).filter(|rate| rate.is_finite() && *rate > 0.0)
+    timing::to_three_digits(rate)
 }
 
 /// Share of its steps that rise in a clock; a file may hold several recordings.

@@ -9,7 +9,8 @@ use crate::log::guess::Proposal;
 use crate::log::timing::median_interval;
 
 const BAD_SHARE: f64 = 0.02;
-const REPEAT_SHARE: f64 = 0.10;
+/// More samples than this share that repeat the time of the one before make a clock none.
+pub const REPEAT_SHARE: f64 = 0.10;
 /// Rows that come one row late in a log, or this share of them, may be put in order.
 const FEW_LATE: usize = 2;
 const LATE_SHARE: f64 = 0.002;

@@ -10,7 +10,9 @@ mod strays;
 
 use std::path::{Path, PathBuf};
 
+use super::timing::to_three_digits;
 use crate::error::{BadInput, Result};
+pub(super) use finish::REPEAT_SHARE;
 use strays::Strays;
 
 /// A third-order model has three numbers and three initial states; fewer rows than this cannot check a fit of it.
@@ -273,10 +275,7 @@ impl Samples {
     fn rate(&self) -> Option<f64> {
         let (first, last) = (self.columns[0].first()?, self.columns[0].last()?);
         let rate = (self.rows + self.again - 1) as f64 / (last - first);
-        let digits = 10_f64.powf(rate.log10().floor() - 2.0);
-        let rounded = (rate / digits).round() * digits;
-        (self.len() >= FEWEST_SAMPLES && rounded.is_finite() && rounded > 0.0)
-            .then(|| if digits >= 1.0 { rounded } else { (rounded * 1e6).round() / 1e6 })
+        to_three_digits(rate).filter(|_| self.len() >= FEWEST_SAMPLES)
     }
 
     /// Counts a row that says again what the one before it says, which is no sample.
