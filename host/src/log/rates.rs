@@ -1,5 +1,6 @@
 //! Rows per second, as what stands before the rows tells them: LabVIEW's `Delta_X`, an oscilloscope's interval, Rigol's increment, a remark.
 
+use super::formats::interval;
 use super::numbers::number;
 
 /// Rows per second, where a line before the header tells the time between them.
@@ -15,38 +16,18 @@ pub(super) fn before(text: &str) -> Option<f64> {
 
 /// The same of a line in words: `sampling rate: 100 Hz`, `fs = 100`, `Sample time: 10 ms`.
 pub(super) fn told(text: &str) -> Option<f64> {
-    const RATES: [&str; 7] = [
-        "sample rate",
-        "samplerate",
-        "sampling rate",
-        "sample frequency",
-        "sampling frequency",
-        "abtastrate",
-        "fs",
-    ];
-    const INTERVALS: [&str; 9] = [
-        "sample time",
-        "sampling time",
-        "sample interval",
-        "sampling interval",
-        "sample period",
-        "sampling period",
-        "abtastzeit",
-        "dt",
-        "ts",
-    ];
     let (key, value) = text.split_once([':', '='])?;
-    let (key, value) = (key.trim().to_lowercase(), value.trim());
+    let (key, value) = (key.trim(), value.trim());
     let end = value.find(|c: char| !c.is_ascii_digit() && !".,eE+-".contains(c)).unwrap_or(value.len());
     let size = number(value[..end].trim())?;
     let unit = value[end..].split_whitespace().next().unwrap_or_default().to_lowercase();
-    let rate = if RATES.contains(&key.as_str()) {
+    let rate = if interval::is_rate(key) {
         match unit.as_str() {
             "" | "hz" | "sps" | "s/s" | "sa/s" | "1/s" => size,
             "khz" | "ksps" | "ks/s" => 1e3 * size,
             _ => return None,
         }
-    } else if INTERVALS.contains(&key.as_str()) {
+    } else if interval::is_interval(key) {
         match unit.as_str() {
             "s" | "sec" => 1.0 / size,
             "ms" => 1e3 / size,
@@ -93,6 +74,8 @@ mod tests {
             ("fs = 250", Some(250.0)),
             ("Sampling time: 10 ms", Some(100.0)),
             ("dt=0.005", Some(200.0)),
+            ("sample_rate = 100", Some(100.0)),
+            ("Sampling_period: 0.02 s", Some(50.0)),
             ("dt: 5", None),
             ("baud rate: 115200", None),
             ("sampling rate: high", None),

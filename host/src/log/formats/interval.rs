@@ -14,21 +14,24 @@ use crate::log::units::Quantity;
 /// What the column of times is called that such a number makes.
 pub const TIME: &str = "time_s";
 /// What an interval in seconds is called, and what a rate in Hz, in small letters.
-const INTERVALS: [&str; 11] = [
+const INTERVALS: [&str; 14] = [
     "dt",
     "dt_s",
     "ts",
     "delta_t",
     "sample_time",
     "sampletime",
-    "sample_period",
+    "sampling_time",
+    "sample_interval",
     "sampling_interval",
+    "sample_period",
     "sampling_period",
     "control_dt",
     "timestep",
+    "abtastzeit",
 ];
 /// A servo's log has a row for each of its actions.
-const RATES: [&str; 13] = [
+const RATES: [&str; 15] = [
     "fs",
     "fs_hz",
     "rate_hz",
@@ -38,10 +41,12 @@ const RATES: [&str; 13] = [
     "sample_rate_hz",
     "sampling_rate",
     "sampling_rate_hz",
+    "sample_frequency",
     "sampling_frequency",
     "action_hz",
     "control_hz",
     "loop_hz",
+    "abtastrate",
 ];
 /// Intervals of a motor's log, s.
 const PLAUSIBLE_S: RangeInclusive<f64> = 1e-6..=1.0;
@@ -67,10 +72,10 @@ struct Told {
 
 impl Told {
     fn by((called, number): (&str, f64)) -> Option<Told> {
-        let name = called.rsplit('.').next()?.to_lowercase();
-        let interval_s = if INTERVALS.contains(&name.as_str()) {
+        let name = called.rsplit('.').next()?;
+        let interval_s = if is_interval(name) {
             number
-        } else if RATES.contains(&name.as_str()) {
+        } else if is_rate(name) {
             1.0 / number
         } else {
             return None;
@@ -103,8 +108,23 @@ pub fn clock(log: &[Column], parameters: &[Column]) -> Option<Clock> {
 
 /// Whether a single number that is called so may be the interval or the rate of the rows.
 pub fn may_tell(name: &str) -> bool {
-    let name = name.rsplit('.').next().unwrap_or_default().to_lowercase();
-    INTERVALS.contains(&name.as_str()) || RATES.contains(&name.as_str())
+    let name = name.rsplit('.').next().unwrap_or_default();
+    is_interval(name) || is_rate(name)
+}
+
+/// Whether a number that is called so is the interval of the rows.
+pub fn is_interval(name: &str) -> bool {
+    INTERVALS.contains(&in_small_letters(name).as_str())
+}
+
+/// Whether a number that is called so is the rate of the rows.
+pub fn is_rate(name: &str) -> bool {
+    RATES.contains(&in_small_letters(name).as_str())
+}
+
+/// A name as both lists have it: `Sample time` is `sample_time`.
+fn in_small_letters(name: &str) -> String {
+    name.to_lowercase().replace(' ', "_")
 }
 
 /// The clock of the rows of columns that are called so, as one of single `numbers` with their names tells it; none where they have one.
