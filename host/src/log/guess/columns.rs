@@ -2,11 +2,11 @@
 
 use super::clocks::{
     self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, stands_beside_a_clock,
-    tell_ticks,
 };
 use super::column_units::{unit_of, unit_of_wrap};
 use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
 use super::ranges::Range;
+use super::time_steps::tell_ticks;
 use super::turns::Turn;
 use super::{bridge, bytes, companions, drive, duty_range, leads, registers, sides, words};
 use crate::log::direction;

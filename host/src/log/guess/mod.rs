@@ -26,6 +26,7 @@ mod registers;
 mod sides;
 mod spelling;
 mod symbols;
+mod time_steps;
 mod timed;
 mod turns;
 pub mod unit_names;

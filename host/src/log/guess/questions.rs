@@ -5,8 +5,8 @@ use super::columns::{self, Part};
 use super::preview::short;
 use super::ranges::Range;
 use super::{
-    ASSUMED_COUNTS, Proposal, by_numbers, column, duty_range, options_as_if, propose_for, quoted, unit_names,
-    words, written,
+    ASSUMED_COUNTS, Proposal, by_numbers, column, duty_range, options_as_if, propose_for, quoted, time_steps,
+    unit_names, words, written,
 };
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
@@ -162,7 +162,7 @@ pub(super) fn unknown_unit(name: &str, part: &Part) -> Option<String> {
     // `PWM (0-255)` tells its full duty.
     let is_full = part.quantity == Quantity::Duty && duty_range::told(name).is_some();
     // How often a clock steps is no unit, and was understood.
-    if part.quantity == Quantity::Time && clocks::said_of_ticks(name, part).is_some() {
+    if part.quantity == Quantity::Time && time_steps::said_of_ticks(name, part).is_some() {
         return None;
     }
     // MATLAB's `ans(2)` and NumPy's `data[1]` are places.
@@ -187,7 +187,7 @@ pub(super) fn taken_for(names: &[String], part: &Part, parts: &[Part], rows: &[V
         Quantity::Time if part.unit == DAYS && words::told(name).is_none() => Some(format!(
             "\"{name}\" is taken for days, as Excel and MATLAB number dates ({DAYS}); if it is none, put s, ms, us or ns in its place"
         )),
-        Quantity::Time => clocks::said_of_ticks(name, part),
+        Quantity::Time => time_steps::said_of_ticks(name, part),
         Quantity::Speed if words::is_gyroscope(name) => Some(format!(
             "\"{name}\" is taken for the axis of a gyroscope that turns with the output shaft, because it moves most; take another where it does not"
         )),
