@@ -8,8 +8,6 @@ use crate::log::text;
 
 /// How such a file begins.
 const CREATED: &str = "# Created by Octave";
-/// More rows than any log has: a range of more numbers is none.
-const MOST: f64 = 1e8;
 
 /// A variable as it is read.
 #[derive(Debug, Default)]
@@ -54,10 +52,11 @@ pub fn read(all: &[u8]) -> Result<Content, Fault> {
             variable.take(line);
         }
     }
+    let longest = variables.iter().map(|variable| variable.numbers.len()).max().unwrap_or(0);
     let (mut columns, mut left_out) = (Vec::new(), Vec::new());
     for variable in variables {
         let name = variable.name.clone();
-        let own = variable.columns();
+        let own = variable.columns(longest);
         if own.is_empty() {
             left_out.push(name);
         }
@@ -89,8 +88,8 @@ impl Variable {
         }
     }
 
-    /// Its columns; none where it is no matrix of numbers.
-    fn columns(self) -> Vec<Column> {
+    /// Its columns; none where it is no matrix of numbers, or a range of more than `most`: a line of it stands for any number of rows.
+    fn columns(self, most: usize) -> Vec<Column> {
         let is_of_numbers = ["matrix", "scalar", "range"].iter().any(|kind| self.kind.ends_with(kind));
         if !is_of_numbers || self.kind.contains("complex") || self.numbers.is_empty() {
             return Vec::new();
@@ -100,7 +99,7 @@ impl Variable {
         if self.kind.ends_with("range") {
             let [base, limit, step] = self.numbers[..] else { return Vec::new() };
             let count = ((limit - base) / step + 1e-9).floor();
-            if !(0.0..=MOST).contains(&count) {
+            if !(0.0..most as f64).contains(&count) {
                 return Vec::new();
             }
             return one((0..=count as usize).map(|k| base + step * k as f64).collect());
@@ -177,5 +176,15 @@ mod tests {
         // A table below remarks is one.
         let table = saved(&[("data", "# type: matrix\n# rows: 100\n# columns: 2\n", both.as_str())]);
         assert!(!is(table.as_bytes()));
+    }
+
+    #[test]
+    fn a_range_that_is_longer_than_all_that_was_saved_is_none() {
+        let columns = |most: usize| {
+            let numbers = vec![0.0, 0.99, 0.01];
+            let range = Variable { kind: "range".into(), numbers, ..Variable::default() };
+            range.columns(most).len()
+        };
+        assert_eq!([100, 99, 0].map(columns), [1, 0, 0]);
     }
 }
