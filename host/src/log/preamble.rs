@@ -96,6 +96,8 @@ pub fn read(path: &Path, input: &mut impl BufRead, by_number: bool) -> Result<Pr
                 }
                 if !is_nothing(comment) {
                     remarks.push((at, comment.trim().to_owned()));
+                    // That of the names and that of the units may be the last two.
+                    remarks.drain(..remarks.len().saturating_sub(2));
                 }
                 rate_told = rate_told.or_else(|| rates::told(comment));
             }
