@@ -22,6 +22,8 @@ const SLUGGISH: f64 = 0.05;
 const FRANTIC: f64 = 1000.0;
 /// About 140,000 turns a minute, beyond any brushed motor, rad/s.
 const FASTEST_SHAFT: f64 = 15_000.0;
+/// A record of fewer seconds has no three readings for the fit, which takes them no closer than half a millisecond.
+const SHORTEST_RECORD: f64 = 1.2e-3;
 /// Beyond this, V or rad/s, no unit makes a motor of the numbers.
 const BEYOND_UNITS: f64 = 1e15;
 
@@ -81,25 +83,31 @@ fn time(record: &Record) -> Option<Fault> {
             format!("if so, say {}", remapped(record, &[(Time, Time, unit)])),
         ));
     }
-    (interval < FASTEST_INTERVAL).then(|| {
-        fault(
-            "time_s",
-            format!("a sample every {interval:e} s is too fast to be logged; the unit looks too small"),
-            match slower_unit(record, interval) {
-                Some(unit) => {
-                    format!("if the column is in {unit}, say {}", remapped(record, &[(Time, Time, unit)]))
-                }
-                None => "check the unit given with --map time=...; a column in seconds needs none".into(),
-            },
-        )
-    })
+    let lasts_s = record.duration_s();
+    let why = if interval < FASTEST_INTERVAL {
+        format!("a sample every {interval:e} s is too fast to be logged")
+    } else if lasts_s < SHORTEST_RECORD {
+        format!("the record lasts {:.3} ms, in which no motor shows anything", 1e3 * lasts_s)
+    } else {
+        return None;
+    };
+    Some(fault(
+        "time_s",
+        format!("{why}; the unit looks too small"),
+        match slower_unit(record, interval) {
+            Some(unit) => {
+                format!("if the column is in {unit}, say {}", remapped(record, &[(Time, Time, unit)]))
+            }
+            None => "check the unit given with --map time=...; a column in seconds needs none".into(),
+        },
+    ))
 }
 
-/// The unit in which the times of a log that was mapped are plausible, where in the one they were read in they are `interval` s apart.
+/// Another unit in which the times of a log that was mapped are plausible, where in the one they were read in they are `interval` s apart.
 fn slower_unit(record: &Record, interval: f64) -> Option<&'static str> {
     let source = record.map.as_ref()?.source(Time)?;
     let written = if source.written.is_empty() { Time.si() } else { &source.written };
-    plausible_unit(interval / Unit::parse(Time, written).ok()?.factor)
+    plausible_unit(interval / Unit::parse(Time, written).ok()?.factor).filter(|unit| *unit != written)
 }
 
 fn voltage(record: &Record) -> Option<Fault> {
@@ -307,6 +315,20 @@ mod tests {
         assert!(!shaft_speed(&record).unwrap().fix.contains("--map"), "what was given already");
         (record.angle_rad, record.map) = (None, None);
         assert!(shaft_speed(&record).unwrap().fix.contains("--map speed=speed_rad_s:rpm, or"));
+    }
+
+    #[test]
+    fn a_record_that_is_over_before_a_motor_moves_is_refused_with_the_unit_that_its_times_look_like() {
+        let mut record = motor();
+        for column in [&mut record.time_s, &mut record.voltage_v, record.angle_rad.as_mut().unwrap()] {
+            column.truncate(60);
+        }
+        assert_eq!(time(&record), None);
+        record.time_s.iter_mut().for_each(|t| *t *= 2e-4);
+        assert!(time(&record).unwrap().fix.contains("check the unit"));
+        record.map = Some("time=t:us,voltage=u:V,angle=x:rad".parse().unwrap());
+        let fault = time(&record).unwrap();
+        assert!(fault.why.contains("lasts 0.118 ms") && fault.fix.contains("time=t:ms"), "{fault:?}");
     }
 
     #[test]
