@@ -110,6 +110,8 @@ const MOST_CELLS: f64 = 120_000.0;
 const LONGEST_SWEEP_CELL: f64 = 0.01;
 /// Samples closer together than this are thinned: the motor does not move between them.
 const SHORTEST_CELL: f64 = 0.45e-3;
+/// Readings that stay at least: the first speed is the middle one of so many.
+const FEWEST_READINGS: usize = 3;
 
 impl Grid {
     /// Lays `record` on the grid; `quantum` is the smallest step of its main column.
@@ -120,7 +122,7 @@ impl Grid {
         let at = |kept: &Vec<usize>| -> Vec<f64> { kept.iter().map(|k| record.time_s[*k]).collect() };
         let update_s = updated.as_ref().map(|kept| timing::median_interval(&at(kept)));
         let step = cell_length(interval, update_s.unwrap_or(interval), record.duration_s());
-        let thin = ((step / interval).round() as usize).max(1);
+        let thin = ((step / interval).round() as usize).clamp(1, (record.len() / FEWEST_READINGS).max(1));
         let origin = record.time_s[0];
         let cells = (record.duration_s() / step).ceil() as usize + 1;
         let mut grid = Self {
@@ -361,5 +363,13 @@ pub(super) mod tests {
         let times: Vec<f64> = (0..10_000).map(|k| f64::from(k) * 1e-4).collect();
         let grid = Grid::new(&record(times, vec![1.0; 10_000]), 0.01);
         assert!(grid.len() <= 2001 && grid.step_s > 4e-4);
+    }
+
+    #[test]
+    fn a_short_record_of_a_fast_log_keeps_the_readings_that_tell_its_first_speed() {
+        let time_s: Vec<f64> = (0..30).map(|k| f64::from(k) * 1e-6).collect();
+        let speed_rad_s = Some(time_s.iter().map(|t| 1e4 * t).collect());
+        let record = Record { time_s, voltage_v: vec![1.0; 30], speed_rad_s, ..Record::default() };
+        assert!(Grid::new(&record, 0.0).len() >= FEWEST_READINGS);
     }
 }
