@@ -304,6 +304,18 @@ mod tests {
         assert!(asked("effect").contains("if \"effect\" is that, say --map "));
     }
 
+    #[test]
+    fn what_may_be_the_drive_is_proposed_with_the_rate_where_the_times_have_whole_seconds() {
+        let row = |k: u32| vec![f64::from(k / 12), f64::from(k * k % 97), f64::from(k * 7 % 31)];
+        let sample = Sample::of("Time;Velocity;effect", (0..240).map(row).collect());
+        let asked = half_question(&sample).unwrap();
+        for options in
+            ["voltage=effect:V,speed=Velocity:rad/s --rate 12 where", "--supply-volts 12 --rate 12 where"]
+        {
+            assert!(asked.contains(options), "{asked}");
+        }
+    }
+
     /// The power of a flywheel, in percent, was proposed as volts without a word.
     #[test]
     fn a_command_that_is_taken_for_volts_by_its_size_alone_is_told_as_a_guess() {

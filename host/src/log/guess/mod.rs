@@ -115,10 +115,13 @@ impl Proposal {
         self
     }
 
-    /// The same at the rate that a table tells, where one is assumed.
-    fn at_the_rate_of(mut self, sample: &Sample) -> Self {
+    /// The same at the rate that a table tells, where one is assumed, or that its rows tell, where the times of these `parts` cannot.
+    fn at_the_rate_of(mut self, sample: &Sample, parts: &[Part]) -> Self {
         if let (Some(rate), Some(told)) = (&mut self.rate, sample.rate_hz()) {
             *rate = told.to_string();
+        }
+        if let Some(rate) = clocks::rate_of_coarse(parts, &sample.rows) {
+            self.rate = Some(rate.to_string());
         }
         self
     }
@@ -219,12 +222,10 @@ fn propose_from(sample: &Sample) -> Option<Proposal> {
         return by_numbers::propose_with(&parts_of(sample), &sample.rows, sample.stamped);
     }
     let parts = parts_of(sample);
-    let mut proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample);
+    let mut proposal =
+        proposal(&sample.names, &parts, &sample.rows, sample.stamped)?.at_the_rate_of(sample, &parts);
     if proposal.rate.is_some() {
         proposal.unknown_units.extend(sample.clock.as_ref().map(interval::Clock::question));
-    }
-    if let Some(rate) = clocks::rate_of_coarse(&parts, &sample.rows) {
-        proposal.rate = Some(rate.to_string());
     }
     proposal.preview.extend(preview::unused(&sample.names, &sample.rows, &parts));
     proposal.unknown_units.extend(steady_states(sample, &parts));
@@ -264,7 +265,7 @@ fn options_as_if(sample: &Sample, called: &[(usize, &str)]) -> Option<String> {
     }
     let parts = parts(&with_units, &sample.rows);
     let proposal = proposal(&sample.names, &parts, &sample.rows, sample.stamped)?;
-    Some(proposal.at_the_rate_of(sample).options())
+    Some(proposal.at_the_rate_of(sample, &parts).options())
 }
 
 /// Whether columns of these names may be all that a fit needs, if an effort drives the motor.

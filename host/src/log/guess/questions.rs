@@ -277,7 +277,8 @@ pub(in crate::log) fn numbers_question(sample: &Sample) -> Option<String> {
     if parts.is_empty() || !is_named || sample.with_units.iter().any(tells) {
         return None;
     }
-    let proposal = written(&sample.names, &parts, &sample.rows, sample.stamped).at_the_rate_of(sample);
+    let proposal =
+        written(&sample.names, &parts, &sample.rows, sample.stamped).at_the_rate_of(sample, &parts);
     Some(format!(
         "no name tells which column drives the motor and which is its motion; by the course of their numbers alone it looks like {}: compare it \
          with what you know of them",
