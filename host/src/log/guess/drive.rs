@@ -290,13 +290,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_clock_an_error_and_what_a_sensor_tells_are_not_offered_as_the_drive() {
+    fn a_clock_an_error_a_controllers_term_and_what_a_sensor_tells_are_not_offered_as_the_drive() {
         let asked = |third: &str| {
             let row = |k: u32| vec![0.01 * f64::from(k), f64::from(k * k % 97), f64::from(k * 7 % 31)];
             let header = format!("Time;Velocity;{third}");
             half_question(&Sample::of(&header, (0..100).map(row).collect())).unwrap()
         };
-        for third in ["Acceleration", "LeftError", "Heading", "clock"] {
+        let terms = ["Integral", "Derivative", "Proportional", "P term", "I_term", "dTerm", "error_sum"];
+        for third in ["Acceleration", "LeftError", "Heading", "clock"].into_iter().chain(terms) {
             let asked = asked(third);
             assert!(asked.contains("no column tells what drove the motor"), "{asked}");
             assert!(!asked.contains("--map"), "{asked}");

@@ -329,6 +329,21 @@ pub(super) const WANTED: [&str; 13] = [
 /// Words that end so are of errors: `error`, `poserror`, `spderr`, `Regelfehler`, `Regelabweichung`.
 pub(super) const ERROR_ENDS: [&str; 6] = ["error", "err", "erro", "erreur", "fehler", "abweichung"];
 
+/// A name with one of these is of one term of a controller, or of what was added up for it: alone none drives a motor.
+pub(super) const TERMS: [&str; 11] = [
+    "proportional",
+    "integral",
+    "integrator",
+    "derivative",
+    "term",
+    "terms",
+    "pterm",
+    "iterm",
+    "dterm",
+    "errorsum",
+    "errsum",
+];
+
 /// What sensors tell that are no motor's drive: accelerations, how a robot lies, temperatures.
 pub(super) const SENSED: [&str; 11] = [
     "acceleration",

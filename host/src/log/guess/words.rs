@@ -6,7 +6,7 @@ pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
     ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, OF_A_VELOCITY, RATES, READINGS,
-    REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TIME_STEPS, TURNING, TURNS, WANTED, WORDS,
+    REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TERMS, TIME_STEPS, TURNING, TURNS, WANTED, WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -66,11 +66,12 @@ pub(super) fn counts_readings(words: &[String]) -> bool {
     words.windows(2).any(|pair| READINGS.contains(&pair[0].as_str()) && pair[1] == "count")
 }
 
-/// Whether a name says that its column drives nothing, whatever its numbers are: a clock, an error, what a sensor tells.
+/// Whether a name says that its column drives nothing, whatever its numbers are: a clock, an error, a controller's term, what a sensor tells.
 pub(super) fn drives_nothing(name: &str) -> bool {
     let is_time = said(name).quantity.is_some_and(|(of, _)| matches!(of, Time | Interval));
     let words = of(name);
-    is_time || is_error(&words) || words.iter().any(|word| SENSED.contains(&word.as_str()))
+    let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    is_time || is_error(&words) || any_of(&TERMS) || any_of(&SENSED)
 }
 
 /// Reads a name: `Time (s)`, `t_ms`, `leftSpeed`, `motor.position [deg]`, `goal_position`, `speed_rpm_x10`.
