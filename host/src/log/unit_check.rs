@@ -168,8 +168,9 @@ fn shaft_speed(record: &Record) -> Option<Fault> {
         fault(
             motion_column(record),
             format!(
-                "the motor shaft would turn at {:.0} turns a minute; the column looks like degrees, counts or rpm",
-                fast * 60.0 / TAU
+                "the motor shaft would turn at {:.0} turns a minute; the column looks like {}",
+                fast * 60.0 / TAU,
+                other_units(record)
             ),
             match in_other_units(record) {
                 Some(ways) => format!("give the unit, for example {ways}, and check gear_ratio"),
@@ -177,6 +178,22 @@ fn shaft_speed(record: &Record) -> Option<Fault> {
             },
         )
     })
+}
+
+/// The units that a motion may be in which is far too fast, in words, but for the one that it is read in.
+fn other_units(record: &Record) -> String {
+    let is_read_in = |unit: &str| {
+        let mut sources =
+            [Angle, Speed].into_iter().filter_map(|quantity| record.map.as_ref()?.source(quantity));
+        sources.any(|source| source.written.starts_with(unit))
+    };
+    let units = [("deg", "degrees"), ("counts", "counts"), ("rpm", "rpm")];
+    let others: Vec<&str> =
+        units.into_iter().filter(|&(unit, _)| !is_read_in(unit)).map(|(_, words)| words).collect();
+    match others.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} or {last}", before.join(", ")),
+        _ => others.concat(),
+    }
 }
 
 /// The mappings that read the motion in degrees, in turns a minute or in counts; none where it is read in one of these.
@@ -313,7 +330,11 @@ mod tests {
         assert!(!fault.fix.contains("angle_rad"), "{}", fault.fix);
         record.map = Some("time=t:s,voltage=u:V,angle=position:counts,speed=w:counts/s".parse().unwrap());
         assert!(!shaft_speed(&record).unwrap().fix.contains("--map"), "what was given already");
-        (record.angle_rad, record.map) = (None, None);
+        assert!(shaft_speed(&record).unwrap().why.ends_with("looks like degrees or rpm"));
+        (record.angle_rad, record.map) = (None, Some("time=t:s,voltage=u:V,speed=w:rpm*2".parse().unwrap()));
+        assert!(shaft_speed(&record).unwrap().why.ends_with("looks like degrees or counts"));
+        record.map = None;
+        assert!(shaft_speed(&record).unwrap().why.ends_with("looks like degrees, counts or rpm"));
         assert!(shaft_speed(&record).unwrap().fix.contains("--map speed=speed_rad_s:rpm, or"));
     }
 
