@@ -12,6 +12,8 @@ use super::only::Only;
 use super::samples::FEWEST_SAMPLES;
 use crate::error::BadInput;
 
+/// What the column is called that tells the elements of a list in one file apart, each a test with arrays of its own.
+pub(super) const ELEMENT: &str = "list_element";
 /// Words that make the name of a column which tells the motors apart.
 const WHOSE: [&str; 14] = [
     "id", "motor", "motors", "joint", "servo", "node", "can", "axis", "device", "wheel", "name", "index",
@@ -51,7 +53,9 @@ impl Several {
             let words = words::of(name);
             !words.is_empty() && words.iter().all(|word| WHOSE.contains(&word.as_str()))
         };
-        let column = names.iter().enumerate().find(|(k, name)| is_whose(name) && !read(*k));
+        let mut columns = names.iter().enumerate().filter(|(k, _)| !read(*k));
+        let column = columns.clone().find(|(_, name)| *name == ELEMENT);
+        let column = column.or_else(|| columns.find(|(_, name)| is_whose(name)));
         Self { column: column.map(|(k, name)| (k, name.clone())), ..Self::default() }
     }
 
@@ -81,13 +85,19 @@ impl Several {
             return false;
         }
         let is_long = self.block > FEWEST_SAMPLES;
+        let most = if self.is_of_list() { usize::MAX } else { MOST };
         self.changes += 1;
         self.block = 1;
         text.clone_into(&mut self.last);
-        if self.values.len() <= MOST {
+        if self.values.len() <= most {
             self.values.insert(text.to_owned());
         }
-        is_long && self.values.len() <= MOST && self.parting().is_some() && !self.is_switch()
+        is_long && self.values.len() <= most && self.parting().is_some() && !self.is_switch()
+    }
+
+    /// Whether the column tells the elements of a list apart, which are no motors.
+    fn is_of_list(&self) -> bool {
+        self.column.as_ref().is_some_and(|(_, header)| header == ELEMENT)
     }
 
     /// Whether the column may say when the one motor is switched on.
@@ -107,7 +117,7 @@ impl Several {
 
     /// The fault of rows that are those of several motors in turn, of a table that is read by `map`.
     pub fn fault(&self, path: &Path, map: Option<&Mapping>) -> Option<BadInput> {
-        let (_, header) = self.column.as_ref()?;
+        let (_, header) = self.column.as_ref().filter(|_| !self.is_of_list())?;
         let several = (2..=MOST).contains(&self.values.len());
         let in_short_blocks = self.parting().is_some()
             && !self.is_switch()

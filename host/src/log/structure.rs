@@ -3,6 +3,7 @@
 use super::guess::quoted;
 use super::only::Only;
 use super::samples::FEWEST_SAMPLES;
+use super::several::ELEMENT;
 use super::timing::median_interval;
 use super::{Record, Warning, repair};
 
@@ -83,8 +84,10 @@ impl Structure {
         if kept.is_empty() {
             return vec![record];
         }
-        let by_motor =
-            self.whose.as_ref().map(|column| format!("by \"{column}\", perhaps of several motors"));
+        let by_motor = self.whose.as_ref().map(|column| match column.as_str() {
+            ELEMENT => "each is an element of a list".to_owned(),
+            column => format!("by \"{column}\", perhaps of several motors"),
+        });
         let how = match (by_motor.as_deref(), by_state.is_empty()) {
             (Some(how), _) => how,
             (None, true) if self.at_text => "lines that are no rows stand between them",
@@ -108,8 +111,12 @@ impl Structure {
             let mut part = repair::part(&record, begin..end, number + 1);
             let state = self.states.iter().rev().find(|(from, _)| usable && *from <= begin);
             if let Some((_, state)) = state.filter(|(_, state)| !state.is_empty()) {
-                let of = self.whose.as_ref().map_or_else(String::new, |column| format!("{column} "));
-                part.name = format!("{} {of}{state} {}", record.name, number + 1);
+                part.name = match self.whose.as_deref() {
+                    // It has its number.
+                    Some(ELEMENT) => format!("{} {state}", record.name),
+                    Some(column) => format!("{} {column} {state} {}", record.name, number + 1),
+                    None => format!("{} {state} {}", record.name, number + 1),
+                };
             }
             part.warnings = std::mem::take(&mut warnings);
             part

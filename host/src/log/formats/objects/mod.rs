@@ -3,6 +3,7 @@
 //! What is inside an object is named by its way there (`motor.volts`), the members of an array by their number (`q[0]`).
 
 mod rows;
+mod runs;
 
 use std::fmt;
 
@@ -12,6 +13,7 @@ use serde_json::Value;
 use super::Fault;
 use super::python;
 use super::table::{Column, Table, Values};
+use crate::log::several::ELEMENT;
 use rows::Rows;
 
 /// More JSON than this is larger than any log of a motor, B.
@@ -53,14 +55,19 @@ impl<'de> Visitor<'de> for &mut Document {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<(), A::Error> {
         let Some(first) = all.next_element::<Value>()? else { return Ok(()) };
-        let mut next = all.next_element::<Value>()?;
-        if next.is_none() && self.take_runs(std::slice::from_ref(&first)) {
+        if runs::rows_in(&first, 1).is_some() {
+            let mut list = vec![first];
+            while let Some(value) = all.next_element()? {
+                list.push(value);
+            }
+            if !self.take_runs(&list) {
+                list.iter().for_each(|row| self.take(row));
+            }
             return Ok(());
         }
         self.take(&first);
-        while let Some(value) = next {
+        while let Some(value) = all.next_element::<Value>()? {
             self.take(&value);
-            next = all.next_element()?;
         }
         Ok(())
     }
@@ -71,20 +78,6 @@ impl<'de> Visitor<'de> for &mut Document {
         }
         Ok(())
     }
-}
-
-/// An array in an object of columns is at least so many times as long as the list of such objects, and so long.
-const LONGER: usize = 10;
-const FEWEST_ROWS: usize = 20;
-
-/// How many rows the columns have that an object of a list of so many holds: two arrays of one length or more, far longer than the list.
-/// None where the object is a row itself.
-fn rows_in(object: &Value, objects: usize) -> Option<usize> {
-    let lengths: Vec<usize> =
-        object.as_object()?.values().filter_map(Value::as_array).map(Vec::len).collect();
-    let alike = |rows: usize| lengths.iter().filter(|length| **length == rows).count();
-    let rows = lengths.iter().copied().filter(|rows| alike(*rows) >= 2).max()?;
-    (rows >= FEWEST_ROWS.max(LONGER * objects)).then_some(rows)
 }
 
 impl Document {
@@ -98,10 +91,12 @@ impl Document {
     }
 
     /// Takes a list of objects that are columns each, one below the other; false where they are rows themselves. A number beside the columns
-    /// of the only object is one of the table; one that differs between several is one of each of their rows.
+    /// of the only object is one of the table; one that differs between several is one of each of their rows. Each of several is a record of its
+    /// own, but where one recording was cut for the list.
     fn take_runs(&mut self, list: &[Value]) -> bool {
-        let rows: Option<Vec<usize>> = list.iter().map(|object| rows_in(object, list.len())).collect();
+        let rows: Option<Vec<usize>> = list.iter().map(|object| runs::rows_in(object, list.len())).collect();
         let Some(rows) = rows else { return false };
+        let are_apart = list.len() > 1 && !runs::go_on(list, &rows);
         for (run, (object, rows)) in list.iter().filter_map(Value::as_object).zip(rows).enumerate() {
             for (name, value) in object {
                 match value {
@@ -114,6 +109,10 @@ impl Document {
                     Value::Number(_) if list.len() == 1 => self.put(name.clone(), value),
                     _ => self.left_out.push(name.clone()),
                 }
+            }
+            if are_apart {
+                let name = Value::String(runs::name(object, run));
+                self.rows.put_column(ELEMENT, std::iter::repeat_n(&name, rows));
             }
             self.rows.count(rows);
         }
@@ -308,20 +307,5 @@ mod tests {
         let (_directory, path) = file(run(6.0).to_string().as_bytes());
         let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
         assert!(refused.contains("inertia (one value)") && refused.contains("operator"), "{refused}");
-    }
-
-    #[test]
-    fn a_number_that_is_another_in_every_run_of_a_list_is_a_column_of_its_rows() {
-        let run = |k: u32, volts: f64| {
-            let rows = |of: &dyn Fn(f64) -> f64| (0..60).map(|row| of(f64::from(row))).collect::<Vec<_>>();
-            serde_json::json!({
-                "time_s": rows(&|row| 0.6 * f64::from(k) + 0.01 * row), "voltage_v": volts,
-                "speed_rad_s": rows(&|row| volts - 3.0 * (-0.1 * row).exp()),
-            })
-        };
-        let text = serde_json::json!({"runs": [run(0, 3.0), run(1, 6.0)]}).to_string();
-        let (_directory, path) = file(text.as_bytes());
-        let record = read(&path, &ReadOptions::default()).unwrap().remove(0);
-        assert_eq!((record.len(), record.voltage_v[59], record.voltage_v[60]), (120, 3.0, 6.0));
     }
 }
