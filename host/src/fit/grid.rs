@@ -7,6 +7,7 @@
 use super::reading::{least_noise, reading_noise};
 use super::voltages::mean_voltages;
 use super::window::Since;
+use crate::log::motion::mean;
 use crate::log::{Record, timing};
 
 /// What the record's main column is.
@@ -167,14 +168,13 @@ impl Grid {
 
     /// Mean voltage between each reading and the one before, V.
     pub fn sample_voltages(&self) -> Vec<f64> {
-        let mean = |from: usize, to: usize| {
-            let cells = &self.cells()[from.min(to)..=to.max(from).min(self.cells().len() - 1)];
-            cells.iter().sum::<f64>() / cells.len() as f64
+        let between = |from: usize, to: usize| {
+            mean(&self.cells()[from.min(to)..=to.max(from).min(self.cells().len() - 1)])
         };
         let first = std::iter::once(0);
         let ends = self.places.iter().map(|place| place.cell);
         let begins = first.chain(ends.clone().map(|cell| cell + 1));
-        begins.zip(ends).map(|(from, to)| mean(from, to)).collect()
+        begins.zip(ends).map(|(from, to)| between(from, to)).collect()
     }
 
     /// The least that a reading may scatter by: the counting where an encoder counts, and the digits that a number has.

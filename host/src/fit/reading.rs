@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::grid::{Grid, Quantity};
+use crate::log::motion::span;
 
 /// Standard deviation of one reading: of the counting where an encoder counts, else of its fast scatter, and at least of its rounding.
 ///
@@ -13,16 +14,13 @@ pub fn reading_noise(quantity: Quantity, y: &[f64], quantum: f64) -> f64 {
     if quantity == Quantity::Angle && quantum > 0.0 {
         return counting;
     }
-    let mut d: Vec<f64> = y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    d.sort_by(f64::total_cmp);
-    let median = d.get(d.len() / 2).copied().unwrap_or(0.0);
-    (median / (0.6745 * 6.0_f64.sqrt())).max(least_noise(y, quantum))
+    let second: Vec<f64> = y.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect();
+    (robust(&second).unwrap_or(0.0) / 6.0_f64.sqrt()).max(least_noise(y, quantum))
 }
 
 /// The least that the readings `y` may scatter by: their counting or rounding to a `quantum`, and the digits that a number has.
 pub fn least_noise(y: &[f64], quantum: f64) -> f64 {
-    let range = y.iter().fold(f64::MIN, |a, b| a.max(*b)) - y.iter().fold(f64::MAX, |a, b| a.min(*b));
-    (quantum / 12.0_f64.sqrt()).max(1e-5 * range).max(1e-9)
+    (quantum / 12.0_f64.sqrt()).max(1e-5 * span(y)).max(1e-9)
 }
 
 /// Orders of the differences from which the fast scatter is taken: of readings that a filter may have made, which leaves ever less of its noise in
