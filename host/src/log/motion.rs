@@ -1,5 +1,7 @@
 //! Signals derived from a record for judging its plausibility; no fit uses them.
 
+use std::ops::Range;
+
 use super::Record;
 use super::timing::median_interval;
 
@@ -79,6 +81,22 @@ fn cosine(a: &[f64], b: &[f64], origin_a: f64, origin_b: f64) -> f64 {
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
+/// The stretches of `count` samples in which something `holds`.
+pub fn stretches(count: usize, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut begin = 0;
+    for k in 0..=count {
+        if k < count && holds(k) {
+            continue;
+        }
+        if k > begin {
+            found.push(begin..k);
+        }
+        begin = k + 1;
+    }
+    found
+}
+
 /// Smallest and largest value.
 pub fn ends(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
@@ -93,4 +111,16 @@ pub fn span(values: &[f64]) -> f64 {
 /// Largest magnitude.
 pub fn peak(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |peak: f64, v| peak.max(v.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_end_where_something_no_longer_holds_and_where_the_samples_end() {
+        let holds = [true, true, false, false, true, false, true];
+        assert_eq!(stretches(holds.len(), |k| holds[k]), [0..2, 4..5, 6..7]);
+        assert_eq!(stretches(0, |_| true), Vec::<Range<usize>>::new());
+    }
 }

@@ -1,6 +1,8 @@
 //! Records in which one voltage drives the motor: friction and gain are one number there, unless the motor runs out too.
 
-use super::motion::{peak, speed};
+use std::ops::Range;
+
+use super::motion::{peak, speed, stretches};
 use super::quantum::quantum;
 use super::suspicion::place_of;
 use super::timing::median_interval;
@@ -57,18 +59,13 @@ fn running_out(record: &Record, near: f64) -> usize {
         (None, None) => 0.0,
     };
     let least = (STANDS * fastest).max(STEPS * step);
-    let is_off = |v: &f64| v.abs() <= near;
-    let (mut count, mut begin) = (0, 0);
-    for part in record.voltage_v.chunk_by(|one, next| is_off(one) == is_off(next)) {
-        let end = begin + part.len();
-        // What stands before the first step is rest, and the reading at which a drive ends is still that drive's.
-        if begin > 0 && is_off(&part[0]) {
-            let run_out = (begin + 1..end).map(|k| moving(k, end)).take_while(|w| *w > least);
-            count += run_out.filter(|w| *w < RUNS * fastest).count();
-        }
-        begin = end;
-    }
-    count
+    let off = stretches(record.len(), |k| record.voltage_v[k].abs() <= near);
+    // What stands before the first step is rest, and the reading at which a drive ends is still that drive's.
+    let run_out = |off: Range<usize>| {
+        let moved = (off.start + 1..off.end).map(|k| moving(k, off.end)).take_while(|w| *w > least);
+        moved.filter(|w| *w < RUNS * fastest).count()
+    };
+    off.into_iter().filter(|off| off.start > 0).map(run_out).sum()
 }
 
 #[cfg(test)]

@@ -257,17 +257,18 @@ pub(super) fn nameless(
         return Ok(BadInput::new(path, why, remedy).at_line(head.line));
     }
     let proposal = guess::propose_for(&sample);
-    let remedy = match (&proposal, guess::garbled_question(&sample)) {
-        (Some(proposal), _) => format!(
+    let remedy = match &proposal {
+        Some(proposal) => format!(
             "say by its number which column is what, or add a header line; it looks like {} ({})",
             proposal.options(),
             proposal.assumptions()
         ),
-        (None, Some(garbled)) => garbled,
-        (None, None) => format!(
-            "add a header line such as time_s,voltage_v,angle_rad, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
-            described()
-        ),
+        None => guess::garbled_question(&sample).unwrap_or_else(|| {
+            format!(
+                "add a header line such as time_s,voltage_v,angle_rad, or say by its number, from 0, which column is what (--map time=0:s,...); {}",
+                described()
+            )
+        }),
     };
     Ok(BadInput::new(path, NAMELESS, remedy).at_line(head.line).proposing(proposal))
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{peak, speed};
+use super::motion::{peak, speed, stretches};
 use super::suspicion::Odd;
 use super::switched_off::without;
 use super::times::ranges_in_words;
@@ -40,18 +40,9 @@ pub(super) fn stands_amid(record: &Record) -> Option<Odd> {
         let (count, for_s) = samples.fold((0, 0.0), |(count, for_s), k| (count + 1, for_s + held(k)));
         count >= FEWEST && for_s >= PUSHED_S
     };
-    let mut found: Vec<Range<usize>> = Vec::new();
-    let mut begin = 0;
-    for k in 0..=record.len() {
-        if k < record.len() && stands(k) {
-            continue;
-        }
-        let run = begin..k;
-        if !run.is_empty() && time[k - 1] - time[begin] >= LONG_S && pushed(&run, 1.0) && pushed(&run, -1.0) {
-            found.push(run);
-        }
-        begin = k + 1;
-    }
+    let mut found = stretches(record.len(), stands);
+    found
+        .retain(|run| time[run.end - 1] - time[run.start] >= LONG_S && pushed(run, 1.0) && pushed(run, -1.0));
     let pushing = || (0..record.len()).filter(pushes);
     let turning = pushing().filter(|k| !stands(*k)).count();
     let elsewhere = pushing().count() - found.iter().cloned().flatten().filter(pushes).count();

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{ends, peak, slope, span};
+use super::motion::{ends, peak, slope, span, stretches};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::switched_off::without;
@@ -111,24 +111,13 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
 /// The lowest and the highest angle at which the shaft stands for a while, near its ends; an end itself where it stands nowhere near.
 fn standing_ends(time_s: &[f64], angle: &[f64], speed: &[f64]) -> (f64, f64) {
     let ((low, high), slow) = (ends(angle), STILL * peak(speed));
-    let (mut lowest, mut highest) = (None, None);
-    let mut begin = 0;
-    for k in 0..=angle.len() {
-        if k < angle.len() && speed[k].abs() < slow {
-            continue;
-        }
-        if k > begin && time_s[k - 1] - time_s[begin] >= STANDS_S {
-            let stands = angle[k - 1];
-            if high - stands <= OVERSHOT * (high - low) {
-                highest = Some(highest.map_or(stands, |highest: f64| highest.max(stands)));
-            }
-            if stands - low <= OVERSHOT * (high - low) {
-                lowest = Some(lowest.map_or(stands, |lowest: f64| lowest.min(stands)));
-            }
-        }
-        begin = k + 1;
-    }
-    (lowest.unwrap_or(low), highest.unwrap_or(high))
+    let mut rests = stretches(angle.len(), |k| speed[k].abs() < slow);
+    rests.retain(|rest| time_s[rest.end - 1] - time_s[rest.start] >= STANDS_S);
+    let near = |end: f64| {
+        let all = rests.iter().map(|rest| angle[rest.end - 1]);
+        all.filter(move |stands| (end - stands).abs() <= OVERSHOT * (high - low))
+    };
+    (near(low).reduce(f64::min).unwrap_or(low), near(high).reduce(f64::max).unwrap_or(high))
 }
 
 /// A time in which the shaft stands at an end of its way.

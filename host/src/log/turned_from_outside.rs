@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{integral, peak, slope};
+use super::motion::{integral, peak, slope, stretches};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::times::{ranges_in_words, skip_of};
@@ -161,16 +161,7 @@ impl<'a> Seen<'a> {
 /// The ranges of samples in which no voltage drives the motor.
 fn undriven(voltage_v: &[f64]) -> Vec<Range<usize>> {
     let highest = peak(voltage_v);
-    let is_off = |v: f64| v.abs() <= DRIVEN * highest;
-    let mut begin = 0;
-    let mut found = Vec::new();
-    for run in voltage_v.chunk_by(|one, next| is_off(*one) == is_off(*next)) {
-        if is_off(run[0]) {
-            found.push(begin..begin + run.len());
-        }
-        begin += run.len();
-    }
-    found
+    stretches(voltage_v.len(), |k| voltage_v[k].abs() <= DRIVEN * highest)
 }
 
 #[cfg(test)]
