@@ -49,7 +49,7 @@ impl Controller {
 fn drive(run: Loop, record: &mut Record) {
     let Some(servo) = record.servo.clone() else { return };
     let speed = filtered_speed(record);
-    let duty = if run.moves {
+    let duty: Vec<f64> = if run.moves {
         let angle = record.angle_rad.as_deref().unwrap_or_default();
         let error = run.target(&servo).into_iter().zip(angle).map(|(target, angle)| target - angle);
         error.zip(&speed).map(|(error, w)| run.controller.duty(error, *w)).collect()
@@ -57,10 +57,17 @@ fn drive(run: Loop, record: &mut Record) {
         run.mean_duty(record, &servo, &speed)
     };
     record.hold = if run.moves { Hold::First } else { Hold::Zero };
-    record.voltage_v = match &record.supply_v {
-        Some(supply) => duty.iter().zip(supply).map(|(duty, supply)| duty * supply).collect(),
-        None => duty.iter().map(|duty| duty * USUAL_SUPPLY).collect(),
-    };
+    record.voltage_v = volts(record, &duty);
+}
+
+/// What a `duty` of each sample of `record` is in volts.
+pub(super) fn volts(record: &Record, duty: &[f64]) -> Vec<f64> {
+    duty.iter().enumerate().map(|(k, duty)| duty * full_duty_v(record, k)).collect()
+}
+
+/// The volts that full duty is at sample `k`.
+pub(super) fn full_duty_v(record: &Record, k: usize) -> f64 {
+    record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k])
 }
 
 /// The speed as a servo's loop sees it, and not as noisy as a difference of two samples.

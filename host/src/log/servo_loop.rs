@@ -9,7 +9,8 @@
 use levenberg_marquardt::LevenbergMarquardt;
 
 use super::Record;
-use super::servo::{Controller, Servo, USUAL_SUPPLY};
+use super::motion::mean;
+use super::servo::{Controller, Servo, full_duty_v};
 use super::weak::Regression;
 use crate::search::least_squares::{Minimum, Search};
 
@@ -83,7 +84,7 @@ pub(super) fn refined(
 /// Sum of squares of the angle about its mean, rad^2.
 fn variation(record: &Record, count: usize) -> f64 {
     let angle = &record.angle_rad.as_deref().unwrap_or_default()[..count];
-    let mean = angle.iter().sum::<f64>() / count as f64;
+    let mean = mean(angle);
     angle.iter().map(|x| (x - mean).powi(2)).sum()
 }
 
@@ -96,6 +97,7 @@ fn errors(parts: &[Part], seen: &Regression, moves: bool, parameters: &[f64]) ->
 /// carries a weight the multiple of the one that was `seen`; the target moves on straight from row to row, or is held.
 fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, parameters: &[f64]) -> Vec<f64> {
     let [gain, seconds, motor, tau_s, friction] = std::array::from_fn(|k| parameters[k]);
+    let controller = Controller { gain, damping: gain * seconds };
     let weight = |x: f64| parameters.get(5).map_or(0.0, |times| times * seen.load_at(x));
     let (time, angle) = (&record.time_s, record.angle_rad.as_deref().unwrap_or_default());
     let (mut x, mut w) = (angle[0], 0.0_f64);
@@ -105,14 +107,13 @@ fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, param
         let Some(next) = time.get(k + 1) else { break };
         let steps = (((next - time[k]) / STEP_S).ceil() as usize).clamp(1, MOST_STEPS);
         let dt = (next - time[k]) / steps as f64;
-        let supply = record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k]);
+        let supply = full_duty_v(record, k);
         let lag = dt / tau_s.max(2.0 * dt);
         let from = servo.target_rad[k];
         let way = if moves { servo.target_rad[k + 1] - from } else { 0.0 };
         for step in 0..steps {
             let target = from + way * (step as f64 + 0.5) / steps as f64;
-            let volts = supply * (gain * (target - x - seconds * w)).clamp(-1.0, 1.0);
-            let push = volts - weight(x);
+            let push = supply * controller.duty(target - x, w) - weight(x);
             let holds = if w == 0.0 { push.clamp(-friction, friction) } else { friction * w.signum() };
             let turned = w + lag * (motor * (push - holds) - w);
             w = if turned * w < 0.0 { 0.0 } else { turned };

@@ -7,7 +7,7 @@
 
 use super::Record;
 use super::motion::peak;
-use super::servo::{Controller, Servo, USUAL_SUPPLY, filtered_speed};
+use super::servo::{Controller, Servo, filtered_speed, volts};
 use super::servo_loop::{self, Followed};
 use super::servo_told::Told;
 use super::weak::{Regression, Weak};
@@ -89,11 +89,6 @@ impl<'a> Seen<'a> {
         let servo = record.servo.as_ref()?;
         Some(Self { record, servo, speed: filtered_speed(record), weak: Weak::new(record) })
     }
-
-    /// The volts that full duty is in each row.
-    fn supply(&self, k: usize) -> f64 {
-        self.record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k])
-    }
 }
 
 /// What a loop leaves unexplained of its own voltage, and how much of the time it is at full duty.
@@ -114,7 +109,7 @@ impl Trial {
             let duty = run.mean_duty(one.record, one.servo, &one.speed);
             full += duty.iter().filter(|duty| duty.abs() > 0.98).count();
             all += duty.len();
-            let volts: Vec<f64> = duty.iter().enumerate().map(|(k, duty)| duty * one.supply(k)).collect();
+            let volts = volts(one.record, &duty);
             let Some(weak) = one.weak.as_ref().map(|weak| weak.under(&volts)) else { continue };
             let found = [weak.regress(0.0, |v| v), weak.under_load(0.0)];
             let found = found.map(|of| of.filter(|of| of.gain > 0.0));
