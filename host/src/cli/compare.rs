@@ -14,10 +14,10 @@ use crate::diagnose::discover::noise_floor;
 use crate::error::Result;
 use crate::estimate::feedforward;
 use crate::findings::Standing;
+use crate::findings::shown_by_fit::ended_of;
 use crate::formula::Library;
 use crate::log::Record;
 use crate::model_file::{DISCOVERED, Model};
-use crate::report::shown_by_fit::ended_of;
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]

@@ -12,11 +12,11 @@ use crate::atomic_file;
 use crate::compare::measures::Measures;
 use crate::error::Result;
 use crate::estimate::{Fit, Identifiability, Method, Options, Profile, effect_by_name, fit};
-use crate::findings::{NextStep, Standing, named};
+use crate::findings::{NextStep, Standing, named, shown_by_fit};
 use crate::fit::uncertainty::Estimate;
 use crate::formula::Library;
 use crate::log::Warning;
-use crate::report::{shown_by_fit, words};
+use crate::report::words;
 
 /// Options of `fit`.
 #[derive(Debug, clap::Args)]

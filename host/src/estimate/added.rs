@@ -13,12 +13,12 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::ladder::Rung;
 use crate::error::{Error, Result};
 use crate::findings::Supposed;
+use crate::findings::shown_by_fit::ended_of;
 use crate::fit::layout::Values;
 use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
-use crate::report::shown_by_fit::ended_of;
 use crate::select;
 use crate::sentence::listed;
 

@@ -25,6 +25,7 @@ use crate::compare::measures::Measures;
 use crate::diagnose::discover::noise_floor;
 use crate::error::{Error, Result};
 use crate::findings::Supposed;
+use crate::findings::shown_by_fit::ended_of;
 use crate::fit::grid::Grid;
 use crate::fit::layout::Values;
 use crate::fit::search::Problem;
@@ -34,7 +35,6 @@ use crate::log::{Record, check_all_usable};
 use crate::model_file::{Model, Origin};
 use crate::motor_file::MotorFile;
 use crate::nearest::nearest;
-use crate::report::shown_by_fit::ended_of;
 
 /// How parameters are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]

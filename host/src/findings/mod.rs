@@ -4,6 +4,7 @@ mod experiment;
 mod mend;
 mod named;
 mod next_step;
+pub mod shown_by_fit;
 mod standing;
 mod supposed;
 mod verdict;
@@ -25,7 +26,6 @@ use crate::fit::uncertainty::{Estimate, estimates};
 use crate::log::{Record, Warning};
 use crate::motor_file::MotorFile;
 use crate::report::falls::judged;
-use crate::report::shown_by_fit;
 use crate::select::DetectionLimit;
 use crate::select::adequacy::Adequacy;
 

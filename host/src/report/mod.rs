@@ -10,7 +10,6 @@ pub mod falls;
 pub mod figure;
 pub mod missing;
 pub mod records;
-pub mod shown_by_fit;
 mod story;
 pub mod words;
 

@@ -4,9 +4,9 @@ use motorlens_shared::effects::Kind;
 use motorlens_shared::simulator::MAX_EFFECTS;
 
 use crate::diagnose::evidence::Evidence;
+use crate::findings::shown_by_fit::nearer_rival;
 use crate::fit::layout::Values;
 use crate::log::Warning;
-use crate::report::shown_by_fit::nearer_rival;
 use crate::select::fitted::{Fitted, SETTLED};
 use crate::select::forward::lacks;
 use crate::select::run::{Rivals, alike};

@@ -10,10 +10,10 @@ use super::session::Doubt;
 use super::view::View;
 use crate::compare::rise::Rise;
 use crate::diagnose::ladder::Rung;
-use crate::findings::{Doubted, Facts, Mend, Standing, Supposed, errors_of, named};
+use crate::findings::{Doubted, Facts, Mend, Standing, Supposed, errors_of, named, shown_by_fit};
 use crate::log::Warning;
 use crate::model_file::Model;
-use crate::report::{Story, Suspect, missing, shown_by_fit};
+use crate::report::{Story, Suspect, missing};
 use crate::select::DetectionLimit;
 use crate::select::fitted::Fitted;
 
