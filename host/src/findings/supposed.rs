@@ -112,7 +112,7 @@ fn supply(
     // A model that was fitted before tells a supply of its own, by another figure than that of these records.
     let is_assumed = !is_told && rig.supply_v == peak_v;
     let record = records.first().filter(|_| is_assumed)?;
-    let column = record.map.as_ref().and_then(|map| map.source(Quantity::Voltage));
+    let column = record.source(Quantity::Voltage);
     let text = format!(
         "The size of {resting} supposes a supply of {}, the highest voltage of these records, for none of them tells it: give the supply with \
          --supply-volts, or log it beside the voltage; on a higher one that size and the gain are others",

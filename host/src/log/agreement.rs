@@ -47,10 +47,7 @@ pub(super) fn agreement(record: &Record) -> Option<Fault> {
     let (looks, other) = likely(ratio);
     let why = format!("the speed is {ratio:.3} times the change of the angle; {looks}");
     // What was read in other units than the canonical ones looks otherwise.
-    let plain = |quantity: Quantity| {
-        let source = record.map.as_ref().and_then(|map| map.source(quantity));
-        source.is_none_or(|source| ["", quantity.si()].contains(&source.written.as_str()))
-    };
+    let plain = |quantity: Quantity| record.unit_of(quantity) == quantity.si();
     let is_plain = record.meta.get(TEST_KEY).is_none() && plain(Angle) && plain(Speed);
     let fix = match other {
         Some(Other::Motion([angle, speed])) if is_plain => {
@@ -73,14 +70,8 @@ pub(super) fn agreement(record: &Record) -> Option<Fault> {
 /// The mapping with another unit of the speed, or of the angle, by which both are one motion though the speed is `ratio` times the change of the
 /// angle as they are mapped.
 fn in_agreeing_units(record: &Record, ratio: f64) -> Option<String> {
-    let map = record.map.as_ref()?;
-    let written = |quantity: Quantity| {
-        map.source(quantity)
-            .map(|source| source.written.as_str())
-            .filter(|unit| !unit.is_empty())
-            .unwrap_or(quantity.si())
-    };
-    let (angle, speed) = (written(Angle), written(Speed));
+    record.map.as_ref()?;
+    let (angle, speed) = (record.unit_of(Angle), record.unit_of(Speed));
     let factor = |quantity: Quantity, unit: &str| {
         Unit::parse(quantity, unit).ok().filter(|unit| unit.per_turn.is_none()).map(|unit| unit.factor)
     };
@@ -107,8 +98,7 @@ fn in_agreeing_units(record: &Record, ratio: f64) -> Option<String> {
 /// What to do about a counted angle beside a speed that is `ratio` times its change: the number of counts is the least sure of all that
 /// was told of them. None where the angle is not in counts.
 pub(super) fn counts_of_a_turn(record: &Record, ratio: f64) -> Option<String> {
-    let angle = record.map.as_ref().and_then(|map| map.source(Angle))?;
-    let told = record.meta.counts_per_rev().filter(|_| angle.written.starts_with("counts"))?;
+    let told = record.meta.counts_per_rev().filter(|_| record.unit_of(Angle).starts_with("counts"))?;
     let counts = (told / ratio).round();
     (counts >= 1.0).then(|| {
         format!(

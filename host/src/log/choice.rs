@@ -285,11 +285,7 @@ impl Choice<'_> {
 
     /// What one turn of the output shaft is of a number that is none of turns.
     fn one_turn(&self, per_turn: PerTurn, quantity: Quantity, column: &str) -> Result<f64, BadInput> {
-        let known = match per_turn {
-            PerTurn::Counts => self.meta.counts_per_rev(),
-            PerTurn::Metres => self.meta.metres_per_rev(),
-        };
-        known.ok_or_else(|| {
+        self.meta.one_turn(per_turn).ok_or_else(|| {
             let (why, remedy) = per_turn.unknown(quantity, column);
             BadInput::new(self.path, why, remedy)
         })

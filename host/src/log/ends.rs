@@ -4,7 +4,7 @@
 use super::motion::{alignment, ends};
 use super::repair::{leave_out, named};
 use super::timing::median_interval;
-use super::units::{PerTurn, Quantity};
+use super::units::Quantity;
 use super::weak::Weak;
 use super::{Record, Warning};
 
@@ -30,10 +30,9 @@ const BETTER: f64 = 0.3;
 
 /// The speed, rad/s, of one in the numbers that the log holds.
 fn factor(record: &Record) -> Option<f64> {
-    let unit = record.map.as_ref().and_then(|map| map.source(Quantity::Speed)).map(|source| source.unit);
+    let unit = record.source(Quantity::Speed).map(|source| source.unit);
     let per_turn = match unit.and_then(|unit| unit.per_turn) {
-        Some(PerTurn::Counts) => record.meta.counts_per_rev()?,
-        Some(PerTurn::Metres) => record.meta.metres_per_rev()?,
+        Some(per_turn) => record.meta.one_turn(per_turn)?,
         None => 1.0,
     };
     Some(unit.map_or(1.0, |unit| unit.factor / per_turn))

@@ -27,7 +27,7 @@ const FULL: f64 = 1.1;
 
 /// The motor is the slower the larger a duty that is never negative, and goes one way: the drive is low-active, and full duty is none.
 pub(super) fn inverted(record: &Record) -> Option<Odd> {
-    let full: f64 = record.map.as_ref()?.source(Quantity::Duty)?.written.parse().ok()?;
+    let full: f64 = record.source(Quantity::Duty)?.written.parse().ok()?;
     let supply_v = record.mean_supply_v()?;
     let (volts, motion) = (&record.voltage_v, speed(record));
     if volts.iter().any(|v| *v < 0.0) || goes_both_ways(&motion) {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Hold;
 use super::numbers::number;
+use super::units::PerTurn;
 
 /// Where the encoder sits. Faults of its disc repeat once per turn of that shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -94,6 +95,14 @@ impl Metadata {
     /// Way of a linear axis per turn of the output shaft, m.
     pub fn metres_per_rev(&self) -> Option<f64> {
         self.typed("metres_per_rev")
+    }
+
+    /// What one turn of the output shaft is of a number that is none of turns.
+    pub(super) fn one_turn(&self, per_turn: PerTurn) -> Option<f64> {
+        match per_turn {
+            PerTurn::Counts => self.counts_per_rev(),
+            PerTurn::Metres => self.metres_per_rev(),
+        }
     }
 
     /// Speed of the output shaft per volt without load by the name plate, rad/s per V.

@@ -64,7 +64,7 @@ fn goes_on_one_way(values: &[f64]) -> bool {
 /// same.
 pub(super) fn speed_as_angle(seen: &Seen) -> Option<Odd> {
     let record = seen.record;
-    let counted = record.map.as_ref()?.source(Quantity::Angle)?.written.starts_with("counts");
+    let counted = record.unit_of(Quantity::Angle).starts_with("counts");
     let is_open = |counts: &&Vec<f64>| counted && record.speed_rad_s.is_none() && !goes_on_one_way(counts);
     let counts = record.angle_rad.as_ref().filter(is_open)?;
     let as_speed = Record { angle_rad: None, speed_rad_s: Some(counts.clone()), ..record.clone() };

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Metadata;
 use super::labels::Labels;
-use super::mapping::Mapping;
+use super::mapping::{Mapping, Source};
 use super::motion::mean;
 use super::servo::Servo;
+use super::units::Quantity;
 
 /// What the voltage does between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -106,6 +107,17 @@ impl Record {
         self.time_s.is_empty()
     }
 
+    /// Where the mapping takes a quantity from; none where it does not say.
+    pub(crate) fn source(&self, quantity: Quantity) -> Option<&Source> {
+        self.map.as_ref()?.source(quantity)
+    }
+
+    /// The unit that a quantity was read in, as `--map` writes it: that of SI where none was written.
+    pub(super) fn unit_of(&self, quantity: Quantity) -> &str {
+        let written = self.source(quantity).map(|source| source.written.as_str());
+        written.filter(|unit| !unit.is_empty()).unwrap_or(quantity.si())
+    }
+
     /// Whether a position loop made the voltage: it holds the shaft where it is, as a stop or a hand does.
     pub(super) fn is_of_position_loop(&self) -> bool {
         self.servo.is_some() || self.meta.get("kp").is_some()
@@ -129,6 +141,15 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_unit_of_a_quantity_is_the_one_that_its_mapping_says_or_else_that_of_si() {
+        let record = Record { map: Some("time=t:ms,angle=x".parse().unwrap()), ..Record::default() };
+        let units =
+            [Quantity::Time, Quantity::Angle, Quantity::Speed].map(|quantity| record.unit_of(quantity));
+        assert_eq!(units, ["ms", "rad", "rad/s"]);
+        assert!(record.source(Quantity::Angle).is_some() && record.source(Quantity::Speed).is_none());
+    }
 
     #[test]
     fn duration_does_not_depend_on_the_origin_of_time() {

@@ -17,7 +17,7 @@ pub fn remapped(record: &Record, changes: &[Change]) -> String {
     let is_canonical = record.map.as_ref().is_none_or(|map| map.sources().is_empty());
     let mut parts = Vec::new();
     for quantity in Quantity::ALL {
-        let given = record.map.as_ref().and_then(|map| map.source(quantity));
+        let given = record.source(quantity);
         let change = changes.iter().find(|(from, ..)| *from == quantity);
         // A mapping of one motion takes the place of every canonical one.
         let displaced = displaces && motion.contains(&quantity) && present(record, quantity) && is_canonical;

@@ -19,7 +19,7 @@ const SMOOTH: f64 = 0.5;
 
 /// A mapped voltage of one level, above or below zero in every row, under which the motor turns both ways.
 pub(super) fn supply_as_drive(record: &Record) -> Option<Fault> {
-    record.map.as_ref()?.source(Quantity::Voltage)?;
+    record.source(Quantity::Voltage)?;
     let highest = peak(&record.voltage_v);
     if record.voltage_v.iter().any(|v| v.abs() < SWITCHED * highest) {
         return None;

@@ -105,8 +105,8 @@ fn time(record: &Record) -> Option<Fault> {
 
 /// Another unit in which the times of a log that was mapped are plausible, where in the one they were read in they are `interval` s apart.
 fn slower_unit(record: &Record, interval: f64) -> Option<&'static str> {
-    let source = record.map.as_ref()?.source(Time)?;
-    let written = if source.written.is_empty() { Time.si() } else { &source.written };
+    record.source(Time)?;
+    let written = record.unit_of(Time);
     plausible_unit(interval / Unit::parse(Time, written).ok()?.factor).filter(|unit| *unit != written)
 }
 
@@ -182,11 +182,8 @@ fn shaft_speed(record: &Record) -> Option<Fault> {
 
 /// The units that a motion may be in which is far too fast, in words, but for the one that it is read in.
 fn other_units(record: &Record) -> String {
-    let is_read_in = |unit: &str| {
-        let mut sources =
-            [Angle, Speed].into_iter().filter_map(|quantity| record.map.as_ref()?.source(quantity));
-        sources.any(|source| source.written.starts_with(unit))
-    };
+    let is_read_in =
+        |unit: &str| [Angle, Speed].into_iter().any(|quantity| record.unit_of(quantity).starts_with(unit));
     let units = [("deg", "degrees"), ("counts", "counts"), ("rpm", "rpm")];
     let others: Vec<&str> =
         units.into_iter().filter(|&(unit, _)| !is_read_in(unit)).map(|(_, words)| words).collect();
@@ -199,10 +196,7 @@ fn other_units(record: &Record) -> String {
 /// The mappings that read the motion in degrees, in turns a minute or in counts; none where it is read in one of these.
 fn in_other_units(record: &Record) -> Option<String> {
     const COUNTS: &str = " --counts-per-rev 1400 (with the counts of one turn)";
-    let is_given = |quantity: Quantity| {
-        let source = record.map.as_ref().and_then(|map| map.source(quantity));
-        source.is_some_and(|source| !source.written.is_empty() && source.written != quantity.si())
-    };
+    let is_given = |quantity: Quantity| record.unit_of(quantity) != quantity.si();
     let say = |changes: &[Change]| remapped(record, changes);
     // One of two motions alone would contradict the other.
     let (degrees, counts) = match (record.angle_rad.is_some(), record.speed_rad_s.is_some()) {
@@ -257,8 +251,7 @@ fn gain(record: &Record) -> Option<Fault> {
 /// What is said of a `gain`, rad/s per V, that no motor has, at `volts` V at most. A unit that was given already is not proposed again.
 fn frantic(record: &Record, gain: f64, volts: f64) -> Fault {
     let (quantity, unit) = if record.angle_rad.is_some() { (Angle, "deg") } else { (Speed, "deg/s") };
-    let given = record.map.as_ref().and_then(|map| map.source(quantity));
-    let (looks, fix) = if given.is_some_and(|source| source.written == unit) {
+    let (looks, fix) = if record.unit_of(quantity) == unit {
         (
             format!("and the highest voltage is only {volts:.4} V"),
             "check the number that is full duty and the unit of the voltage first, then the units of the motion and of the time".to_owned(),

@@ -131,7 +131,7 @@ fn with_byte_sign(drive: &[f64], speed: &[f64]) -> f64 {
 
 /// What is said of a duty in a record that was printed as a byte without its sign: the motor turns back at its largest numbers.
 pub(super) fn byte_duty(record: &Record) -> Option<Odd> {
-    let full: f64 = record.map.as_ref()?.source(Quantity::Duty)?.written.parse().ok()?;
+    let full: f64 = record.source(Quantity::Duty)?.written.parse().ok()?;
     let supply = |k: usize| match &record.supply_v {
         Some(supply) => supply.get(k).copied(),
         None => record.meta.supply_behind_duty(),

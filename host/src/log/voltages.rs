@@ -9,8 +9,7 @@ use super::{Record, Warning};
 
 /// Whether a mapping says how many volts the numbers of the column are, be it `V*1`: not one that turns it round only.
 fn is_scaled(record: &Record) -> bool {
-    let source = record.map.as_ref().and_then(|map| map.source(Quantity::Voltage));
-    source.is_some_and(|source| source.written.trim_end_matches("*-1").contains(['*', '/']))
+    record.unit_of(Quantity::Voltage).trim_end_matches("*-1").contains(['*', '/'])
 }
 
 /// A voltage that never passes 1, or that reaches for 100, is told as volts by nobody but small and large motors.
@@ -47,7 +46,7 @@ const JUST_ABOVE_ONE: f64 = 1.05;
 
 /// The number that the mapping of a record says is full duty; none where it scales it, or says where no duty is.
 fn full_duty(record: &Record) -> Option<f64> {
-    let mapped = record.map.as_ref()?.source(Quantity::Duty)?;
+    let mapped = record.source(Quantity::Duty)?;
     mapped.written.parse::<f64>().ok().or((mapped.written == "%").then_some(PERCENT))
 }
 

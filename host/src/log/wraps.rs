@@ -6,7 +6,7 @@ use super::dropouts::LONGEST_SPIKE;
 use super::motion::ends;
 use super::quantum::quantum;
 use super::repair::{APART, far_steps};
-use super::units::{PerTurn, Quantity, Unit};
+use super::units::{Quantity, Unit};
 use super::{Record, Warning};
 
 /// Readings of a wrapped angle come this near to both ends of its turn, in shares of it,
@@ -124,12 +124,11 @@ pub(super) fn unwrap_angle(record: &mut Record) {
 
 /// So many radians in the unit that the angle of `record` was mapped in.
 fn written_turn(record: &Record, turn: f64) -> Option<String> {
-    let written = &record.map.as_ref()?.source(Quantity::Angle)?.written;
+    let written = &record.source(Quantity::Angle)?.written;
     let unit = Unit::parse(Quantity::Angle, written).ok().filter(|_| !written.is_empty())?;
     let per_turn = match unit.per_turn {
+        Some(per_turn) => record.meta.one_turn(per_turn)?,
         None => 1.0,
-        Some(PerTurn::Counts) => record.meta.counts_per_rev()?,
-        Some(PerTurn::Metres) => record.meta.metres_per_rev()?,
     };
     let number = format!("{:.4}", turn / unit.factor.abs() * per_turn);
     Some(format!("{} {written}", number.trim_end_matches('0').trim_end_matches('.')))
