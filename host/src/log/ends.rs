@@ -1,9 +1,9 @@
 //! Speeds at the ends of the type that they were kept in: readings that stay there are clipped, and those that went beyond came out at the
 //! other end, which is undone where the speed's course tells it for certain.
 
-use super::motion::{alignment, ends};
+use super::motion::{alignment, different, ends, peak};
 use super::repair::{leave_out, named};
-use super::timing::median_interval;
+use super::timing::{median, median_interval};
 use super::units::Quantity;
 use super::weak::Weak;
 use super::{Record, Warning};
@@ -71,8 +71,7 @@ fn clipped(numbers: &[f64]) -> Vec<usize> {
             Some(heading(&numbers[k - 2 * STRETCH - 1..*k], numbers[*k].signum())? - numbers[*k].abs())
         })
         .collect();
-    beyond.sort_by(f64::total_cmp);
-    let goes_beyond = beyond.get(beyond.len() / 2).is_some_and(|far| *far > BEYOND);
+    let goes_beyond = median(&mut beyond) > BEYOND;
     if found.len() >= FEWEST && stays && goes_beyond { found } else { Vec::new() }
 }
 
@@ -156,7 +155,7 @@ pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
     if let Some((samples, width)) = jumps(&numbers) {
         let bits = width.log2();
         if let Some(speed) = unwrapped(record, &numbers, width) {
-            let most = speed.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
+            let most = peak(&speed);
             record.warnings.push(Warning {
                 place,
                 what: format!(
@@ -194,9 +193,7 @@ pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
     if samples.is_empty() || samples.len() == record.len() {
         return Vec::new();
     }
-    let mut ends: Vec<f64> = samples.iter().map(|k| numbers[*k]).collect();
-    ends.sort_by(f64::total_cmp);
-    ends.dedup();
+    let ends = different(samples.iter().map(|k| numbers[*k]));
     let ends: Vec<String> = ends.iter().map(f64::to_string).collect();
     record.warnings.push(Warning {
         place,

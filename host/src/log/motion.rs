@@ -97,6 +97,14 @@ pub fn stretches(count: usize, holds: impl Fn(usize) -> bool) -> Vec<Range<usize
     found
 }
 
+/// The different ones of some values, in order.
+pub fn different(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.dedup();
+    sorted
+}
+
 /// Smallest and largest value.
 pub fn ends(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
@@ -116,6 +124,11 @@ pub fn peak(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn different_values_come_once_each_and_in_order() {
+        assert_eq!(different([2.0, -1.0, 2.0, 0.0, -1.0]), [-1.0, 0.0, 2.0]);
+    }
 
     #[test]
     fn stretches_end_where_something_no_longer_holds_and_where_the_samples_end() {

@@ -2,6 +2,7 @@
 
 use super::Record;
 use super::hold::hold;
+use super::motion::different;
 use super::ripple::answer;
 use super::stops::hard_stop;
 use super::suspicion::Odd;
@@ -70,9 +71,7 @@ fn unanswered(record: &Record, changes: &[usize], rows: usize) -> Option<bool> {
 /// Whether the motion is far better explained by a voltage of many levels that runs straight from one to the next.
 fn is_smoother(record: &Record, changes: &[usize]) -> bool {
     let volts = &record.voltage_v;
-    let mut levels: Vec<f64> = changes.iter().map(|k| volts[*k]).collect();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
+    let levels = different(changes.iter().map(|k| volts[*k]));
     if (levels.len() as f64) < LEVELS * changes.len() as f64 {
         return false;
     }

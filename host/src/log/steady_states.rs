@@ -1,6 +1,6 @@
 //! A table of steady states: a speed for each level of the drive, row by row, and no log of a motion.
 
-use super::motion::correlation;
+use super::motion::{correlation, different};
 use super::units::Quantity;
 
 /// A table of steady states has so many levels at most, each once in every sweep; a log of a changing drive has more.
@@ -28,17 +28,9 @@ pub(super) fn are_steady_states(drive: &[f64], speed: &[f64]) -> bool {
     let steps = drive.windows(2).filter(|pair| pair[0] != pair[1]).count();
     drive.len() >= FEWEST_ROWS
         && steps as f64 > STEPS * (drive.len() - 1) as f64
-        && levels(&drive) <= MOST_LEVELS
+        && different(drive.iter().copied()).len() <= MOST_LEVELS
         && out_of_order(&ranks(&drive), &ranks(&speed)) < 1.0 - IN_ORDER
         && !follows_late(&drive, &speed)
-}
-
-/// How many different values there are.
-fn levels(values: &[f64]) -> usize {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.dedup();
-    sorted.len()
 }
 
 /// Whether the speed goes with the drive of rows before better than with that of its own row: the lag of a motion.

@@ -1,7 +1,7 @@
 //! Columns whose numbers measure nothing: bytes that were taken for numbers of another type, or were no numbers at all.
 
 use super::words;
-use crate::log::motion::{ends, peak, span};
+use crate::log::motion::{different, ends, peak, span};
 use crate::log::sample::{Sample, numbers};
 use crate::log::timing::median;
 use crate::log::units::Quantity;
@@ -46,12 +46,9 @@ impl Fault {
         if values.len() < FEWEST {
             return None;
         }
-        let mut huge: Vec<f64> = values.iter().map(|value| value.abs()).filter(|size| *size > HUGE).collect();
-        let count = huge.len();
-        huge.sort_by(f64::total_cmp);
-        huge.dedup();
+        let huge = || values.iter().map(|value| value.abs()).filter(|size| *size > HUGE);
         // One number again and again stands for no limit, or for nothing.
-        if count as f64 > OFTEN * values.len() as f64 && huge.len() > 2 {
+        if huge().count() as f64 > OFTEN * values.len() as f64 && different(huge()).len() > 2 {
             return Some(Fault::Huge(peak(values)));
         }
         let told = values.iter().filter(|value| **value != 0.0).count();
@@ -80,9 +77,6 @@ impl Fault {
     fn of_jumps(values: &[f64]) -> Option<Fault> {
         let (low, high) = ends(values);
         let all = high.max(0.0) - low.min(0.0);
-        let mut different = values.to_vec();
-        different.sort_by(f64::total_cmp);
-        different.dedup();
         let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
         // An angle that begins anew at a turn jumps too, but its steps are as long as those before them, but for whole turns.
         let change = |pair: &[f64]| {
@@ -92,7 +86,7 @@ impl Fault {
         let is_wide = values.len() >= FEWEST_JUMPS
             && values.iter().all(|value| value.fract() == 0.0)
             && all >= WIDE
-            && 2 * different.len() >= values.len();
+            && 2 * different(values.iter().copied()).len() >= values.len();
         let is_random = is_wide && usual(steps.windows(2).map(change)) >= JUMP * all;
         let share = if is_random { usual(steps.iter().map(|step| step.abs())) / all } else { 0.0 };
         (share >= JUMP).then_some(Fault::Jumps(share))

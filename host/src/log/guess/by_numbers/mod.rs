@@ -20,7 +20,7 @@ use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_
 use super::one_motion::{agree, leave_out_other_motion};
 use super::preview::range_of;
 use super::{Proposal, Quantity, symbols, words, written};
-use crate::log::motion::{peak, span};
+use crate::log::motion::{different, peak, span};
 use crate::log::numbered::counts_rows;
 use crate::log::timing::median;
 
@@ -235,14 +235,8 @@ fn motions(columns: &[Vec<f64>], candidates: &[usize], time: Option<usize>) -> V
 
 /// The columns by how many different values they have, fewest first.
 fn by_levels(columns: &[Vec<f64>], among: impl Iterator<Item = usize>) -> Vec<usize> {
-    let different = |k: &usize| {
-        let mut values = columns[*k].clone();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        values.len()
-    };
     let mut sorted: Vec<usize> = among.collect();
-    sorted.sort_by_cached_key(different);
+    sorted.sort_by_cached_key(|k| different(columns[*k].iter().copied()).len());
     sorted
 }
 
