@@ -9,7 +9,7 @@ use super::Record;
 use super::motion::{peak, speed};
 use super::suspicion::Odd;
 use super::times::skip_of;
-use super::timing::median;
+use super::timing::{median, quantile};
 
 /// A voltage is the same within this share of the highest.
 const SAME_VOLTS: f64 = 0.03;
@@ -23,6 +23,8 @@ const SHORTEST_S: f64 = 0.15;
 const EVEN: f64 = 0.15;
 const NEARLY_ALL: f64 = 0.9;
 const FEWEST_EVEN: usize = 20;
+/// What the speed settles at is this quantile of it: on its way there, and held back, it is less.
+const SETTLED: f64 = 0.75;
 /// The even speed is most of it, as it is not beside a weight that the motor lifts and lets down.
 const MOSTLY: f64 = 0.6;
 /// What comes more often in a record is its load, as is what comes again after a turn, within this share of it.
@@ -103,10 +105,7 @@ fn departures(time_s: &[f64], speed: &[f64], first: usize) -> Vec<Departure> {
     // The sign of the turning does not matter, and what it settles at is what it mostly is.
     let sign = median(&mut speed.to_vec()).signum();
     let speed: Vec<f64> = speed.iter().map(|w| w * sign).collect();
-    let mut upper: Vec<f64> = speed.clone();
-    upper.sort_by(f64::total_cmp);
-    let half = upper.split_off(upper.len() / 2);
-    let settled = half.get(half.len() / 2).copied().unwrap_or(0.0);
+    let settled = quantile(&mut speed.clone(), SETTLED);
     let Some(arrived) = speed.iter().position(|w| *w > FREE * settled).filter(|_| settled > 0.0) else {
         return Vec::new();
     };

@@ -4,7 +4,7 @@
 //! would be biased by it. So it takes no part in a fit. What it tells is said.
 
 use super::motion::{correlation, low_pass, peak, slope, span};
-use super::timing::median_interval;
+use super::timing::{median, median_interval};
 use super::{Record, Warning};
 
 /// Motion of less than this share of that of the set is none ...
@@ -18,9 +18,7 @@ fn motion(record: &Record) -> Vec<f64> {
     match (&record.angle_rad, &record.speed_rad_s) {
         (Some(angle), _) => slope(&record.time_s, angle),
         (None, Some(speed)) => {
-            let mut sorted = speed.clone();
-            sorted.sort_by(f64::total_cmp);
-            let rest = if span(speed) < SMALL * peak(speed) { sorted[sorted.len() / 2] } else { 0.0 };
+            let rest = if span(speed) < SMALL * peak(speed) { median(&mut speed.clone()) } else { 0.0 };
             speed.iter().map(|w| w - rest).collect()
         }
         (None, None) => Vec::new(),

@@ -9,7 +9,7 @@ use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
-use super::motion::mean;
+use super::motion::{mean, peak};
 use super::one_level::one_level;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
@@ -18,7 +18,7 @@ use super::stale::stale_voltage;
 use super::stands_amid::stands_amid;
 use super::stops::hard_stop;
 use super::switched_off::switched_off;
-use super::timing::median_interval;
+use super::timing::{median, median_interval, quantile};
 use super::turned_from_outside::turned_from_outside;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
@@ -181,9 +181,7 @@ fn shifted(seen: &[Seen]) -> Option<Warning> {
     let own: Vec<(&Record, (f64, f64))> =
         weak.iter().filter_map(|(record, weak)| Some((*record, own(weak)?))).collect();
     let (first, _) = own.first()?;
-    let mut shifts: Vec<f64> = own.iter().map(|(_, (shift, _))| *shift).collect();
-    shifts.sort_by(f64::total_cmp);
-    let shift = shifts[shifts.len() / 2];
+    let shift = median(&mut own.iter().map(|(_, (shift, _))| *shift).collect::<Vec<f64>>());
     let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
     let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
     // What a loop makes of a target and the motion itself has no row of its own.
@@ -237,17 +235,15 @@ fn stale(record: &Record) -> Option<Odd> {
 /// Readings are called stale where they are held for more samples than this.
 const HELD: f64 = 1.5;
 
-/// A change of angle this many times the largest of the motion around it is none.
+/// A change of angle this many times that of the fastest motion is none; of all changes this share are not larger than that motion makes.
 const JUMP: f64 = 8.0;
+const FASTEST: f64 = 0.995;
 
 /// The counter was reset, overflowed, or a reading was garbled.
 fn jumps(record: &Record) -> Option<Odd> {
     let angle = record.angle_rad.as_ref()?;
     let steps: Vec<f64> = angle.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    // The fastest motion, without the jumps themselves.
-    let usual = *sorted.get(sorted.len() * 199 / 200)?;
+    let usual = quantile(&mut steps.clone(), FASTEST);
     let count = quantum(angle).unwrap_or(0.0);
     let limit = JUMP * usual.max(count) + 4.0 * count;
     let far: Vec<usize> = (0..steps.len()).filter(|k| steps[*k] > limit && usual > 0.0).collect();
@@ -309,7 +305,7 @@ const UNCLEAR: f64 = 0.3;
 
 /// Whether `voltages` tell dry friction from a gain: of one level friction alone may be all that the motor does.
 fn tells_friction(voltages: &[f64]) -> bool {
-    let highest = voltages.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let highest = peak(voltages);
     voltages.iter().any(|v| (0.05..0.8).contains(&(v.abs() / highest)))
 }
 
@@ -322,9 +318,7 @@ fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
     if gains.len() < 3 {
         return Vec::new();
     }
-    let mut sorted: Vec<f64> = gains.iter().map(|g| g.1).collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
+    let median = median(&mut gains.iter().map(|g| g.1).collect::<Vec<f64>>());
     let off = |g: f64| (g / median).max(median / g);
     let odd: Vec<&(&Seen, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
     let agree = gains.iter().filter(|g| off(g.1) < TOGETHER).count();

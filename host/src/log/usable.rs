@@ -45,11 +45,12 @@ impl Fault {
 /// # Errors
 /// As [`check_usable`].
 pub fn check_all_usable<'a>(records: impl IntoIterator<Item = &'a Record>) -> Result<()> {
-    let peak = |record: &Record| record.voltage_v.iter().fold(0.0_f64, |peak, v| peak.max(v.abs()));
+    let highest = |record: &Record| peak(&record.voltage_v);
     let judged = content_faults_of(records);
-    let aligned = judged.iter().filter(|(_, faults)| faults.is_empty()).map(|(record, _)| peak(record));
+    let aligned = judged.iter().filter(|(_, faults)| faults.is_empty()).map(|(record, _)| highest(record));
     let aligned = aligned.fold(0.0, f64::max);
-    let excused = |record: &Record, fault: &Fault| fault.name == SIGN_FLIPPED && 2.0 * peak(record) < aligned;
+    let excused =
+        |record: &Record, fault: &Fault| fault.name == SIGN_FLIPPED && 2.0 * highest(record) < aligned;
     for (record, faults) in judged {
         if let Some(fault) = faults.into_iter().find(|fault| !excused(record, fault)) {
             return Err(refusal(record, fault));

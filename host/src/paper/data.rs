@@ -7,6 +7,7 @@ use motorlens_virtual_motor::{Effect, EncoderShaft, Motor};
 
 use super::PaperArgs;
 use crate::error::{Error, Result};
+use crate::log::motion::peak;
 use crate::log::{self, Hold, Record};
 use crate::motor_file::{self, MotorFile};
 use crate::search::LinearRecord;
@@ -101,11 +102,6 @@ fn motor_file_shaft(shaft: EncoderShaft) -> log::EncoderShaft {
         EncoderShaft::Motor => log::EncoderShaft::Motor,
         EncoderShaft::Output => log::EncoderShaft::Output,
     }
-}
-
-/// Largest magnitude.
-pub fn peak(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, v| most.max(v.abs()))
 }
 
 /// A first guess of all eight parameters: the name plate where it speaks, else the data, else the ordinary.

@@ -3,9 +3,9 @@
 use motorlens_shared::motor::Combinations;
 use serde::Serialize;
 
-use super::data::peak;
 use crate::compare::measures::Measures;
 use crate::log::Record;
+use crate::log::motion::peak;
 use crate::search::{LinearRecord, Records};
 
 /// The paper's Table 2 as printed: voltage, GA average and largest error, conventional average and largest error.

@@ -2,7 +2,7 @@
 //!
 //! A speed is the change of its angle at once, and two wheels start together: neither comes before the other, so neither drives it.
 
-use crate::log::motion::{correlation, ends};
+use crate::log::motion::{correlation, ends, peak};
 
 /// How alike a speed and the change of its angle are, more than a speed and what drives it.
 pub(super) const ONE_MOTION: f64 = 0.98;
@@ -79,7 +79,7 @@ const FEWEST_REVERSALS: usize = 2;
 ///
 /// Under a controller that switches its drive from one end to the other an angle swings as evenly as a speed would, and nothing else tells.
 fn goes_on(drive: &[f64], motion: &[f64]) -> bool {
-    let full = REVERSED * drive.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let full = REVERSED * peak(drive);
     let (low, high) = ends(motion);
     // A drive does work on what it turns, and accelerates it: which way is forth.
     let along: f64 = change(motion).iter().zip(drive).map(|(change, u)| change * u).sum();
