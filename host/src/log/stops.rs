@@ -11,12 +11,15 @@ use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::switched_off::without;
 use super::times::{ranges_in_words, skip_of};
-use super::timing::quantile;
+use super::timing::{median, quantile};
 
 /// The voltage must push so many times as hard as what moves the shaft or makes it leave: friction alone holds less ...
 const HARDER: f64 = 1.5;
 /// ... and by this share of the highest.
 const PUSHES: f64 = 0.3;
+/// What moves the shaft is this quantile of the voltages under which it moves, in so many samples or more.
+const MOVES: f64 = 0.1;
+const FEWEST_MOVING: usize = 20;
 /// What stands at so much of the highest voltage is held by no weight that the motor moves.
 const FULL: f64 = 0.6;
 /// The shaft stands below this share of its highest speed.
@@ -146,36 +149,22 @@ fn stays(
         .filter(|&k| speed[k] * outwards > slow && (angle[k] - end).abs() > near)
         .map(|k| (volts[k] * outwards).max(0.0))
         .collect();
-    if moving.len() < 20 {
-        return None;
-    }
-    moving.sort_by(f64::total_cmp);
     // What mostly moves against its voltage has its sign turned round, and where it stands then says nothing.
-    if moving[moving.len() / 2] == 0.0 {
+    if moving.len() < FEWEST_MOVING || median(&mut moving) == 0.0 {
         return None;
     }
-    let free = moving[moving.len() / 10];
+    let free = quantile(&mut moving, MOVES);
     let at_end = |k: usize| (angle[k] - end).abs() <= near && speed[k].abs() < slow;
-    let (mut hardest, mut stay, mut ranges) = (0.0_f64, 0.0, Vec::new());
     let along = |k: usize| speed[k] * outwards;
-    let (mut k, mut left) = (0, 0);
-    while k < angle.len() {
-        if !at_end(k) {
-            k += 1;
-            continue;
-        }
-        let begin = k;
-        while k < angle.len() && at_end(k) {
-            k += 1;
-        }
-        let pushed: Vec<f64> = (begin..k).map(|i| volts[i] * outwards).collect();
-        let push = pushed.iter().fold(0.0_f64, |p, v| p.max(*v));
-        let until = time[k.min(angle.len() - 1)];
-        let least = pushed.iter().fold(f64::MAX, |p, v| p.min(*v));
+    let (mut hardest, mut stay, mut ranges, mut left) = (0.0_f64, 0.0, Vec::new(), 0);
+    for Range { start: begin, end: after } in stretches(angle.len(), at_end) {
+        let pushed: Vec<f64> = volts[begin..after].iter().map(|v| v * outwards).collect();
+        let (least, push) = ends(&pushed);
+        let until = time[after.min(angle.len() - 1)];
         // Friction holds against both directions alike, a stop against one: `-least` is what it took to leave.
         let held = free.max(-least);
         // A stop lets nothing through: what leaves it while it is still pushed was late, or is driven the other way.
-        let lets_through = k < angle.len() && pushed.last().is_some_and(|last| *last > HARDER * held);
+        let lets_through = after < angle.len() && pushed.last().is_some_and(|last| *last > HARDER * held);
         // A weight balances one voltage; a stop stands whatever pushes.
         let stands = push > FULL * highest || push - least > PUSHES * highest;
         if push > HARDER * held && push > PUSHES * highest && stands && !lets_through {
@@ -190,7 +179,7 @@ fn stays(
             let slowed_s = (slowing.len() >= FEWEST_ROWS && slowed_s > STAY_S).then_some(slowed_s);
             ranges.push(Stay { from: time[from], until, slowed_s });
         }
-        left = k;
+        left = after;
     }
     (stay > STAY_S).then_some((hardest, ranges))
 }
