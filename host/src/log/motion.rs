@@ -8,6 +8,9 @@ use super::timing::median_interval;
 /// Window over which an angle is turned into a speed, s: long enough to cover several encoder counts.
 const WINDOW_S: f64 = 0.05;
 
+/// A motor stands up to this share of its highest speed.
+pub const STANDS: f64 = 0.02;
+
 /// The measured speed, or the slope of the measured angle over a window, rad/s, one value per sample.
 pub fn speed(record: &Record) -> Vec<f64> {
     match (&record.speed_rad_s, &record.angle_rad) {
@@ -29,8 +32,17 @@ pub fn slope(time_s: &[f64], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// The measured angle, or the way of the measured speed, rad, one value per sample.
+pub fn angle(record: &Record) -> Vec<f64> {
+    match (&record.angle_rad, &record.speed_rad_s) {
+        (Some(angle), _) => angle.clone(),
+        (None, Some(speed)) => integral(&record.time_s, speed),
+        (None, None) => Vec::new(),
+    }
+}
+
 /// The way that a speed goes, from 0 at the first sample.
-pub fn integral(time_s: &[f64], speed: &[f64]) -> Vec<f64> {
+fn integral(time_s: &[f64], speed: &[f64]) -> Vec<f64> {
     let mut way = 0.0;
     let steps = time_s.windows(2).zip(speed).map(|(pair, w)| {
         way += w * (pair[1] - pair[0]);

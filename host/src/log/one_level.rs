@@ -9,9 +9,9 @@ use super::timing::median_interval;
 use super::voltages::{SAME_LEVEL, level};
 use super::{Record, Warning};
 
-/// A motor runs out between these shares of its highest speed: above it has hardly begun, below it stands.
-const STANDS: f64 = 0.1;
-const RUNS: f64 = 0.9;
+/// A motor runs out between these shares of its highest speed: above it has hardly begun, below it has nearly ended.
+const ENDS: f64 = 0.1;
+const BEGINS: f64 = 0.9;
 /// So many quantisation steps are a motion.
 const STEPS: f64 = 1.5;
 /// So many samples in which it runs out tell its friction.
@@ -58,12 +58,12 @@ fn running_out(record: &Record, near: f64) -> usize {
         (None, Some(angle)) => ahead(angle, k, end).abs(),
         (None, None) => 0.0,
     };
-    let least = (STANDS * fastest).max(STEPS * step);
+    let least = (ENDS * fastest).max(STEPS * step);
     let off = stretches(record.len(), |k| record.voltage_v[k].abs() <= near);
     // What stands before the first step is rest, and the reading at which a drive ends is still that drive's.
     let run_out = |off: Range<usize>| {
         let moved = (off.start + 1..off.end).map(|k| moving(k, off.end)).take_while(|w| *w > least);
-        moved.filter(|w| *w < RUNS * fastest).count()
+        moved.filter(|w| *w < BEGINS * fastest).count()
     };
     off.into_iter().filter(|off| off.start > 0).map(run_out).sum()
 }

@@ -7,13 +7,11 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{peak, speed, stretches};
+use super::motion::{STANDS, peak, speed, stretches};
 use super::suspicion::Odd;
 use super::switched_off::without;
 use super::times::ranges_in_words;
 
-/// The motor stands up to this share of its highest speed.
-const STANDS: f64 = 0.02;
 /// A drive pushes from this share of the highest on, and turns the motor elsewhere in this share of the samples in which it does.
 const PUSHES: f64 = 0.4;
 const ELSEWHERE: f64 = 0.8;

@@ -22,8 +22,8 @@ const MOVES: f64 = 0.1;
 const FEWEST_MOVING: usize = 20;
 /// What stands at so much of the highest voltage is held by no weight that the motor moves.
 const FULL: f64 = 0.6;
-/// The shaft stands below this share of its highest speed.
-const STILL: f64 = 0.1;
+/// The shaft is slow below this share of its highest speed: it may stand at an end of its way, where a stop yields, and moves freely above.
+const SLOW: f64 = 0.1;
 /// Shortest stay at the stop, s, together.
 const STAY_S: f64 = 0.1;
 /// A stop yields by this share of the whole way.
@@ -113,7 +113,7 @@ pub(super) fn hard_stop(record: &Record) -> Option<Odd> {
 
 /// The lowest and the highest angle at which the shaft stands for a while, near its ends; an end itself where it stands nowhere near.
 fn standing_ends(time_s: &[f64], angle: &[f64], speed: &[f64]) -> (f64, f64) {
-    let ((low, high), slow) = (ends(angle), STILL * peak(speed));
+    let ((low, high), slow) = (ends(angle), SLOW * peak(speed));
     let mut rests = stretches(angle.len(), |k| speed[k].abs() < slow);
     rests.retain(|rest| time_s[rest.end - 1] - time_s[rest.start] >= STANDS_S);
     let near = |end: f64| {
@@ -143,7 +143,7 @@ fn stays(
     outwards: f64,
 ) -> Option<(f64, Vec<Stay>)> {
     let (time, volts) = (&record.time_s, &record.voltage_v);
-    let (slow, highest) = (STILL * peak(speed), peak(volts));
+    let (slow, highest) = (SLOW * peak(speed), peak(volts));
     // The voltages that move it freely in this direction.
     let mut moving: Vec<f64> = (0..angle.len())
         .filter(|&k| speed[k] * outwards > slow && (angle[k] - end).abs() > near)

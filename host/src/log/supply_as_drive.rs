@@ -1,7 +1,7 @@
 //! A supply's voltage in the place of the motor's: a motor that turns forth and back under one voltage is told to by something else.
 
 use super::Record;
-use super::motion::{low_pass, peak, span};
+use super::motion::{angle, low_pass, peak, span};
 use super::timing::median_interval;
 use super::units::Quantity;
 use super::usable::Fault;
@@ -25,7 +25,7 @@ pub(super) fn supply_as_drive(record: &Record) -> Option<Fault> {
         return None;
     }
     let level = level_of(record)?;
-    let swings = swings(&angle(record)?, &record.time_s);
+    let swings = swings(&angle(record), &record.time_s);
     (swings >= SWINGS).then(|| Fault {
         name: "supply_as_drive",
         column: "voltage_v",
@@ -36,19 +36,6 @@ pub(super) fn supply_as_drive(record: &Record) -> Option<Fault> {
         fix: "map this column as supply=, and what the motor was told as duty=, voltage= or (of a position servo) target=; where no column has \
               it, log it"
             .into(),
-    })
-}
-
-/// The angle, rad, or what the speed adds up to.
-fn angle(record: &Record) -> Option<Vec<f64>> {
-    record.angle_rad.clone().or_else(|| {
-        let (mut turned, mut before) = (0.0, record.time_s.first().copied()?);
-        let steps = record.time_s.iter().zip(record.speed_rad_s.as_ref()?).map(|(time, speed)| {
-            turned += speed * (time - before);
-            before = *time;
-            turned
-        });
-        Some(steps.collect())
     })
 }
 

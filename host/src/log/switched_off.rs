@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{integral, peak, span, speed};
+use super::motion::{STANDS, angle, peak, span, speed};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::times::{ranges_in_words, skip_of};
@@ -17,8 +17,7 @@ use super::timing::median;
 const SAME: f64 = 1e-6;
 /// A drive of less than this share of the highest drives nothing.
 const DRIVEN: f64 = 0.05;
-/// The motor stands below this share of its highest speed, and turns above that one.
-const STANDS: f64 = 0.02;
+/// The motor turns above this share of its highest speed.
 const TURNS: f64 = 0.1;
 /// It stands for so many samples at least, and for this share of the record; all together for that one.
 const FEWEST: usize = 10;
@@ -118,12 +117,11 @@ impl Seen {
         let share = share.filter(|share| stays(share) > stays(volts));
         let by_supply = share.is_some();
         let drive = share.unwrap_or_else(|| volts.clone());
-        let angle = record.angle_rad.clone().unwrap_or_else(|| integral(&record.time_s, &speed));
         let (highest, fastest) = (peak(&drive), peak(&speed));
         let readings = speed.chunk_by(|one, next| one == next).filter(|same| same[0].abs() > TURNS * fastest);
         let repeats = median(&mut readings.map(|same| same.len() as f64).collect::<Vec<f64>>()).max(1.0);
         let step = quantum(&speed).unwrap_or(0.0);
-        Some(Seen { drive, by_supply, highest, speed, fastest, repeats, step, angle })
+        Some(Seen { drive, by_supply, highest, speed, fastest, repeats, step, angle: angle(record) })
     }
 
     fn is_same(&self, one: f64, other: f64) -> bool {

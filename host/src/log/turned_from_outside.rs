@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::Record;
 use super::labels::Labels;
-use super::motion::{integral, peak, slope, stretches};
+use super::motion::{STANDS, angle, peak, slope, stretches};
 use super::quantum::quantum;
 use super::suspicion::Odd;
 use super::times::{ranges_in_words, skip_of};
@@ -16,8 +16,7 @@ use super::timing::median_interval;
 
 /// A voltage up to this share of the highest drives the shaft no faster than what counts as turning here.
 const DRIVEN: f64 = 0.02;
-/// The shaft rests up to this share of its highest speed, and turns above that one.
-const RESTS: f64 = 0.02;
+/// The shaft turns above this share of its highest speed.
 const TURNS: f64 = 0.05;
 /// It rested for so many seconds and samples at least, ...
 const REST_S: f64 = 0.5;
@@ -88,19 +87,18 @@ struct Seen<'a> {
 impl<'a> Seen<'a> {
     fn of(record: &'a Record) -> Option<Self> {
         let time_s = &record.time_s;
-        let (speed, step) = match (&record.angle_rad, &record.speed_rad_s) {
-            (Some(angle), _) => (slope(time_s, angle), Step::Angle(quantum(angle).unwrap_or(0.0))),
-            (None, Some(speed)) => {
-                (slope(time_s, &integral(time_s, speed)), Step::Speed(quantum(speed).unwrap_or(0.0)))
-            }
+        let step = match (&record.angle_rad, &record.speed_rad_s) {
+            (Some(angle), _) => Step::Angle(quantum(angle).unwrap_or(0.0)),
+            (None, Some(speed)) => Step::Speed(quantum(speed).unwrap_or(0.0)),
             (None, None) => return None,
         };
+        let speed = slope(time_s, &angle(record));
         let fastest = peak(&speed);
         (fastest > 0.0).then(|| Seen { time_s, interval_s: median_interval(time_s), speed, fastest, step })
     }
 
     fn rests(&self, k: usize) -> bool {
-        self.speed[k].abs() <= RESTS * self.fastest
+        self.speed[k].abs() <= STANDS * self.fastest
     }
 
     fn turns(&self, k: usize) -> bool {
