@@ -3,6 +3,7 @@
 
 use super::motion::{alignment, different, ends, peak};
 use super::repair::{leave_out, named};
+use super::suspicion::place_of;
 use super::timing::{median, median_interval};
 use super::units::Quantity;
 use super::weak::Weak;
@@ -151,7 +152,7 @@ fn unwrapped(record: &Record, numbers: &[f64], width: f64) -> Option<Vec<f64>> {
 /// record is to be cut.
 pub(super) fn leave_out_clipped(record: &mut Record) -> Vec<f64> {
     let Some(numbers) = written(record) else { return Vec::new() };
-    let place = format!("{}, column speed_rad_s", record.path.display());
+    let place = place_of(record, "speed_rad_s");
     if let Some((samples, width)) = jumps(&numbers) {
         let bits = width.log2();
         if let Some(speed) = unwrapped(record, &numbers, width) {

@@ -6,6 +6,7 @@ use super::many_garbled::{many_angles, many_speeds};
 use super::motion::peak;
 use super::repair::{far_steps, leave_out, named, undoing};
 use super::sentinels::{at_the_ends, in_passes, picked};
+use super::suspicion::place_of;
 use super::unread::{is_long, unread_speeds};
 use super::wraps::wrapped;
 use super::{Record, Warning};
@@ -102,7 +103,7 @@ pub(super) fn leave_out_spikes(record: &mut Record) {
             continue;
         }
         record.warnings.push(Warning {
-            place: format!("{}, column {column}", record.path.display()),
+            place: place_of(record, column),
             what: format!(
                 "garbled_readings: {} readings stand far from those before and after them, which no motion explains, and \
                  were left out: {}",
@@ -152,7 +153,7 @@ pub(super) fn hold_voltage_spikes(record: &mut Record) {
         volts[k] = if k > 0 { volts[k - 1] } else { 0.0 };
     }
     record.warnings.push(Warning {
-        place: format!("{}, column voltage_v", record.path.display()),
+        place: place_of(record, "voltage_v"),
         what: format!(
             "garbled_readings: {} readings stand at more than {SPIKE_SPEED} times every other voltage, for a moment each; the value before \
              them holds: {}",

@@ -8,6 +8,7 @@ use super::quantum::quantum;
 use super::refused::other_than_refused;
 use super::reversed::{self, SIGN_FLIPPED, reversed};
 use super::supply_as_drive::supply_as_drive;
+use super::suspicion::place_of;
 use super::target_check::target_fault;
 use super::{Record, Warning, sysid, unit_check};
 use crate::error::{BadInput, Error, Result};
@@ -32,7 +33,7 @@ impl Fault {
     /// The fault as it is listed in `data_faults`.
     pub fn to_warning(&self, record: &Record) -> Warning {
         Warning {
-            place: format!("{}, column {}", record.path.display(), self.column),
+            place: place_of(record, self.column),
             what: format!("{}: {}", self.name, self.why),
             fix: self.fix.clone(),
         }

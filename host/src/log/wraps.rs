@@ -6,6 +6,7 @@ use super::dropouts::LONGEST_SPIKE;
 use super::motion::ends;
 use super::quantum::quantum;
 use super::repair::{APART, far_steps};
+use super::suspicion::place_of;
 use super::units::{Quantity, Unit};
 use super::{Record, Warning};
 
@@ -116,7 +117,7 @@ pub(super) fn unwrap_angle(record: &mut Record) {
         None => (format!("{turn:.6} rad"), "; if the unit is not the radian, say so with --map"),
     };
     record.warnings.push(Warning {
-        place: format!("{}, column angle_rad", record.path.display()),
+        place: place_of(record, "angle_rad"),
         what: format!("wrapped_angle: the angle wraps at {turn}, {} times, and was unwrapped", far.len()),
         fix: format!("log the angle unwrapped, if the motor can make more than half a turn of it between two samples{asked}"),
     });
