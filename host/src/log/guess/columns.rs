@@ -4,7 +4,7 @@ use super::clocks::{
     self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, stands_beside_a_clock,
 };
 use super::column_units::{unit_of, unit_of_wrap};
-use super::one_motion::{agree, leave_out_other_motion, pairs_of, ratio};
+use super::one_motion::{make_one, pairs_of, ratio};
 use super::ranges::Range;
 use super::time_steps::tell_ticks;
 use super::turns::Turn;
@@ -237,11 +237,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     }
     add_fractions(&mut parts, names, rows);
     tell_ticks(&mut parts, names, rows);
-    let turn = agree(&mut parts, &said, rows);
-    leave_out_other_motion(&mut parts, rows);
-    if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
-        angle.turn = turn;
-    }
+    make_one(&mut parts, &said, rows);
     bridge::join(&mut parts, names, rows);
     // A direction is one only beside a drive, or a speed, that has no sign of its own.
     let unsigned = parts.iter().any(|part| {

@@ -18,12 +18,22 @@ pub(super) fn pairs_of(ratio: f64) -> impl Iterator<Item = (&'static str, &'stat
         .map(|((angle, _), (speed, _))| (*angle, *speed))
 }
 
+/// Makes an angle and a speed among `parts` one motion: in units in which they are, or without the speed; the angle keeps what the speed says
+/// of a turn of its counts. Of each column is `said` what its name says.
+pub(super) fn make_one(parts: &mut Vec<Part>, said: &[words::Said], rows: &[Vec<f64>]) {
+    let turn = agree(parts, said, rows);
+    leave_out_other_motion(parts, rows);
+    if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
+        angle.turn = turn;
+    }
+}
+
 /// Units of a speed, by the size of a turn a second.
 const SPEEDS: [(&str, f64); 4] = [("rad/s", TAU), ("deg/s", 360.0), ("rev/s", 1.0), ("rpm", 60.0)];
 
 /// Where a name leaves the unit of angle or speed open, that in which the speed is the change of the angle: a log of turns beside rpm is one
 /// of neither rad nor rad/s. Counts are compared too: as many a second, or as many a turn as the speed beside them says, which is returned.
-pub(super) fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<Turn> {
+fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<Turn> {
     let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
     let (angle, speed) = (place(Quantity::Angle)?, place(Quantity::Speed)?);
     let (ratio, uncertainty) = ratio(parts, rows)?;
@@ -96,7 +106,7 @@ const ALIKE: (f64, f64) = (0.5, 2.0);
 
 /// Takes off a speed that is the change of the angle beside it by a factor that is none of a unit: what it changes by from row to row, or on
 /// the other side of the gears. The angle suffices. A speed whose unit its name tells stays where another unit would make them one.
-pub(super) fn leave_out_other_motion(parts: &mut Vec<Part>, rows: &[Vec<f64>]) {
+fn leave_out_other_motion(parts: &mut Vec<Part>, rows: &[Vec<f64>]) {
     let of = |wanted: Quantity| parts.iter().find(|part| part.quantity == wanted);
     let (Some(angle), Some(speed)) = (of(Quantity::Angle), of(Quantity::Speed)) else { return };
     let factor = |part: &Part| {

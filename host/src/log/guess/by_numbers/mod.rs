@@ -17,7 +17,7 @@ use super::clocks::{is_open_time, plausible};
 use super::column_units::unit_of;
 use super::columns::Part;
 use super::leads::{self, ONE_MOTION, comes_before, is_change, is_speed_of, move_together, only_rises};
-use super::one_motion::{agree, leave_out_other_motion};
+use super::one_motion::make_one;
 use super::preview::range_of;
 use super::{Proposal, Quantity, symbols, words, written};
 use crate::log::motion::{different, peak, span};
@@ -64,11 +64,7 @@ pub(super) fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         *time = Part { rest: Some(seconds + 1), unit: "ns".into(), guessed: false, ..time.clone() };
     }
     let said: Vec<words::Said> = columns.iter().map(|_| words::said("")).collect();
-    let turn = agree(&mut parts, &said, rows);
-    leave_out_other_motion(&mut parts, rows);
-    if let Some(angle) = parts.iter_mut().find(|part| part.quantity == Quantity::Angle) {
-        angle.turn = turn;
-    }
+    make_one(&mut parts, &said, rows);
     parts
 }
 
