@@ -24,10 +24,6 @@ const TOLD: f64 = 0.45;
 
 /// The voltage stands still between updates, and the motor answers to a smoother one.
 pub(super) fn stale_voltage(record: &Record) -> Option<Odd> {
-    // A shaft that meets a stop answers to that, and not to its voltage.
-    if hard_stop(record).is_some() {
-        return None;
-    }
     let volts = &record.voltage_v;
     let changes: Vec<usize> = (1..volts.len()).filter(|k| volts[*k] != volts[*k - 1]).collect();
     if changes.len() < FEWEST_CHANGES {
@@ -41,7 +37,8 @@ pub(super) fn stale_voltage(record: &Record) -> Option<Odd> {
         return None;
     }
     let stale = unanswered(record, &changes, hold).unwrap_or_else(|| is_smoother(record, &changes));
-    stale.then(|| {
+    // A shaft that meets a stop answers to that, and not to its voltage.
+    (stale && hard_stop(record).is_none()).then(|| {
         let ms = 1e3 * hold as f64 * median_interval(&record.time_s);
         (
             "stale_voltage",
