@@ -4,27 +4,28 @@
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
 use super::clipped::clipped;
-use super::early::{early, led_by};
+use super::disagreeing::disagreeing;
+use super::early::early;
 use super::held_back::held_back;
 use super::hold::hold;
 use super::low_active::inverted;
 use super::mistaken::{angle_as_speed, frozen, speed_as_angle, turned_round};
-use super::motion::{mean, peak};
 use super::one_level::one_level;
 use super::quantum::quantum;
 use super::readings::{blind_near_zero, speed_beside_angle};
 use super::remap::remapped;
+use super::shifted::shifted;
 use super::stale::stale_voltage;
 use super::stands_amid::stands_amid;
 use super::stops::hard_stop;
 use super::switched_off::switched_off;
-use super::timing::{median, median_interval, quantile};
+use super::timing::{median_interval, quantile};
 use super::turned_from_outside::turned_from_outside;
 use super::units::Quantity;
 use super::unsigned::byte_duty;
 use super::unsigned_current::unsigned_current;
 use super::usable::faults_of;
-use super::voltages::{antiphase, duty, is_level, share, unsigned, unsigned_motion};
+use super::voltages::{antiphase, duty, share, unsigned, unsigned_motion};
 use super::weak::Weak;
 use super::{Record, Warning, together};
 
@@ -132,86 +133,6 @@ fn constant_supply(record: &Record) -> Option<Odd> {
     ))
 }
 
-/// Shifts tried, s.
-const FURTHEST_S: f64 = 0.12;
-/// A record of which more than this is left at its best shift shows none.
-const SHIFT_UNCLEAR: f64 = 0.5;
-/// Share of the records that must agree on the shift, within so many steps.
-const AGREEING: f64 = 0.6;
-const TOGETHER_STEPS: f64 = 1.6;
-/// In a gap of the gears the motor leads by some milliseconds, s; a log that is slower than that is shifted by whole rows.
-const LEADS_S: f64 = 0.006;
-/// Fewer records than this must also be much better for it.
-const FEW: usize = 3;
-const SHIFT_BETTER: f64 = 0.6;
-
-/// A voltage that changes by less than this share of itself in so many seconds shows no shift: friction looks alike.
-const LIVELY: f64 = 0.1;
-const LIVELY_S: f64 = 0.02;
-
-/// Whether the voltage of `record` changes fast enough to tell a shift from friction.
-fn lively(record: &Record) -> bool {
-    let (t, v) = (&record.time_s, &record.voltage_v);
-    let mean = mean(v);
-    let (mut change, mut all, mut later) = (0.0, 0.0, 0);
-    for k in 0..v.len() {
-        while later + 1 < v.len() && t[later] < t[k] + LIVELY_S {
-            later += 1;
-        }
-        change += (v[later] - v[k]).powi(2);
-        all += (v[k] - mean).powi(2);
-    }
-    // The scatter of a meter about one level is none of its changes.
-    !is_level(record) && change > LIVELY * LIVELY * all
-}
-
-/// Motion that comes before its voltage, or long after it: one shift for all records that were logged alike.
-fn shifted(seen: &[Seen]) -> Option<Warning> {
-    let weak: Vec<(&Record, &Weak)> =
-        seen.iter().filter(|s| lively(s.record)).filter_map(|s| Some((s.record, s.weak.as_ref()?))).collect();
-    let interval = weak.iter().map(|w| w.1.interval_s()).fold(0.0, f64::max);
-    let step = interval.max(0.002);
-    let most = (FURTHEST_S / step).floor().min(24.0) as i32;
-    // Each record's own best shift, and what it leaves of what is left without.
-    let own = |weak: &Weak| {
-        let left = |k: i32| Some((f64::from(k) * step, weak.regress(f64::from(k) * step, |v| v)?.left));
-        let best = (-most..=most).filter_map(left).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((best.0, best.1 / left(0)?.1)).filter(|_| best.1 < SHIFT_UNCLEAR)
-    };
-    let own: Vec<(&Record, (f64, f64))> =
-        weak.iter().filter_map(|(record, weak)| Some((*record, own(weak)?))).collect();
-    let (first, _) = own.first()?;
-    let shift = median(&mut own.iter().map(|(_, (shift, _))| *shift).collect::<Vec<f64>>());
-    let agree = own.iter().filter(|(_, o)| (o.0 - shift).abs() < TOGETHER_STEPS * step);
-    let agree: Vec<f64> = agree.map(|(_, (_, ratio))| *ratio).collect();
-    // What a loop makes of a target and the motion itself has no row of its own.
-    let is_logged = first.servo.is_none();
-    let leads = is_logged && shift < if interval < 0.5 * LEADS_S { -LEADS_S } else { -0.9 * interval };
-    let late = shift > (2.0 * interval).max(0.012);
-    let clear = agree.len() >= FEW || agree.iter().all(|ratio| *ratio < SHIFT_BETTER);
-    if (agree.len() as f64) < AGREEING * own.len() as f64 || !clear || !(leads || late) {
-        return None;
-    }
-    let (ms, samples) = (1e3 * shift.abs(), shift.abs() / interval);
-    let (what, fix) = if leads {
-        (
-            format!(
-                "the motor moves {ms:.0} ms ({samples:.1} samples) {BEFORE_ITS_VOLTAGE}: the voltage is logged late"
-            ),
-            format!("log voltage and motion of one instant in one row; {}", led_by(shift.abs())),
-        )
-    } else {
-        (
-            format!("the motion comes {ms:.0} ms ({samples:.1} samples) after its voltage"),
-            "check that the columns of a row belong to one instant; if the drive is that slow, add the effect delay (or \
-             sensor_lag)"
-                .into(),
-        )
-    };
-    let place = place_of(first, "voltage_v");
-    Some(Warning { place, what: format!("shifted_samples: {what}"), fix })
-}
-
 /// The motion is read less often than it is logged.
 fn stale(record: &Record) -> Option<Odd> {
     let (column, values) = measured(record)?;
@@ -295,49 +216,6 @@ fn wrong_gear(Seen { record, weak }: &Seen) -> Option<Odd> {
             remapped(record, &[(quantity, quantity, &turn)])
         ),
     ))
-}
-
-/// Gains of most records lie this close together; one that is this far off is in other units.
-const TOGETHER: f64 = 1.2;
-const APART: f64 = 1.5;
-/// A record whose regression leaves more than this says nothing about the gain.
-const UNCLEAR: f64 = 0.3;
-
-/// Whether `voltages` tell dry friction from a gain: of one level friction alone may be all that the motor does.
-fn tells_friction(voltages: &[f64]) -> bool {
-    let highest = peak(voltages);
-    voltages.iter().any(|v| (0.05..0.8).contains(&(v.abs() / highest)))
-}
-
-/// One record in other volts, or of another motor.
-fn disagreeing(seen: &[Seen]) -> Vec<Warning> {
-    let regressed =
-        |s: &Seen| s.weak.as_ref().filter(|_| tells_friction(&s.record.voltage_v))?.regress(0.0, |v| v);
-    let gain = |s: &Seen| regressed(s).filter(|x| x.left < UNCLEAR && x.gain > 0.0);
-    let gains: Vec<(&Seen, f64)> = seen.iter().filter_map(|s| Some((s, gain(s)?.gain))).collect();
-    if gains.len() < 3 {
-        return Vec::new();
-    }
-    let median = median(&mut gains.iter().map(|g| g.1).collect::<Vec<f64>>());
-    let off = |g: f64| (g / median).max(median / g);
-    let odd: Vec<&(&Seen, f64)> = gains.iter().filter(|g| off(g.1) > APART).collect();
-    let agree = gains.iter().filter(|g| off(g.1) < TOGETHER).count();
-    if agree + odd.len() < gains.len() || odd.len() * 2 >= agree {
-        return Vec::new();
-    }
-    // A pendulum or a latency changes what fast reversals say of the gain, which show little but acceleration.
-    let surely = |s: &Seen| s.weak.as_ref().is_some_and(|weak| weak.gains().iter().all(|g| off(*g) > APART));
-    odd.into_iter()
-        .filter(|(one, _)| surely(one))
-        .map(|(Seen { record, .. }, g)| Warning {
-            place: place_of(record, "voltage_v"),
-            what: format!(
-                "records_disagree: {} turns {:.3} rad/s per volt, the other records {median:.3}",
-                record.name, g
-            ),
-            fix: "check that all records have one motor, one supply and one unit of voltage; leave this one out or correct it".into(),
-        })
-        .collect()
 }
 
 fn measured(record: &Record) -> Option<(&'static str, &Vec<f64>)> {
