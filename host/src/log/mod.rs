@@ -1,8 +1,17 @@
 //! Logs of motors: from files of many kinds to [`Record`]s in SI units, and back.
 //!
-//! The way of the data: `text` opens a file and vouches for its encoding, `preamble` takes metadata and header,
-//! `table` (or the reader of a foreign format; `formats` for those that are no text) turns rows into numbers, `samples` keeps the rows that a fit can
-//! use. What a record says about the motor is judged later, by the verbs that need to.
+//! The way of the data, step by step; what a file of a step calls are its parts:
+//!
+//! 1. `read` tells which reader a file has: `table`, `sysid`, `bam`, `apart` for two files, `formats` for those that are no tables of text.
+//! 2. `text` opens a file and vouches for its encoding, `preamble` takes metadata and header by the `layout` of the first lines.
+//! 3. `choice` finds the wanted columns, by a `mapping` or by name; where it cannot, `sample` holds what `guess` proposes a mapping from.
+//! 4. `table` turns rows into numbers (`taken`, `rows`), `samples` keeps those that a fit can use, `structure` parts the tests of one file.
+//! 5. `repair` undoes or leaves out what no motor did, and `servo` works out a voltage where a log has a target instead.
+//! 6. `args` reads several files; `roles` and `still` part what is fitted from what judges and from what tells nothing.
+//!
+//! What a record says about the motor is judged later, by the verbs that need to: `usable` refuses what teaches nothing (wrong units, a reversed
+//! sign), `suspicion` lists the checks that tell what misleads, most of them a file each. They see a record through `motion`, `timing`, `quantum`,
+//! `hold` and `weak`, and write their remedies by `remap` (`--map`) and `times` (`--skip`).
 
 mod agreement;
 mod apart;
