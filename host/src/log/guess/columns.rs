@@ -1,15 +1,12 @@
 //! Which column is what, and in which unit: by its name, and by its values where the name leaves it open.
 
-use super::clocks::{
-    self, FEWEST_TICKS, add_fractions, is_below_a_second, is_clock, rate_of, stands_beside_a_clock,
-};
+use super::clocks::{self, FEWEST_TICKS, is_below_a_second, is_clock, stands_beside_a_clock};
 use super::column_units::{unit_of, unit_of_wrap};
-use super::one_motion::{make_one, pairs_of, ratio};
+use super::one_motion::{pairs_of, ratio};
 use super::ranges::Range;
-use super::time_steps::tell_ticks;
+use super::settle::settle;
 use super::turns::Turn;
-use super::{bridge, bytes, companions, drive, duty_range, leads, registers, sides, words};
-use crate::log::direction;
+use super::{companions, drive, duty_range, leads, registers, words};
 use crate::log::numbered::{counts_rows, numbers_rows};
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;
@@ -47,13 +44,21 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
     companions::tell(&mut said, names);
     tell_turns(&mut said, names);
-    let values = |index: usize| numbers(rows, index);
     // What has fractions counts nothing.
     for (index, said) in said.iter_mut().enumerate().filter(|(_, said)| said.unit == Some("counts")) {
-        if values(index).any(|value| value.fract() != 0.0) {
+        if numbers(rows, index).any(|value| value.fract() != 0.0) {
             (said.unit, said.told) = (None, false);
         }
     }
+    let quantities = quantities(names, &said, rows);
+    let mut parts = plainest(names, &said, rows, &quantities);
+    settle(&mut parts, names, &said, rows, &quantities);
+    parts
+}
+
+/// What each column may measure, and how plainly its name says so.
+fn quantities(names: &[String], said: &[words::Said], rows: &[Vec<f64>]) -> Vec<Option<(Quantity, u8)>> {
+    let values = |index: usize| numbers(rows, index);
     let useful = |index: usize| rows.is_empty() || values(index).next().is_some();
     let mut quantities: Vec<Option<(Quantity, u8)>> = said
         .iter()
@@ -96,7 +101,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
                 && [format!("{own}_"), format!("{own}ref")].iter().any(|of| target.starts_with(of))
         };
         if quantity == Quantity::Voltage
-            && names.iter().zip(&said).any(|(name, said)| said.target && is_of(name))
+            && names.iter().zip(said).any(|(name, said)| said.target && is_of(name))
         {
             *guess = None;
             continue;
@@ -142,7 +147,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
             *guess = Some((Quantity::Time, plain));
         }
     }
-    tell_speed_from_voltage(&mut quantities, names, &said, rows);
+    tell_speed_from_voltage(&mut quantities, names, said, rows);
     keep_one_axis(&mut quantities, names, &values);
     let is_timed = |q: &Option<(Quantity, u8)>| {
         q.is_some_and(|(q, _)| [Quantity::Time, Quantity::Interval].contains(&q))
@@ -158,13 +163,24 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         |q: &Option<(Quantity, u8)>| q.is_some_and(|(q, _)| [Quantity::Voltage, Quantity::Duty].contains(&q));
     if !quantities.iter().any(drives) {
         // What a servo was told is what drives it, where nothing nearer to the motor was logged.
-        for (guess, said) in quantities.iter_mut().zip(&said) {
+        for (guess, said) in quantities.iter_mut().zip(said) {
             if said.target && said.quantity.is_none_or(|(q, _)| q == Quantity::Angle) {
                 *guess = Some((Quantity::Target, 1));
             }
         }
-        leave_out_unreached_targets(&mut quantities, &said, &values);
+        leave_out_unreached_targets(&mut quantities, said, &values);
     }
+    quantities
+}
+
+/// For each quantity the column that says it most plainly, in its unit.
+fn plainest(
+    names: &[String],
+    said: &[words::Said],
+    rows: &[Vec<f64>],
+    quantities: &[Option<(Quantity, u8)>],
+) -> Vec<Part> {
+    let values = |index: usize| numbers(rows, index);
     let clocks_beside = |own: usize| {
         let is_one = |k: usize| {
             quantities[k].is_some_and(|(q, _)| q == Quantity::Time)
@@ -210,74 +226,6 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
         let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
         let guessed = !told && (is_open || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
-    }
-    let counted = || (0..names.len()).find(|k| said[*k].since_before && Range::of(values(*k)).whole);
-    if parts.iter().all(|part| ![Quantity::Angle, Quantity::Speed].contains(&part.quantity))
-        && let Some(index) = counted()
-        && let Some(rate) = rate_of(&parts, rows)
-    {
-        let unit = format!("counts/s*{rate}");
-        parts.push(Part { quantity: Quantity::Speed, index, rest: None, unit, guessed: false, turn: None });
-    }
-    let unit_at = |quantity: Quantity, index: usize| {
-        unit_of(quantity, said[index].unit, &values(index).collect::<Vec<_>>())
-    };
-    let among = |quantity: Quantity| {
-        let of = |k: &usize| quantities[*k].is_some_and(|(q, _)| q == quantity);
-        (0..names.len()).filter(of).collect::<Vec<_>>()
-    };
-    sides::pair(&mut parts, names, &among, &unit_at);
-    // A servo's angle is told in the unit of its target.
-    let of_target = parts.iter().find(|part| part.quantity == Quantity::Target).map(|part| part.unit.clone());
-    let angle = parts.iter_mut().find(|part| part.quantity == Quantity::Angle);
-    if let (Some(unit), Some(angle)) = (of_target, angle)
-        && said[angle.index].unit.is_none()
-    {
-        angle.unit = unit;
-    }
-    add_fractions(&mut parts, names, rows);
-    tell_ticks(&mut parts, names, rows);
-    make_one(&mut parts, &said, rows);
-    bridge::join(&mut parts, names, rows);
-    // A direction is one only beside a drive, or a speed, that has no sign of its own.
-    let unsigned = parts.iter().any(|part| {
-        [Quantity::Voltage, Quantity::Duty, Quantity::Speed].contains(&part.quantity)
-            && part.rest.is_none()
-            && Range::of(values(part.index)).low >= 0.0
-    });
-    parts.retain(|part| {
-        let is_one = || direction::signs(&values(part.index).collect::<Vec<_>>()).is_ok();
-        part.quantity != Quantity::Direction || unsigned && is_one()
-    });
-    // A clock adds up no errors.
-    if parts.iter().any(|part| part.quantity == Quantity::Time) {
-        parts.retain(|part| part.quantity != Quantity::Interval);
-    }
-    // What was measured nearer to the motor.
-    let duty = parts.iter().position(|part| part.quantity == Quantity::Duty);
-    if let (Some(duty), true) = (duty, parts.iter().any(|part| part.quantity == Quantity::Voltage)) {
-        parts.remove(duty);
-    }
-    bytes::give_sign(&mut parts, rows);
-    // A current that never flows was not measured.
-    parts.retain(|part| {
-        part.quantity != Quantity::Current || rows.is_empty() || values(part.index).any(|value| value != 0.0)
-    });
-    let place = |wanted: Quantity| parts.iter().position(|part| part.quantity == wanted);
-    // Of two motions one that never changes is none.
-    let still = |part: &Part| {
-        let range = Range::of(values(part.index));
-        !rows.is_empty() && range.high <= range.low
-    };
-    if let (Some(angle), Some(speed)) = (place(Quantity::Angle), place(Quantity::Speed)) {
-        let is_still = [angle, speed].map(|k| still(&parts[k]));
-        if is_still != [true, true] {
-            let mut place = 0;
-            parts.retain(|_| {
-                place += 1;
-                !(place - 1 == angle && is_still[0] || place - 1 == speed && is_still[1])
-            });
-        }
     }
     parts
 }

@@ -24,6 +24,7 @@ mod proposal;
 mod questions;
 mod ranges;
 mod registers;
+mod settle;
 mod sides;
 mod spelling;
 mod symbols;
