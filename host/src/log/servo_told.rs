@@ -42,7 +42,7 @@ pub(super) fn told_or_assumed(
     Warning {
         place: place(record),
         what: format!("servo_gain: the controller is not logged; {what}"),
-        fix: "give what is known: --servo-gain DUTY_PER_RAD, --servo-damping DUTY_PER_RAD_S, and the supply (--supply-volts, --map supply=...); \
+        fix: "give what is known: --servo-gain DUTY_PER_RAD, --servo-damping DUTY_PER_RAD_S, and the supply (--supply-volts or --map supply=...); \
               or log the duty (--map duty=...); large steps of the target saturate the controller and tell its gain"
             .into(),
     }
