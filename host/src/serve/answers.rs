@@ -15,6 +15,7 @@ use tokio_stream::wrappers::BroadcastStream;
 use tokio_stream::{Stream, StreamExt};
 
 use super::App;
+use super::fields;
 use super::jobs::{self, Answer, refused};
 use crate::fit::grid::Grid;
 use crate::fit::search::Problem;
@@ -28,13 +29,14 @@ const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 
 /// The scripts of the page by name, in the order in which it loads them.
-const SCRIPTS: [(&str, &str); 8] = [
+const SCRIPTS: [(&str, &str); 9] = [
     ("uplot.js", report::LIBRARY),
     ("plots.js", report::PLOTS),
     ("overview.js", report::OVERVIEW),
     ("page.js", include_str!("assets/page.js")),
     ("steps.js", include_str!("assets/steps.js")),
     ("data.js", include_str!("assets/data.js")),
+    ("advice.js", include_str!("assets/advice.js")),
     ("log.js", include_str!("assets/log.js")),
     ("device.js", include_str!("assets/device.js")),
 ];
@@ -44,8 +46,9 @@ fn asset(kind: &'static str, body: impl IntoResponse) -> impl IntoResponse {
 }
 
 /// The page.
-pub async fn page() -> impl IntoResponse {
-    Html(PAGE)
+pub async fn page() -> Result<impl IntoResponse, (StatusCode, Json<serde_json::Value>)> {
+    let page = fields::laid_out(PAGE).map_err(|e| (StatusCode::INTERNAL_SERVER_ERROR, Json(e.to_json())))?;
+    Ok(Html(page))
 }
 
 /// A script of the page.

@@ -9,6 +9,8 @@ mod data;
 mod device;
 mod diagnosis;
 mod effect_file;
+mod field;
+mod fields;
 mod fits;
 mod guard;
 mod jobs;

@@ -93,10 +93,9 @@ impl Origin {
 
     /// Whether `other` has the same columns and is read the same way.
     fn is_read_like(&self, other: &Self) -> bool {
-        let alike = |a: &ReadOptions, b: &ReadOptions| {
-            a.map == b.map && a.supply_volts == b.supply_volts && a.rate_hz == b.rate_hz
-        };
-        alike(&self.options, &other.options)
+        // What is known of the motor is known of all its files.
+        let own = |origin: &Self| ReadOptions { motor: MotorFile::default(), ..origin.options.clone() };
+        own(self) == own(other)
             && self.look().is_ok_and(|own| other.look().is_ok_and(|look| own.names == look.names))
     }
 
@@ -238,7 +237,9 @@ fn replace(all: &mut Vec<Entry>, old: &Arc<Origin>, new: &Arc<Origin>, records: 
 
 #[cfg(test)]
 mod tests {
+    use super::super::session::Session;
     use super::*;
+    use crate::log::Hold;
 
     /// A log in milliseconds whose second column may be volts or a duty.
     fn log() -> Bytes {
@@ -278,17 +279,44 @@ mod tests {
         let shown = data.mapping_of(0).unwrap();
         assert_eq!(shown["in_use"]["kinds"], json!(["time:ms", "voltage:mV", "speed:rad/s"]));
         assert_eq!((&shown["in_use"]["turned"], &shown["others"]), (&json!(true), &json!(0)));
-        let rig = Rig { supply_v: Some("8".into()), gear_ratio: Some("50".into()), ..Rig::default() };
+        let rig = Rig::with(&[("supply_volts", "8"), ("gear_ratio", "50")]);
         let new = data.mapped(0, false, "time=0:ms,duty=1:255,speed=2", &rig).unwrap();
         let [old, own] = [&data, &new].map(|data| &data.entries[0]);
         assert!((own.record.voltage_v[50] / old.record.voltage_v[50] - 8.0 / 255.0 * 1e3).abs() < 1e-6);
         assert_eq!((own.role, &own.cuts), (Role::Validation, &vec![[1.0, 2.0]]));
         assert_eq!(new.motor.gear_ratio, Some(50.0));
-        assert_eq!(new.mapping_of(0).unwrap()["in_use"]["rig"]["supply_v"], "8");
+        assert_eq!(new.mapping_of(0).unwrap()["in_use"]["rig"]["supply_volts"], "8");
         assert!(new.can_undo());
         // In other seconds a cut would be another one.
         let slow = data.mapped(0, false, "time=0:s,voltage=1:V,speed=2", &rig).unwrap();
         assert!(slow.entries[0].cuts.is_empty());
+    }
+
+    #[test]
+    fn how_the_voltage_acts_between_the_rows_is_kept_shown_again_and_makes_the_same_model_again() {
+        let map = "time=0:ms,voltage=1:mV,speed=2";
+        let data = loaded(&["a.csv", "b.csv"], map, &Rig::default());
+        let rig = Rig::with(&[("voltage_lead", "0.004"), ("hold", "first"), ("inductance_h", "0.02")]);
+        let new = data.mapped(0, false, map, &rig).unwrap();
+        let record = &new.entries[0].record;
+        assert_eq!((record.hold, record.meta.voltage_lead_s()), (Hold::First, Some(0.004)));
+        assert_eq!(new.motor.nameplate.inductance_h, Some(0.02));
+        // The other file is read otherwise from now on.
+        assert_eq!([&data, &new].map(|data| data.mapping_of(1).unwrap()["others"].clone()), [1, 0]);
+        // What the dialogue shows is what it sends.
+        let shown = new.mapping_of(0).unwrap()["in_use"]["rig"].clone();
+        assert_eq!(shown["voltage_lead"], "0.004");
+        let again = new.mapped(0, false, map, &serde_json::from_value(shown).unwrap()).unwrap();
+        assert_eq!(again.entries[0].record, new.entries[0].record);
+        let gain = |data: &Data| Session::of(data.clone()).unwrap().model().base.gain;
+        assert_eq!(gain(&again).to_bits(), gain(&new).to_bits());
+        assert_ne!(gain(&new).to_bits(), gain(&data).to_bits());
+        // Another log of the same columns is read so too; a field that is emptied says nothing any more.
+        let other = Origin::dropped("c.csv", log(), ReadOptions::default());
+        let like = |data: &Data| data.read_like(other.look().unwrap(), "c.csv").unwrap()["file"].clone();
+        assert_eq!(like(&new), "b.csv");
+        let emptied = again.mapped(0, false, map, &Rig::default()).unwrap();
+        assert_eq!((&emptied.entries[0].record, emptied.motor), (&data.entries[0].record, data.motor));
     }
 
     #[test]

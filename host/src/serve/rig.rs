@@ -1,67 +1,49 @@
 //! What the fields of the mapping dialogue say of the rig: how a file is read with them, and what they tell of its motor.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use super::field::Field;
+use super::fields::FIELDS;
 use crate::error::{Error, Result};
+use crate::log::ReadOptions;
 use crate::log::mapping::Mapping;
-use crate::log::{EncoderShaft, ReadOptions};
 use crate::motor_file::MotorFile;
 
-/// What the fields of the dialogue say of the rig; a query gives all of it as text.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Rig {
-    /// Supply of the driver, V, where the log has the duty only.
-    pub supply_v: Option<String>,
-    /// Counts per turn of the output shaft.
-    pub counts_per_rev: Option<String>,
-    /// Metres of a linear axis per turn of the output shaft.
-    pub metres_per_rev: Option<String>,
-    /// Rows per second, where no column tells the time.
-    pub rate_hz: Option<String>,
-    /// Turns of the motor per turn of the output shaft.
-    pub gear_ratio: Option<String>,
-    /// Where the encoder sits.
-    pub encoder_shaft: Option<EncoderShaft>,
-}
+/// What stands in the fields of the dialogue, by their names; a field that is not there is empty.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Rig(BTreeMap<String, String>);
 
 impl Rig {
     /// What `options` say, and where they say nothing of the motor what is known of it.
     pub fn of(options: &ReadOptions, motor: &MotorFile) -> Self {
-        let text = |value: Option<f64>| value.map(|value| value.to_string());
-        let own = &options.motor;
-        Self {
-            supply_v: text(options.supply_volts),
-            counts_per_rev: text(own.counts_per_rev.or(motor.counts_per_rev)),
-            metres_per_rev: text(own.metres_per_rev.or(motor.metres_per_rev)),
-            rate_hz: text(options.rate_hz),
-            gear_ratio: text(own.gear_ratio.or(motor.gear_ratio)),
-            encoder_shaft: own.encoder_shaft.or(motor.encoder_shaft),
-        }
+        let known = ReadOptions { motor: motor.clone(), ..ReadOptions::default() };
+        let said = |field: &Field| {
+            let text = field.said(options).or_else(|| field.said(&known))?;
+            Some((field.name.to_owned(), text))
+        };
+        Self(FIELDS.iter().filter_map(said).collect())
     }
 
-    /// The number in a field, if there is one.
-    fn number(field: &Option<String>, name: &str) -> Result<Option<f64>> {
-        let Some(text) = field.as_deref().map(str::trim).filter(|text| !text.is_empty()) else {
-            return Ok(None);
-        };
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() && value > 0.0 => Ok(Some(value)),
-            _ => Err(Error::usage(
-                format!("{name} is \"{text}\""),
-                "give a positive number, or leave it empty",
-            )),
+    /// These fields with these texts.
+    #[cfg(test)]
+    pub fn with(texts: &[(&str, &str)]) -> Self {
+        Self(texts.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect())
+    }
+
+    /// `options` that say what stands in the fields.
+    fn said_by(&self, mut options: ReadOptions) -> Result<ReadOptions> {
+        for field in &FIELDS {
+            field.say(&mut options, self.0.get(field.name).map_or("", String::as_str))?;
         }
+        Ok(options)
     }
 
     /// What is known of the motor: `before`, but for what the fields say.
     pub fn motor(&self, before: MotorFile) -> Result<MotorFile> {
-        Ok(MotorFile {
-            counts_per_rev: Self::number(&self.counts_per_rev, "counts per turn")?,
-            metres_per_rev: Self::number(&self.metres_per_rev, "metres per turn")?,
-            gear_ratio: Self::number(&self.gear_ratio, "gear ratio")?,
-            encoder_shaft: self.encoder_shaft,
-            ..before
-        })
+        Ok(self.said_by(ReadOptions { motor: before, ..ReadOptions::default() })?.motor)
     }
 
     /// How a file is read with the columns of `map`, empty for canonical ones: `before`, but for what map and fields say.
@@ -69,35 +51,56 @@ impl Rig {
         let map = if map.is_empty() { None } else { Some(map.parse()) };
         let map: Option<Mapping> =
             map.transpose().map_err(|why: String| Error::usage(why, "choose the columns again"))?;
-        // The fields have no place for whose rows were chosen.
-        let map = match before.map.as_ref().and_then(Mapping::only) {
-            Some(only) => Some(map.unwrap_or_default().with_only(only.clone())),
-            None => map,
-        };
-        let supply_volts = Self::number(&self.supply_v, "supply")?;
-        let rate_hz = Self::number(&self.rate_hz, "samples per second")?;
-        let motor = self.motor(before.motor)?;
-        Ok(ReadOptions { map, supply_volts, rate_hz, motor, ..before })
+        self.said_by(ReadOptions { map, ..before })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
+    use crate::log::Hold;
 
     #[test]
     fn a_field_that_is_no_positive_number_is_named() {
-        let rig = Rig { gear_ratio: Some("-3".into()), ..Rig::default() };
-        assert!(rig.motor(MotorFile::default()).unwrap_err().to_string().contains("gear ratio is \"-3\""));
+        let rig = Rig::with(&[("gear_ratio", "-3")]);
+        let refused = rig.motor(MotorFile::default()).unwrap_err().to_string();
+        assert!(refused.contains("\"Gear ratio\" is \"-3\""), "{refused}");
         assert_eq!(Rig::default().motor(MotorFile::default()).unwrap(), MotorFile::default());
     }
 
     #[test]
-    fn other_columns_are_those_of_the_same_rows() {
-        let before = ReadOptions { map: Some("only=id:3".parse().unwrap()), ..ReadOptions::default() };
+    fn the_rows_of_one_motor_are_chosen_beside_the_columns_and_left_where_the_field_is_emptied() {
+        let rig = Rig::with(&[("only", "id:3")]);
         for (map, written) in [("", "only=id:3"), ("time=t,speed=w:rpm", "time=t,speed=w:rpm,only=id:3")] {
-            let options = Rig::default().options(map, before.clone()).unwrap();
-            assert_eq!(options.map.unwrap().written(), written);
+            let options = rig.options(map, ReadOptions::default()).unwrap();
+            assert_eq!(options.map.as_ref().unwrap().written(), written);
+            assert_eq!(Rig::of(&options, &MotorFile::default()), rig);
+            assert_eq!(Rig::default().options("", options).unwrap().map, None);
         }
+    }
+
+    #[test]
+    fn what_is_shown_of_a_file_reads_it_the_same_way() {
+        let rig = Rig::with(&[
+            ("supply_volts", "11.1"),
+            ("voltage_lead", "0.008"),
+            ("hold", "first"),
+            ("servo_damping", "0"),
+            ("gear_ratio", "50"),
+        ]);
+        let map = "time=0:ms,duty=1:255,angle=2:counts";
+        let options = rig.options(map, ReadOptions::default()).unwrap();
+        assert_eq!((options.voltage_lead_s, options.hold), (Some(0.008), Some(Hold::First)));
+        let shown = Rig::of(&options, &MotorFile::default());
+        assert_eq!(shown, rig);
+        assert_eq!(shown.options(map, ReadOptions::default()).unwrap(), options);
+        // What is only known of the motor is shown too, and what the file says of it goes before.
+        let known = MotorFile { gear_ratio: Some(30.0), ..MotorFile::default() };
+        let known = MotorFile { counts_per_rev: Some(1320.0), ..known };
+        let shown = json!(Rig::of(&options, &known));
+        assert_eq!((&shown["gear_ratio"], &shown["counts_per_rev"]), (&json!("50"), &json!("1320")));
+        assert!(shown.get("rate").is_none());
     }
 }

@@ -163,6 +163,7 @@ fn parse(dropped: &Dropped, content: Bytes) -> Result<Vec<Entry>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::{Hold, Record, read};
 
     fn dropped(map: &str) -> Dropped {
         Dropped { name: "../../etc/log.csv".into(), role: Role::Fit, map: map.into(), rig: Rig::default() }
@@ -189,7 +190,7 @@ mod tests {
         };
         let text = "ms,pwm,ticks\n".to_owned() + &(0..600).map(row).collect::<String>();
         let wish = dropped("time=0:ms,duty=1:255,angle=2:counts");
-        let rig = Rig { supply_v: Some("8".into()), counts_per_rev: Some("1000".into()), ..Rig::default() };
+        let rig = Rig::with(&[("supply_volts", "8"), ("counts_per_rev", "1000")]);
         let wish = Dropped { rig, ..wish };
         let entries = parse(&wish, text.into()).unwrap();
         let record = &entries[0].record;
@@ -197,5 +198,36 @@ mod tests {
         assert!((volts[50] - 8.0 * 100.0 / 255.0 * 1.0_f64.sin()).abs() < 1e-9, "{}", volts[50]);
         let turn = std::f64::consts::TAU;
         assert!((angles[50] + 0.22 * turn * 0.9_f64.cos()).abs() < 1e-3 * turn, "{}", angles[50]);
+    }
+
+    #[test]
+    fn what_a_query_says_in_its_fields_is_as_the_options_of_the_command_line_say_it() {
+        let text: String = (0..300).map(|k| format!("{},{},{k}\n", 10 * k, k / 50 % 2 * 6)).collect();
+        let text = format!("ms,u,w\n{text}");
+        let asked = |fields: &str| {
+            let uri = format!("http://page/?name=log.csv&role=fit&map=time=0:ms,voltage=1,speed=2&{fields}");
+            let Query(dropped) = Query::<Dropped>::try_from_uri(&uri.parse().unwrap()).unwrap();
+            parse(&dropped, text.clone().into())
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("log.csv");
+        std::fs::write(&path, &text).unwrap();
+        let map = Some("time=0:ms,voltage=1,speed=2".parse().unwrap());
+        let given = ReadOptions {
+            map,
+            hold: Some(Hold::First),
+            voltage_lead_s: Some(0.008),
+            ..ReadOptions::default()
+        };
+        let by_options = read(&path, &given).unwrap();
+        let entries = asked("hold=first&voltage_lead=0.008&servo_gain=").unwrap();
+        let Record { voltage_v, hold, meta, .. } = entries[0].record.as_ref();
+        assert_eq!((hold, meta.voltage_lead_s()), (&Hold::First, Some(0.008)));
+        assert_eq!(
+            (voltage_v, hold, meta),
+            (&by_options[0].voltage_v, &by_options[0].hold, &by_options[0].meta)
+        );
+        let refused = asked("voltage_lead=-0.008").unwrap_err().to_string();
+        assert!(refused.contains("\"Voltage acts before its row by (s)\" is \"-0.008\""), "{refused}");
     }
 }

@@ -5,7 +5,6 @@ let queue = [], dropped = null, sent = [];
 let readAs = null;
 const unsure = new Set();
 const KINDS = ["", "time:s", "time:ms", "time:us", "time:ns", "time+:ns", "interval:s", "interval:ms", "interval:us", "voltage:V", "voltage:mV", "duty:1", "duty:100", "duty:255", "duty:400", "duty:1000", "duty:1023", "duty:4095", "duty:32767", "duty:1500..2000", "duty-:", "voltage-:", "direction:sign", "direction:sign*-1", "target:rad", "target:deg", "angle:rad", "angle:deg", "angle:rev", "angle:counts", "angle:m", "angle:mm", "speed:rad/s", "speed:deg/s", "speed:rev/s", "speed:rpm", "speed:counts/s", "speed:m/s", "speed:mm/s", "current:A", "current:mA", "supply:V", "supply:mV"];
-const kindWords = (kind) => (!kind ? "not used" : kind.endsWith("-:") ? `taken off the ${kind.slice(0, -2)}: the bridge's other side` : kind.replace(":", kind.startsWith("duty") ? " of " : " in ").replace("time+", "fraction of the time"));
 
 // Texts whose layout only the reader knows are not shown as tables.
 const TABLE = /\.(csv|txt|tsv|log|dat|json)$/i;
@@ -40,38 +39,12 @@ function guessed({ names, kinds, canonical, proposal, asked }) {
   if (before) return { ...before, words: "As you mapped columns of these names before." };
   const lacking = NEEDED.filter(([of]) => !kinds.some((kind) => of.test(kind))).map(([, what]) => what);
   if (!proposal) return { kinds, asked, words: `${lacking.length ? `Not recognised: ${listed(lacking)}. ` : ""}Say what each column is. Angles and speeds are of the output shaft.` };
-  const rig = { supply_v: proposal.supply_volts, counts_per_rev: proposal.counts_per_rev && ((state && state.counts_per_rev) || proposal.counts_per_rev), metres_per_rev: proposal.metres_per_rev, rate_hz: proposal.rate };
+  const rig = Object.fromEntries(FIELDS.map(({ name }) => [name, proposal[name]]));
+  if (rig.counts_per_rev && state && state.counts_per_rev) rig.counts_per_rev = state.counts_per_rev;
   const assumed = Object.values(rig).some((value) => value) ? " Put your own figures in the place of those assumed below." : "";
   return { kinds, rig, asked, words: "Guessed from names and values; look whether it is right. Angles and speeds are of the output shaft." + assumed };
 }
 
-// Remedies name the command line's options; here each has its place on the page.
-const FIELDS = [["--supply-volts", "log-supply"], ["--counts-per-rev", "log-counts"], ["--metres-per-rev", "log-metres"], ["--rate", "log-rate"]];
-const labelOf = (id) => $(id).closest("label").firstChild.textContent.trim();
-function onPage(remedy) {
-  if (/^say which column|^choose the columns/.test(remedy)) return "say in the row below the names what each column is: the time, the voltage (or duty), and the angle or the speed; each once";
-  const told = FIELDS.map(([option, id]) => [id, remedy.match(new RegExp(`${option} ([\\d.]+)`))]).filter(([, found]) => found);
-  if ($("dialog").open && told.length) return told.map(([id, found]) => `fill in "${labelOf(id)}", such as ${found[1]}`).join(", and ");
-  const again = state && state.data.entries.some((e) => e.file !== null);
-  return (again ? remedy.replace(/say --map ("[^"]*"|\S+)( --[a-z-]+ [\d.]+)*/g, 'press "columns" beside the record and say so there') : remedy).replace(/turn the column round with --map ("[^"]*"|\S+)/, `open the log again and tick "${$("log-turned").parentElement.textContent.trim()}"`)
-    .replace("with --supply-volts,", again ? 'under "columns" beside the record,' : "where the log is opened,").replace(" (--map supply=COLUMN)", again ? ' ("columns" beside the record)' : "").replace(" (--skip FROM..TO)", " (Brush out)").replace(" (motorlens serve LOG...)", " (1 Compare)")
-    .replace("--skip and --judge-by take the records by their names", "each of them has its role in the table above")
-    .replace(/motorlens fit LOG\.\.\. -e ([\w,]+)/, (_, names) => `have ${listed(names.split(","))} and nothing else in the model (4 Add)`);
-}
-
-// A question of the guess writes columns as --map does; here each is chosen below its name.
-const QUANTITY = /\b(time|interval|voltage|duty|direction|target|angle|speed|current|supply)=([^=,;:"]+):([^\s,;)"]+)/g;
-function askedOnPage(question, names) {
-  const called = (column) => (column === "COLUMN" ? "its column" : `"${names.includes(column) ? column : names[Number(column)] ?? column}"`);
-  const chosen = (_, quantity, column, unit) => {
-    const [one, other] = names.includes(column) ? [column] : column.split("-");
-    return `${called(one)} as ${kindWords(`${quantity}:${unit}`)}` + (other ? ` and ${called(other)} as ${kindWords(quantity + "-:")}` : "");
-  };
-  const label = (option) => { const field = FIELDS.find(([name]) => name === option); return field ? `"${labelOf(field[1])}"` : option; };
-  const said = question.replace(/--map ("[^"]*"|\S+)/g, (_, map) => map.replaceAll('"', "").replaceAll(",", ", ")).replace("direction=COLUMN", "direction=COLUMN:sign").replace(QUANTITY, chosen)
-    .replace(/\b(?:say|write) (?=["i])/g, "choose ").replace(/ (--[a-z-]+) ([\d.]+)/g, (_, option, value) => `, with ${value} in ${label(option)}`).replace(/--[a-z-]+/g, label);
-  return said[0].toUpperCase() + said.slice(1) + ".";
-}
 // A unit that is not in the list, as --map writes it: the dialogue asks for it.
 const OTHER = "other";
 function chooseKind({ target }) {
@@ -89,6 +62,8 @@ async function openAll(files) {
   queue = [...files];
   sent = [];
   readAs = null;
+  // What is folded away is not taken from a log to another unseen.
+  for (const field of FIELDS.filter(isRare)) field.value = "";
   await ask("/api/use", { replace: false, forget: true });
   await openNext();
 }
@@ -108,8 +83,8 @@ async function openNext() {
   showMapping(dropped.name, like || (table.names.length ? guessed(table) : { kinds: [], words: table.fault ? words(table.fault) : table.told || "This format tells itself what its columns are." }));
   if (fault) tell(fault);
 }
-// How the file of a record that is here is read, to be changed.
-async function openAgain(entry) {
+// How the file of a record that is here is read, to be changed as `advice` says.
+async function openAgain(entry, advice = []) {
   const { table, in_use, others } = await ask(`/api/mapping/${entry}`);
   queue = [];
   dropped = { name: in_use.file, table, entry };
@@ -117,8 +92,8 @@ async function openAgain(entry) {
   $("log-all").checked = true;
   $("log-records").hidden = true;
   // What was open in the guess is open still where it was taken as it was.
-  const asked = String(in_use.kinds) === String(table.kinds) ? table.asked : [];
-  showMapping(in_use.file, { ...in_use, asked, words: table.names.length ? "As it is read now. Angles and speeds are of the output shaft." : table.told || "This format tells itself what its columns are." });
+  const asked = String(in_use.kinds) === String(table.kinds) ? table.asked || [] : [];
+  showMapping(in_use.file, { ...in_use, asked: [...asked, ...advice], words: table.names.length ? "As it is read now. Angles and speeds are of the output shaft." : table.told || "This format tells itself what its columns are." });
 }
 // The dialogue, filled with what was guessed, remembered, or is in use.
 function showMapping(name, guess) {
@@ -133,11 +108,11 @@ function showMapping(name, guess) {
   $("log-words").textContent = guess.words;
   $("log-asked").replaceChildren(...(guess.asked || []).map((question) => element("li", { textContent: askedOnPage(question, table.names) })));
   $("log-asked").hidden = !$("log-asked").childElementCount;
-  const rig = guess.rig || {};
+  const rig = guess.rig || {}, inUse = guess.file !== undefined;
   // What is in use is shown as it is; else what was typed for the file before holds on.
-  for (const [key, id] of RIG) if (id !== "log-shaft") $(id).value = rig[key] || (again ? "" : $(id).value) || "";
+  for (const field of FIELDS) field.value = rig[field.name] || (inUse ? "" : field.value) || "";
+  $("log-more").open = namesRare($("log-asked").textContent) || FIELDS.some((field) => isRare(field) && field.value);
   $("log-turned").checked = Boolean(guess.turned);
-  if (rig.encoder_shaft !== undefined) $("log-shaft").value = rig.encoder_shaft === "output" ? "output" : "";
   const choose = element("tr", {}, ...table.names.map((name, k) => {
     const kind = guess.kinds[k] || "", kinds = KINDS.includes(kind) ? KINDS : [...KINDS, kind];
     const select = element("select", { className: "column", onchange: chooseKind }, ...kinds.map((value) => element("option", { value, textContent: kindWords(value) })), element("option", { value: OTHER, textContent: "another unit …" }));
@@ -174,8 +149,6 @@ function showRaw() {
   Plots.draw($("raw"));
 }
 
-const RIG = [["supply_v", "log-supply"], ["counts_per_rev", "log-counts"], ["metres_per_rev", "log-metres"], ["rate_hz", "log-rate"], ["gear_ratio", "log-gear"], ["encoder_shaft", "log-shaft"]];
-const rigChosen = () => Object.fromEntries(RIG.map(([key, id]) => [key, $(id).value]).filter(([, value]) => value));
 function mapOf({ kinds: before, canonical, motors }, kinds, turned = $("log-turned").checked, motor = $("log-motor").value) {
   if (motors.length) return `voltage=voltage-${motor}:V`;
   if (turned) kinds = kinds.map((kind) => (/^(angle|speed):/.test(kind) ? kind + "*-1" : kind).replace("*-1*-1", ""));
@@ -202,7 +175,7 @@ async function sendLike(table) {
   const told = Object.fromEntries(Object.entries(rig).filter(([, value]) => value));
   await send(dropped, mapOf(table, kinds, turned, motor), told, "fit", false);
   const columns = kinds.map((kind, k) => kind && `${table.names[k]} is ${kindWords(kind)}`).filter(Boolean);
-  const known = RIG.filter(([key, id]) => told[key] && id !== "log-shaft").map(([key, id]) => `${labelOf(id).split(",")[0]} ${told[key]}`);
+  const known = FIELDS.filter((field) => told[field.name]).map((field) => `${labelOf(field).split(",")[0]} ${shownIn(field, told[field.name])}`);
   const names = sent.filter((s) => !s.asked).map((s) => s.name);
   readAs = { file: dropped.name, words: `${listed(names)} ${names.length > 1 ? "are" : "is"} read as ${file}: ${[...columns, ...(turned ? ["turned round"] : []), ...known].join("; ")}.` };
 }
@@ -223,7 +196,22 @@ function showReadAs({ entries }) {
   $("read-as-words").textContent = there ? readAs.words : "";
 }
 $("read-as-change").addEventListener("click", guard(() => openAgain(state.data.entries.findIndex((e) => e.file === readAs.file))));
-function tell(error) { $("log-fault").textContent = words(error); $("log-fault").hidden = false; $("log-fault").scrollIntoView({ block: "nearest" }); }
+// What is wrong; a field that it names is seen.
+function tell(error) {
+  const told = words(error);
+  $("log-fault").textContent = told;
+  $("log-fault").hidden = false;
+  if (namesRare(told)) $("log-more").open = true;
+  $("log-fault").scrollIntoView({ block: "nearest" });
+}
+// What the browser takes for no number, or for one below the least, is told as the server tells what it refuses, where the field is folded away too.
+$("mapping").addEventListener("invalid", (event) => {
+  const field = event.target;
+  event.preventDefault();
+  if (field !== FIELDS.find((one) => !one.validity.valid)) return;
+  tell({ why: `"${labelOf(field)}" is ${field.value === "" ? "no number" : `"${field.value}"`}`, remedy: `give a ${field.min === "0" ? "number of 0 or more" : "positive number"}, or leave it empty` });
+  field.focus();
+}, true);
 $("mapping").addEventListener("submit", async (event) => {
   event.preventDefault();
   const { table, entry } = dropped, kinds = kindsChosen(), map = mapOf(table, kinds), rig = rigChosen();

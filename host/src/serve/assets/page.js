@@ -12,7 +12,7 @@ async function ask(path, body) {
 function words(error) {
   const e = error.error || error;
   const place = [e.file, e.line && "line " + e.line, e.column && "column " + e.column].filter(Boolean).join(", ");
-  return (place ? place + ": " : "") + (e.why || e.message || String(e)) + (e.remedy ? "\nTo do: " + onPage(e.remedy) : "");
+  return (place ? place + ": " : "") + toldOnPage(e.why || e.message || String(e)) + (e.remedy ? "\nTo do: " + onPage(e.remedy) : "");
 }
 function alarm(error) { $("alarm").textContent = error ? words(error) : ""; $("alarm").hidden = !error; }
 const guard = (work) => async (event) => { alarm(null); try { await work(event); } catch (error) { alarm(error); } };
@@ -201,7 +201,7 @@ async function mendData({ mend, where }) {
   const { entries } = state.data, place = (where || "").split(", column ")[0].split(/[\\/]/).pop();
   const by = entries.findIndex((e) => e.file === place), at = by < 0 ? entryOf(place) : by;
   const file = entries[Math.max(at, 0)].file;
-  if (mend === "columns" && file !== null) return openAgain(Math.max(at, 0));
+  if (mend === "columns" && file !== null) return openAgain(Math.max(at, 0), state.faults.filter((f) => f.where === where).map((f) => f.fix));
   if (mend === "range" && at >= 0) {
     const own = state.records.findIndex((r) => r.name === place);
     const record = own < 0 ? state.records.findIndex((r) => entryOf(r.name) === at) : own;

@@ -13,7 +13,7 @@ function figureElement(f, level = "h3") {
 
 // Before any physics: what is wrong with the data.
 function showFaults(faults) {
-  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: f.fault.replace(/^[a-z_]+: /, (kind) => kind.replaceAll("_", " ")) + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + onPage(f.fix) + "." }));
+  const card = (f) => element("article", { className: "card fault" }, element("p", { textContent: toldOnPage(f.fault.replace(/^[a-z_]+: /, (kind) => kind.replaceAll("_", " "))) + "." }), element("p", { className: "quiet", textContent: f.where }), element("p", { textContent: "To do: " + onPage(f.fix) + "." }));
   $("data-faults").hidden = !faults.length;
   $("faults").replaceChildren(...faults.map(card));
 }

@@ -71,6 +71,10 @@ fn the_page_breaks_no_rule_with_its_dialogue_open_and_after_a_wrong_effect() {
     };
     asked_about(&mut browser, &log);
     none_in(&mut browser, "the dialogue of a new log");
+    browser.value("$('log-more').open = true, $('log-servo-gain').value = '-1'");
+    browser.click("#use");
+    browser.wait("!$('log-fault').hidden");
+    none_in(&mut browser, "the fields that are folded away, and a wrong one");
     browser.click("#cancel");
 
     browser.value("$('effect').value = 'lost_counts'");

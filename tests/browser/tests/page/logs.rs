@@ -92,7 +92,7 @@ fn refused(browser: &mut Browser, log: &Path, kinds: [&str; 3], counts: &str) ->
     asked_about(browser, log);
     let kinds = serde_json::json!(kinds);
     browser.value(&format!(
-        "document.querySelectorAll('#preview select').forEach((s, k) => {{ s.value = {kinds}[k]; }}), $('log-supply').value = '12', $('log-counts').value = '{counts}'"
+        "document.querySelectorAll('#preview select').forEach((s, k) => {{ s.value = {kinds}[k]; }}), $('log-supply-volts').value = '12', $('log-counts-per-rev').value = '{counts}'"
     ));
     browser.click("#use");
     browser.wait("!$('log-fault').hidden");
@@ -125,7 +125,7 @@ fn what_the_dialogue_refuses_it_tells_how_to_mend_on_the_page() {
     // An encoder that counts the other way is found when the records are taken in, and turned round in the dialogue.
     let read = |browser: &mut Browser, turned: bool| {
         asked_about(browser, &log);
-        browser.value(&format!("$('log-counts').value = '1320', $('log-turned').checked = {turned}"));
+        browser.value(&format!("$('log-counts-per-rev').value = '1320', $('log-turned').checked = {turned}"));
         browser.click("#use");
     };
     read(&mut browser, false);

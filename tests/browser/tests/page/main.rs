@@ -3,6 +3,7 @@
 mod accessible;
 mod data;
 mod device;
+mod fields;
 mod guard;
 mod keyboard;
 mod logs;

@@ -10,7 +10,7 @@ use super::logs::{asked_about, taken};
 use super::{FRESH, alone, opened};
 
 /// An Arduino's log of a motor of 2.1 rad/s per volt at a supply of 12 V: milliseconds, duty of 255, counts, 1320 a turn.
-fn arduino(directory: &Path, name: &str, phase: f64) -> PathBuf {
+pub fn arduino(directory: &Path, name: &str, phase: f64) -> PathBuf {
     let mut text = "millis,pwm,enc\n".to_owned();
     let (mut w, mut x) = (0.0, 0.0);
     for k in 0..800 {
@@ -29,7 +29,7 @@ fn arduino(directory: &Path, name: &str, phase: f64) -> PathBuf {
 fn loaded(browser: &mut Browser, log: &Path, title: &str) {
     asked_about(browser, log);
     browser.value(
-        "$('log-supply').value = '12', $('log-counts').value = '1320', $('log-gear').value = '50', $('log-shaft').value = 'output'",
+        "$('log-supply-volts').value = '12', $('log-counts-per-rev').value = '1320', $('log-gear-ratio').value = '50', $('log-encoder-shaft').value = 'output'",
     );
     taken(browser, title);
 }
@@ -55,14 +55,14 @@ fn gear_shaft_and_supply_are_taken_from_the_dialogue_and_changed_after_the_log_w
     assert_eq!(browser.text("#h-dialog").trim(), "Columns of one.csv");
     let kinds = "[...document.querySelectorAll('#preview select')].map((s) => s.value)";
     assert_eq!(browser.value(kinds), json!(["time:ms", "duty:255", "angle:counts"]));
-    let fields = "['log-supply', 'log-counts', 'log-gear', 'log-shaft'].map((id) => $(id).value)";
+    let fields = "['log-supply-volts', 'log-counts-per-rev', 'log-gear-ratio', 'log-encoder-shaft'].map((id) => $(id).value)";
     assert_eq!(browser.value(fields), json!(["12", "1320", "50", "output"]));
     assert_eq!(
         browser.value("$('log-role').hidden && $('log-records').hidden && $('log-alike').hidden"),
         true
     );
     browser.screenshot("#dialog", "light-0-columns-again");
-    browser.value("$('log-supply').value = '6'");
+    browser.value("$('log-supply-volts').value = '6'");
     browser.click("#use");
     browser.wait(&format!("/Undo reads them as before/.test($('status').textContent) && {FRESH}"));
     let at_6 = gain(&mut browser);
@@ -94,7 +94,7 @@ fn what_the_guess_leaves_open_is_asked_in_the_words_of_the_page_and_any_unit_can
         assert_eq!(browser.value(other), taken, "{said}");
     }
     assert_eq!(browser.value("mapOf(dropped.table, kindsChosen())"), "time=0:ms,duty=1:150,angle=2:counts");
-    browser.value("$('log-supply').value = '12', $('log-counts').value = '1320'");
+    browser.value("$('log-supply-volts').value = '12', $('log-counts-per-rev').value = '1320'");
     taken(&mut browser, "one");
     browser.click("#entries .columns");
     browser.wait("$('dialog').open");
@@ -149,7 +149,7 @@ fn a_mapping_is_remembered_and_a_second_file_of_the_same_columns_is_read_as_the_
     assert_eq!(browser.text("#log-name"), "two.csv");
     assert_eq!(browser.value("!$('log-alike').hidden && $('log-all').checked"), true);
     let before = gain(&mut browser);
-    browser.value("$('log-supply').value = '6'");
+    browser.value("$('log-supply-volts').value = '6'");
     browser.click("#use");
     browser.wait(&format!("/Undo reads them as before/.test($('status').textContent) && {FRESH}"));
     assert!((gain(&mut browser) / before / 2.0 - 1.0).abs() < 0.02, "both files are read anew");
@@ -159,7 +159,7 @@ fn a_mapping_is_remembered_and_a_second_file_of_the_same_columns_is_read_as_the_
     browser.wait(&format!("/^Puzzle/.test($('status').textContent) && {FRESH}"));
     asked_about(&mut browser, &one);
     assert!(browser.text("#log-words").contains("mapped columns of these names before"));
-    let fields = "['log-supply', 'log-counts'].map((id) => $(id).value)";
+    let fields = "['log-supply-volts', 'log-counts-per-rev'].map((id) => $(id).value)";
     assert_eq!(browser.value(fields), json!(["6", "1320"]));
     browser.click("#cancel");
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
@@ -213,7 +213,7 @@ fn records_that_the_command_line_divided_are_read_anew_and_stay_divided() {
     let at_12 = gain(&mut browser);
     browser.click("#entries .columns");
     browser.wait("$('dialog').open");
-    browser.value("$('log-supply').value = '6'");
+    browser.value("$('log-supply-volts').value = '6'");
     browser.click("#use");
     browser.wait(&format!("/Undo reads them as before/.test($('status').textContent) && {FRESH}"));
     assert_eq!(browser.value(names), json!(["one part 1", "one part 2"]));
