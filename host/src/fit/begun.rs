@@ -35,23 +35,37 @@ impl Begun {
     /// them, `inverse` distances). The lane behind theirs is the neighbour along the speed, `apart` from the centre.
     pub fn project_out(blocks: &mut [Vec<Block>], inverse: &[f64], apart: f64) -> Self {
         let speed = (inverse.len() / LANES, inverse.len() % LANES);
-        let along =
-            |blocks: &[Vec<Block>], k: usize| (blocks[speed.0][k].0[speed.1] - blocks[0][k].0[0]) / apart;
-        let mut products = vec![0.0; inverse.len()];
-        let mut square = 0.0;
+        // A block of lanes at a time; the centre, the neighbour along the speed and what is behind it stay as they are.
+        let by_lane = |of: &dyn Fn(usize) -> f64| -> Vec<[f64; LANES]> {
+            let lane = |b: usize, l: usize| {
+                let f = b * LANES + l;
+                if (1..inverse.len()).contains(&f) { of(f) } else { 0.0 }
+            };
+            (0..blocks.len()).map(|b| std::array::from_fn(|l| lane(b, l))).collect()
+        };
+        let mut sums = vec![[0.0; LANES]; blocks.len()];
+        let (mut square, mut with_centre) = (0.0, 0.0);
         for k in 0..blocks[0].len() {
-            let (slope, centre) = (along(blocks, k), blocks[0][k].0[0]);
+            let centre = blocks[0][k].0[0];
+            let slope = (blocks[speed.0][k].0[speed.1] - centre) / apart;
             square += slope * slope;
-            products[0] += slope * centre;
-            for (f, inverse) in inverse.iter().enumerate().skip(1) {
-                products[f] += slope * (blocks[f / LANES][k].0[f % LANES] - centre) * inverse;
+            with_centre += slope * centre;
+            for (sums, block) in sums.iter_mut().zip(&*blocks) {
+                for l in 0..LANES {
+                    sums[l] += slope * (block[k].0[l] - centre);
+                }
             }
         }
+        let mut products = vec![with_centre];
+        products.extend((1..inverse.len()).map(|f| sums[f / LANES][f % LANES] * inverse[f]));
         if square > 0.0 {
+            let shares = by_lane(&|f| products[f] / (inverse[f] * square));
             for k in 0..blocks[0].len() {
-                let slope = along(blocks, k) / square;
-                for (f, inverse) in inverse.iter().enumerate().skip(1) {
-                    blocks[f / LANES][k].0[f % LANES] -= slope * products[f] / inverse;
+                let slope = (blocks[speed.0][k].0[speed.1] - blocks[0][k].0[0]) / apart;
+                for (shares, block) in shares.iter().zip(&mut *blocks) {
+                    for l in 0..LANES {
+                        block[k].0[l] -= slope * shares[l];
+                    }
                 }
             }
         }

@@ -57,7 +57,7 @@ pub fn discovery(
         &mut |depth, effect| (told.borrow_mut())(Progress::Trying { depth, effect }),
         &mut |model| {
             // Errors are those of the model as it would be used, so that `fit` and `compare` tell the same.
-            let values = model.simulating(&evidence).values();
+            let values = model.values();
             let step = rung(&evidence, &values);
             (told.borrow_mut())(Progress::Rung(step.clone()));
             ladder.push(step);

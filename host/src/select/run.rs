@@ -72,7 +72,8 @@ fn reference(steps: &[Fitted]) -> &Fitted {
     steps.iter().take_while(held).last().unwrap_or(&steps[0])
 }
 
-/// Selects from `base`, adding at most `most` effects of `library`.
+/// Selects from `base`, adding at most `most` effects of `library`. Each `step` is told of the model as it would be used ([`Fitted::simulating`]), which
+/// the last one of those returned is.
 pub fn run(
     data: &Evidence,
     base: Fitted,
@@ -81,7 +82,8 @@ pub fn run(
     tick: &mut dyn FnMut(usize, Kind),
     step: &mut dyn FnMut(&Fitted),
 ) -> Selected {
-    step(&base);
+    let mut used = base.simulating(data);
+    step(&used);
     let library: Vec<Kind> = library.iter().copied().filter(|kind| data.may_show(*kind)).collect();
     let library = library.as_slice();
     let given = base.kinds().to_vec();
@@ -121,13 +123,13 @@ pub fn run(
         let Some(next) = next else { break };
         let next = simpler(data, next, model.score(), base);
         let next = pruned(data, next, &given, model.score(), base);
-        step(&next);
+        used = next.simulating(data);
+        step(&used);
         steps.push(next);
     }
     let rivals = rivals(data, &steps, &all, &given);
-    if let Some(last) = steps.pop() {
-        steps.push(last.simulating(data));
-    }
+    steps.pop();
+    steps.push(used);
     Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
 }
 
