@@ -223,7 +223,8 @@ fn plainest(
             || by_bracket.is_some()
             || unit_of_wrap(&all).is_some();
         let of_time = || quantity == Quantity::Time && clocks::is_open_time(&unit, &all);
-        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity);
+        let is_open = [Quantity::Duty, Quantity::Angle, Quantity::Speed].contains(&quantity)
+            || quantity == Quantity::Current && unit == "mA";
         let guessed = !told && (is_open || of_time());
         parts.push(Part { quantity, index, rest: None, unit, guessed, turn: None });
     }

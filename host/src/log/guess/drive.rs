@@ -33,7 +33,7 @@ pub(super) fn are_millivolts(range: &Range) -> bool {
     peak > MOST_OF_A_DUTY && peak <= MOST_MILLIVOLTS && !REGISTERS.contains(&peak)
 }
 
-/// What is said of a voltage that hardly changes, and of whole numbers that may be millivolts or a duty.
+/// What is said of a voltage that hardly changes, of whole numbers that may be millivolts or a duty, and of a current in a unit that nothing tells.
 pub(super) fn said_of_drive(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<String> {
     let name = names.get(part.index)?;
     let range = Range::of(numbers(rows, part.index));
@@ -60,6 +60,10 @@ pub(super) fn said_of_drive(names: &[String], rows: &[Vec<f64>], part: &Part) ->
         )),
         Quantity::Duty if called == Some(Quantity::Voltage) && range.peak() > MOST_VOLTS => Some(format!(
             "\"{name}\" is taken for a duty because it goes to {}; where it is millivolts, write voltage={own}:mV",
+            short(range.peak())
+        )),
+        Quantity::Current if part.guessed => Some(format!(
+            "\"{name}\" goes to {}, so it is taken for mA; where it is amperes, write current={own}:A",
             short(range.peak())
         )),
         // Neither its name nor anything else makes it volts: the power of a robot kit's motor is in percent.
@@ -129,12 +133,15 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
     };
     let (targets, mut others): (Vec<usize>, Vec<usize>) =
         (0..sample.names.len()).filter(|k| !known(k) && !is_number(k)).partition(is_target);
+    // A current follows from the voltage: it neither drives nor moves.
+    let is_current = |k: usize| words::said(&sample.names[k]).quantity.is_some_and(|(of, _)| of == Current);
+    others.retain(|k| !is_current(*k));
     let name = |k: usize| format!("\"{}\"", sample.names[k]);
     let (drive, motion) = (of(&[Duty, Voltage]), of(&[Angle, Speed]));
     if let Some(own) = drive.or(motion).map(|part| &sample.names[part.index]) {
         let is_own = |k: &usize| sides::may_be_one(own, &sample.names[*k]);
         // Beside what somebody wanted of a motor its current one is no current.
-        let is_wanted = |k: usize| words::said(&sample.names[k]).wanted && is_own(&k);
+        let is_wanted = |k: usize| words::said(&sample.names[k]).wanted && !is_current(k) && is_own(&k);
         let present =
             |part: &&Part| part.quantity == Current && words::said(&sample.names[part.index]).unit.is_none();
         if (0..sample.names.len()).any(is_wanted) {
@@ -261,7 +268,7 @@ fn is_motion_again(rows: &[Vec<f64>], motion: usize, index: usize) -> bool {
     correlation(&one, &other).abs() > SAME
 }
 
-/// Why columns that may look like it do not drive the motor: one is the speed of the motion, one its supply.
+/// Why columns that may look like it do not drive the motor: one is the speed of the motion, one its supply, one its current.
 fn not_driving(sample: &Sample, parts: &[Part], motion: &Part) -> String {
     let mut text = String::new();
     let said = |k: usize| words::said(&sample.with_units[k]).quantity.map(|(of, _)| of);
@@ -281,6 +288,12 @@ fn not_driving(sample: &Sample, parts: &[Part], motion: &Part) -> String {
                 supply.unit
             )
         };
+    }
+    if let Some(current) = parts.iter().find(|part| part.quantity == Quantity::Current) {
+        text += &format!(
+            "; \"{}\" is the motor's current, which follows from its voltage, also where a controller sets it",
+            sample.names[current.index]
+        );
     }
     text
 }
@@ -303,6 +316,45 @@ mod tests {
             assert!(!asked.contains("--map"), "{asked}");
         }
         assert!(asked("effect").contains("if \"effect\" is that, say --map "));
+    }
+
+    /// A current was offered as volts: a gain of a motor without its own voltage, and no word that it is none.
+    #[test]
+    fn a_current_and_a_torque_are_no_voltage_whoever_commanded_them() {
+        let row = |k: u32| {
+            let t = 0.01 * f64::from(k);
+            let set = [0.0, 1.5, -0.7][k as usize / 30 % 3];
+            vec![t, set, set + 0.01 * f64::from(k % 7), f64::from(k * k % 97)]
+        };
+        let rows: Vec<Vec<f64>> = (0..120).map(row).collect();
+        for header in ["t;current_cmd;current;velocity", "t;iq_set;iq;omega", "t;current_target;current;rpm"]
+        {
+            let asked = half_question(&Sample::of(header, rows.clone())).unwrap();
+            assert!(asked.contains("is the motor's current") && !asked.contains("--map"), "{asked}");
+        }
+        let sample = Sample::of("t;tau_cmd;tau_meas;qd", rows.clone());
+        assert!(super::super::propose_for(&sample).is_none());
+        let asked = super::super::effort_question(&sample).unwrap();
+        assert!(asked.contains("tau_cmd is a torque") && !asked.contains("--map"), "{asked}");
+        // What a motor does beside what was desired of it is called current too.
+        let asked = half_question(&Sample::of("t;DESIRED_M1;CURRENT_M1;pwm", rows)).unwrap();
+        assert!(asked.contains("if \"CURRENT_M1\" is that, say --map "), "{asked}");
+    }
+
+    #[test]
+    fn a_current_whose_unit_its_size_alone_tells_is_told_as_a_guess() {
+        let said = |name: &str| {
+            let names = ["t", "u", "w", name].map(str::to_owned);
+            let row = |k: u32| {
+                let u = [0.0, 6.0, -3.0][k as usize / 30 % 3];
+                vec![0.01 * f64::from(k), u, 3.0 * u, 20.0 * u]
+            };
+            super::super::propose(&names, &(0..90).map(row).collect::<Vec<_>>()).unwrap().assumptions()
+        };
+        assert!(said("current").contains("write current=current:A"), "{}", said("current"));
+        for told in ["current_mA", "current_A", "current_motor"] {
+            assert!(!said(told).contains("taken for mA"), "{told}: {}", said(told));
+        }
     }
 
     #[test]

@@ -103,6 +103,13 @@ pub fn propose(names: &[String], rows: &[Vec<f64>]) -> Option<Proposal> {
 /// Where nothing but an effort may drive the motor: what that leaves open, and the options for either meaning.
 pub(super) fn effort_question(sample: &Sample) -> Option<String> {
     let index = sample.with_units.iter().position(|name| words::said(name).effort)?;
+    if words::is_torque(&sample.with_units[index]) {
+        return Some(format!(
+            "{} is a torque, which follows from the voltage and does not tell it: a motor is fitted here as its voltage drives it, so log the \
+             motor's voltage or duty with its motion, also where a controller of the current or the torque gives it",
+            column(&sample.names, index)
+        ));
+    }
     let meaning = |as_if: &str| options_as_if(sample, &[(index, as_if)]);
     let (volts, duty) = (meaning("voltage [V]")?, meaning("duty [%]")?);
     Some(format!(

@@ -38,6 +38,8 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("rad_s", Speed, "rad/s"),
     ("rad·s⁻¹", Speed, "rad/s"),
     ("rad*s^-1", Speed, "rad/s"),
+    ("rad s^-1", Speed, "rad/s"),
+    ("rad s⁻¹", Speed, "rad/s"),
     ("radians/s", Speed, "rad/s"),
     ("radps", Speed, "rad/s"),
     ("deg/s", Speed, "deg/s"),
@@ -61,6 +63,10 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("转/分", Speed, "rpm"),
     ("min-1", Speed, "rpm"),
     ("min^-1", Speed, "rpm"),
+    ("min⁻¹", Speed, "rpm"),
+    ("dev/dk", Speed, "rpm"),
+    ("d/dk", Speed, "rpm"),
+    ("回/分", Speed, "rpm"),
     ("rps", Speed, "rev/s"),
     ("rev/s", Speed, "rev/s"),
     ("r/s", Speed, "rev/s"),
@@ -170,6 +176,13 @@ pub(super) const UNITS: &[(&str, Quantity, &str)] = &[
     ("об", Angle, "rev"),
     ("а", Current, "A"),
     ("ма", Current, "mA"),
+    ("초", Time, "s"),
+    ("밀리초", Time, "ms"),
+    ("秒", Time, "s"),
+    ("毫秒", Time, "ms"),
+    ("ミリ秒", Time, "ms"),
+    ("伏", Voltage, "V"),
+    ("安", Current, "A"),
 ];
 
 /// What people call the counts of an encoder before a stroke: `ticks/100ms`.

@@ -4,7 +4,7 @@ use super::super::units::Quantity;
 use Quantity::{Angle, Current, Direction, Duty, Interval, Speed, Supply, Time, Voltage};
 
 /// Words of the wild, as they stand alone in a name, with how plainly they say it and the unit that they imply.
-pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
+pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 32] = [
     (
         Time,
         3,
@@ -26,6 +26,13 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "čas",
             "tid",
             "zaman",
+            "cas",
+            "waktu",
+            "timp",
+            "aika",
+            "idő",
+            "시간",
+            "時間",
             "время",
             "时间",
             "timestep",
@@ -54,6 +61,8 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "ain",
             "占空比",
             "шим",
+            "darbe",
+            "듀티",
         ],
     ),
     (
@@ -98,6 +107,13 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "napiecie",
             "napětí",
             "gerilim",
+            "napeti",
+            "tegangan",
+            "tensiune",
+            "feszültség",
+            "jännite",
+            "전압",
+            "電圧",
             "напряжение",
             "电压",
             "vmotor",
@@ -146,6 +162,19 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "положение",
             "角度",
             "位置",
+            "konum",
+            "açı",
+            "poloha",
+            "úhel",
+            "uhel",
+            "sudut",
+            "posisi",
+            "unghi",
+            "poziție",
+            "pozitie",
+            "asento",
+            "각도",
+            "위치",
             "rotation",
             "shaft",
             "q",
@@ -178,6 +207,8 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "impulsy",
             "энкодер",
             "编码器",
+            "enkoder",
+            "엔코더",
         ],
     ),
     (Angle, 3, Some("m"), &["distance", "displacement", "travel", "weg", "carriage"]),
@@ -209,6 +240,15 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "hız",
             "скорость",
             "速度",
+            "hiz",
+            "kecepatan",
+            "viteză",
+            "viteza",
+            "sebesség",
+            "nopeus",
+            "rychlosť",
+            "속도",
+            "角速度",
             "qd",
             "dtheta",
             "thetadot",
@@ -260,6 +300,15 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
             "prąd",
             "ток",
             "电流",
+            "akım",
+            "akim",
+            "proud",
+            "arus",
+            "curent",
+            "áram",
+            "virta",
+            "전류",
+            "電流",
             "amps",
             "amp",
             "i",
@@ -270,10 +319,26 @@ pub(super) const WORDS: [(Quantity, u8, Option<&str>, &[&str]); 31] = [
         ],
     ),
     (Current, 3, Some("mA"), &["ma"]),
+    // VESC Tool's, in amperes.
+    (Current, 4, Some("A"), &["current_motor", "avg_motor_current", "q_axis_current"]),
 ];
 
 /// Words for the turns a minute of machines, which are kept in other units too.
-pub(super) const TURNING: [&str; 6] = ["drehzahl", "toerental", "obroty", "otáčky", "обороты", "转速"];
+pub(super) const TURNING: [&str; 13] = [
+    "drehzahl",
+    "toerental",
+    "obroty",
+    "otáčky",
+    "otacky",
+    "обороты",
+    "转速",
+    "devir",
+    "turație",
+    "turatie",
+    "fordulatszám",
+    "회전수",
+    "回転数",
+];
 
 /// What the axes of a gyroscope are called.
 pub(super) const GYROSCOPE: [&str; 10] =
@@ -360,7 +425,10 @@ pub(super) const SENSED: [&str; 11] = [
 ];
 
 /// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
-pub(super) const EFFORTS: [&str; 4] = ["effort", "torque", "drehmoment", "couple"];
+pub(super) const EFFORTS: [&str; 5] = ["effort", "torque", "drehmoment", "couple", "tau"];
+
+/// Those of them that say a torque wherever they stand; an effort is one in ROS alone.
+pub(super) const TORQUES: [&str; 4] = ["torque", "drehmoment", "couple", "tau"];
 
 /// Counts per one of these are those since the row before.
 pub(super) const ROWS: [&str; 6] = ["loop", "sample", "cycle", "period", "interval", "row"];

@@ -6,7 +6,8 @@ pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
     ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, OF_A_VELOCITY, RATES, READINGS,
-    REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TERMS, TIME_STEPS, TURNING, TURNS, WANTED, WORDS,
+    REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TERMS, TIME_STEPS, TORQUES, TURNING, TURNS, WANTED,
+    WORDS,
 };
 
 use Quantity::{Angle, Current, Duty, Interval, Speed, Supply, Time, Voltage};
@@ -59,6 +60,11 @@ pub fn is_interval(name: &str) -> bool {
 /// Whether the words of a name say that it is an error.
 fn is_error(words: &[String]) -> bool {
     words.iter().any(|word| ERROR_ENDS.iter().any(|end| word.ends_with(end)))
+}
+
+/// Whether a name is that of a torque, which follows from a motor's current, whoever commanded it.
+pub(super) fn is_torque(name: &str) -> bool {
+    of(name).iter().any(|word| TORQUES.contains(&word.as_str()))
 }
 
 /// Whether the words of a name are of how many readings there were: no motion, and nothing that drives one.
@@ -139,6 +145,10 @@ pub fn said(name: &str) -> Said {
         } else if any_of(&["i", "current", "curr"]) {
             best = Some((Current, 3, None));
         }
+    }
+    // A torque that was commanded is no duty: `tau_cmd`.
+    if any_of(&TORQUES) && best.is_some_and(|(of, ..)| matches!(of, Duty | Voltage)) {
+        best = None;
     }
     // What changes an angle is a speed: `theta_dot`, `angle_rate`.
     if let Some((Angle, plain, implied)) = best
