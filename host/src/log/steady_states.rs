@@ -1,6 +1,7 @@
 //! A table of steady states: a speed for each level of the drive, row by row, and no log of a motion.
 
 use super::motion::{correlation, different};
+use super::timing::median_interval;
 use super::units::Quantity;
 
 /// A table of steady states has so many levels at most, each once in every sweep; a log of a changing drive has more.
@@ -15,12 +16,15 @@ const IN_ORDER: f64 = 0.9;
 const LATE: f64 = 0.5;
 /// ... where more than this is missing, which is not rounding.
 const MISSING: f64 = 1e-3;
+/// Rows that are this far apart, s, may each be a steady state whatever clock they have: at two readings a second and fewer a motor shows no
+/// motion.
+pub(super) const FAR_APART_S: f64 = 0.4;
 /// The lag is sought in the first rows, so many at most: they go through all levels several times, and the time that it takes grows with the
 /// square of their number.
 const SEARCHED: usize = 5 * MOST_LEVELS;
 
-/// Whether in rows without a clock the drive is another in each and the speed comes in its order, whatever the curve: that of a
-/// pulse-width drive saturates. What is not driven and stands tells neither. A ramp that never turns keeps the order too, however late
+/// Whether the drive is another in each row and the speed comes in its order, whatever the curve: that of a pulse-width
+/// drive saturates. What is not driven and stands tells neither. A ramp that never turns keeps the order too, however late
 /// the motor follows it.
 pub(super) fn are_steady_states(drive: &[f64], speed: &[f64]) -> bool {
     let pairs = drive.iter().zip(speed).filter(|(drive, speed)| **drive != 0.0 || **speed != 0.0);
@@ -63,15 +67,22 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// What is said of them where they are read as rows of a rate all the same; `values` are the columns of the table.
-pub(super) fn said_beside_rate(values: &[(Quantity, Vec<f64>)]) -> Option<(String, &'static str)> {
+/// What is said of them where they are read as a log all the same: as rows of a rate, without `time_s`, or with a clock whose rows are far
+/// apart. `values` are the columns of the table.
+pub(super) fn said_beside_log(
+    time_s: Option<&[f64]>,
+    values: &[(Quantity, Vec<f64>)],
+) -> Option<(String, &'static str)> {
+    if time_s.is_some_and(|time_s| median_interval(time_s) < FAR_APART_S) {
+        return None;
+    }
     let of = |wanted: &[Quantity]| values.iter().find(|(quantity, _)| wanted.contains(quantity));
     let (_, drive) = of(&[Quantity::Voltage, Quantity::Duty])?;
     let (_, speed) = of(&[Quantity::Speed])?;
     are_steady_states(drive, speed).then(|| {
         (
             "steady_states: the drive is another in every row and the speed goes with it: where each row is the speed that a level settled at, \
-             no --rate makes a log of them, and the time constant found is none"
+             no clock and no --rate makes a log of them, and the time constant found is none"
                 .to_owned(),
             "log time, drive and motion while it moves",
         )
@@ -91,8 +102,11 @@ mod tests {
         let rises: Vec<f64> = (0..40).map(|k| 1.0 - (-0.1 * f64::from(k)).exp()).collect();
         assert!(!are_steady_states(&step, &rises) && !are_steady_states(&[0.0; 40], &[0.0; 40]));
         let table = [(Quantity::Duty, levels), (Quantity::Speed, settled)];
-        assert!(said_beside_rate(&table).unwrap().0.starts_with("steady_states: "));
-        assert_eq!(said_beside_rate(&table[..1]), None);
+        assert!(said_beside_log(None, &table).unwrap().0.starts_with("steady_states: "));
+        assert_eq!(said_beside_log(None, &table[..1]), None);
+        let clock = |step: f64| (0..40).map(|k| step * f64::from(k)).collect::<Vec<f64>>();
+        assert!(said_beside_log(Some(&clock(1.1)), &table).is_some());
+        assert_eq!(said_beside_log(Some(&clock(0.01)), &table), None);
     }
 
     /// The speed, in whole rpm, that levels 0 to 254 of a slow pulse-width drive settle at: it saturates long before full duty.

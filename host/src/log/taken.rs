@@ -11,7 +11,7 @@ use super::preamble::Preamble;
 use super::rows::{Blanks, Rows, is_held};
 use super::samples::Place;
 use super::several::Several;
-use super::steady_states::said_beside_rate;
+use super::steady_states::said_beside_log;
 use super::structure;
 use super::table::{Part, Read};
 use super::units::Quantity;
@@ -203,7 +203,7 @@ fn finished(rows: Rows, wanted: &Columns, about: &About, no_time: Option<(&str, 
     let mut values: Vec<(Quantity, Vec<f64>)> =
         wanted.values.iter().map(|column| column.quantity).zip(columns).collect();
     let is_by_rate = matches!(wanted.time, TimeSource::Rate(_) | TimeSource::Numbered(..));
-    if is_by_rate && let Some((what, fix)) = said_beside_rate(&values) {
+    if let Some((what, fix)) = said_beside_log((!is_by_rate).then_some(time_s.as_slice()), &values) {
         warnings.push(Warning { place: file.to_string(), what, fix: fix.into() });
     }
     for (column, (quantity, values)) in wanted.values.iter().zip(&mut values) {

@@ -11,7 +11,7 @@ use super::{
 use crate::log::motion;
 use crate::log::sample::{Sample, numbers};
 use crate::log::samples::FEWEST_SAMPLES;
-use crate::log::steady_states::are_steady_states;
+use crate::log::steady_states::{FAR_APART_S, are_steady_states};
 use crate::log::timing;
 use crate::log::units::Quantity;
 
@@ -30,19 +30,27 @@ pub(super) fn given_sign(sample: &Sample, part: &Part) -> Option<String> {
     Some(format!("{minus_one} in \"{name}\" is read as -1{otherwise}"))
 }
 
-/// What is said of a table without a clock in which the drive is another in each row and the speed goes with it.
+/// What is said of a table in which the drive is another in each row and the speed goes with it, and which has no clock, or one whose rows are
+/// far apart or in a unit that nothing tells.
 pub(super) fn steady_states(sample: &Sample, parts: &[Part]) -> Option<String> {
     let of = |wanted: &[Quantity]| parts.iter().find(|part| wanted.contains(&part.quantity));
     let drive = of(&[Quantity::Voltage, Quantity::Duty]).filter(|part| part.rest.is_none())?;
     let speed = of(&[Quantity::Speed])?;
     let both = |row: &Vec<f64>| Some((*row.get(drive.index)?, *row.get(speed.index)?));
     let (volts, speeds): (Vec<f64>, Vec<f64>) = sample.rows.iter().filter_map(both).unzip();
-    let is_timed = of(&[Quantity::Time, Quantity::Interval]).is_some() || sample.stamped;
+    let clock = of(&[Quantity::Time, Quantity::Interval]);
+    let is_fast = |clock: &Part| {
+        let values: Vec<f64> = numbers(&sample.rows, clock.index).collect();
+        let interval = clocks::interval(clock.quantity, &clock.unit, &values);
+        clock.rest.is_some() || !clock.guessed && interval.is_none_or(|(_, in_s)| in_s < FAR_APART_S)
+    };
+    let is_timed = clock.map_or(sample.stamped, is_fast);
     (!is_timed && are_steady_states(&volts, &speeds)).then(|| {
+        let by = if clock.is_some() { "clock" } else { "--rate" };
         let name = |part: &Part| sample.names.get(part.index).cloned().unwrap_or(part.index.to_string());
         format!(
             "\"{}\" is another in every row and \"{}\" goes with it: where each row is the speed that a level settled at, these are steady states, \
-             which tell gain and friction and no time constant, and no --rate makes a log of them; log time, drive and motion while it moves",
+             which tell gain and friction and no time constant, and no {by} makes a log of them; log time, drive and motion while it moves",
             name(drive),
             name(speed)
         )
@@ -57,7 +65,9 @@ pub(in crate::log) fn steady_question(sample: &Sample, proposal: &Proposal) -> O
     if rows < FEWEST_SAMPLES {
         return Some(format!("{said} ({rows} rows are too few for a fit besides)"));
     }
-    let mut all_the_same = Proposal { rate: Some("N".into()), ..proposal.clone() };
+    // Without a clock.
+    let rate = proposal.rate.as_ref().map(|_| "N".to_owned());
+    let mut all_the_same = Proposal { rate, ..proposal.clone() };
     all_the_same.unknown_units.retain(|text| *text != said);
     Some(format!(
         "{said}; where the rows are instants of one motion all the same, say {}",

@@ -358,6 +358,25 @@ fn a_table_of_steady_states_whose_motion_no_name_tells_is_proposed_with_no_rate_
     assert!(asked.contains("no column tells how it moved") && asked.contains("--rate 100"), "{asked}");
 }
 
+/// A sweep of a robot's wheel, a level in each second: its time was read as microseconds.
+#[test]
+fn a_table_of_steady_states_with_a_slow_clock_or_one_of_an_unknown_unit_is_told_as_one() {
+    let asked = |clock: &str, step: f64| {
+        let row = |k: u32| {
+            let level = 10.0 * f64::from(k % 20);
+            vec![4e4 + step * f64::from(k), level, 20.0 * (level - 35.0).max(0.0).sqrt()]
+        };
+        let sample = Sample::of(&format!("{clock};command;rpm"), (0..40).map(row).collect());
+        questions::steady_question(&sample, &propose_for(&sample).unwrap())
+    };
+    for (clock, step) in [("time", 1100.0), ("time_ms", 1500.0), ("time", 2.0)] {
+        let asked = asked(clock, step).unwrap();
+        assert!(asked.contains("these are steady states") && !asked.contains("--rate"), "{asked}");
+        assert!(asked.contains(&format!("say --map time={clock}:")), "{asked}");
+    }
+    assert_eq!(asked("time_ms", 10.0), None);
+}
+
 #[test]
 fn of_a_mean_and_its_ends_the_mean_is_the_motion_and_a_number_of_readings_is_none() {
     let row = |k: u32| {
