@@ -29,6 +29,7 @@ const MENDS: [(Mend, &[&str]); 2] = [
             "speed_as_angle",
             "locked_antiphase",
             "inverted_duty",
+            "beyond_full_duty",
             "wrong_counts_per_rev",
             "sign_flipped",
             "wrong_units",

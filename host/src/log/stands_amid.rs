@@ -46,6 +46,7 @@ pub(super) fn stands_amid(record: &Record) -> Option<Odd> {
     let elsewhere = pushing().count() - found.iter().cloned().flatten().filter(pushes).count();
     if found.is_empty()
         || fastest == 0.0
+        || highest == 0.0
         || (turning as f64) < ELSEWHERE * elsewhere as f64
         || turning < FEWEST
     {
@@ -110,5 +111,9 @@ mod tests {
         let mut stuck = motor(1e9, |t| t < 1.0);
         stuck.voltage_v.iter_mut().take(100).for_each(|v| *v *= 0.3);
         assert_eq!(stands_amid(&stuck), None);
+        // What runs out with nothing that drives it.
+        let mut runs_out = motor(1e9, |t| t < 1.0);
+        runs_out.voltage_v.iter_mut().for_each(|v| *v = 0.0);
+        assert_eq!(stands_amid(&runs_out), None);
     }
 }

@@ -3,6 +3,7 @@
 //! A fault of the data mimics physics: a shifted column is a delay, a stale one a filter, a record in other volts a
 //! nonlinear motor. So they are looked for first, and told beside every answer. Nothing here refuses a record.
 
+use super::beyond_full::beyond_full;
 use super::clipped::clipped;
 use super::disagreeing::disagreeing;
 use super::early::early;
@@ -19,6 +20,7 @@ use super::stale::stale_voltage;
 use super::stands_amid::stands_amid;
 use super::stops::hard_stop;
 use super::switched_off::switched_off;
+use super::target_as_drive::target_as_drive;
 use super::timing::{median_interval, quantile};
 use super::turned_from_outside::turned_from_outside;
 use super::units::Quantity;
@@ -52,6 +54,7 @@ pub fn data_faults<'a>(records: impl IntoIterator<Item = &'a Record> + Clone) ->
 /// Data quality problems of `records`, each by itself and against each other.
 pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warning> {
     let alone = [
+        beyond_full,
         beyond_supply,
         constant_supply,
         stale_voltage,
@@ -65,6 +68,7 @@ pub fn suspicions<'a>(records: impl IntoIterator<Item = &'a Record>) -> Vec<Warn
         blind_near_zero,
         byte_duty,
         inverted,
+        target_as_drive,
         unsigned,
         unsigned_motion,
         unsigned_current,
