@@ -28,8 +28,8 @@ pub(super) fn beyond_full(record: &Record) -> Option<Odd> {
                  or the largest is a code of the program, as for a brake"
             ),
             format!(
-                "say which number is full duty, duty={column}:FULL; or write in the rows of a code what the driver gave, 0 where it braked or let the \
-                 motor run out"
+                "say which number is full duty, duty={column}:FULL; or write in the rows of a code what the driver gave, 0 where it braked or let \
+                 the motor run out"
             ),
         )
     })

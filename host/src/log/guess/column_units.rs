@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::clocks::time_unit;
 use super::drive;
+use super::duty_range;
 use super::one_motion::NEAR;
 use super::ranges::Range;
 use crate::log::units::Quantity;
@@ -26,7 +27,11 @@ pub(super) fn unit_of(quantity: Quantity, said: Option<&'static str>, values: &[
         return unit.to_owned();
     }
     let unit = match (quantity, said) {
-        (Quantity::Duty, _) => return full_duty(&range, said),
+        (Quantity::Duty, _) => {
+            let code = duty_range::code(values);
+            let duties = values.iter().copied().filter(|value| code.is_none_or(|code| *value != code));
+            return full_duty(&Range::of(duties), said);
+        }
         (Quantity::Voltage | Quantity::Supply, Some("V")) if range.peak() > drive::MOST_VOLTS => "mV",
         (_, Some(unit)) => unit,
         (Quantity::Time, None) => time_unit(values, &range),

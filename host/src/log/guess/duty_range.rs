@@ -13,6 +13,8 @@ use crate::log::units::Quantity;
 
 const PERCENT: f64 = 100.0;
 const EIGHT_BITS: f64 = 255.0;
+/// Most motors of logs have no more volts than this, and none turns at as little of 8 bits.
+const FEW_VOLTS: f64 = 24.0;
 
 /// The full duty that the bracket of a name tells: `PWM (0-255)`, `pwm [8 bits]`.
 pub(super) fn told(name: &str) -> Option<u32> {
@@ -29,6 +31,19 @@ pub(super) fn told(name: &str) -> Option<u32> {
     number(last).filter(|full| begins && *full > 1)
 }
 
+/// A code is so many times as large as any duty at least.
+const BEYOND: f64 = 1.5;
+
+/// The level that is a code of the program and no duty, as what it sends for a brake: it stands on one side alone, far beyond all others, which go
+/// as far to either side.
+pub(super) fn code(values: &[f64]) -> Option<f64> {
+    let range = Range::of(values.iter().copied());
+    let code = if range.high >= -range.low { range.high } else { range.low };
+    let duties = Range::of(values.iter().copied().filter(|value| *value != code));
+    let is_code = range.is_whole() && duties.high > 1.0 && code.abs() > BEYOND * duties.high;
+    (is_code && duties.high == -duties.low).then_some(code)
+}
+
 /// What is asked of a duty whose highest is none that is full duty for sure, or none of what its name says that is.
 pub(super) fn question(names: &[String], rows: &[Vec<f64>], part: &Part) -> Option<String> {
     let name = names.get(part.index)?;
@@ -39,6 +54,13 @@ pub(super) fn question(names: &[String], rows: &[Vec<f64>], part: &Part) -> Opti
         return None;
     }
     let (peak_said, own) = (short(peak), column(names, part.index));
+    if let Some(code) = code(&numbers(rows, part.index).collect::<Vec<_>>()).filter(|_| peak > taken) {
+        return Some(format!(
+            "\"{name}\" is {} in some rows and goes to {taken} both ways in all others: that is a code of the program, as for a brake, and no duty; \
+             write in its rows what the driver gave, 0 where it braked or let the motor run out",
+            short(code)
+        ));
+    }
     if taken >= PERCENT && peak > 0.0 && peak <= 1.0 {
         return Some(format!(
             "\"{name}\" says that {taken} is full duty, and it never passes {peak_said}: where it is a share of one, write duty={own}:1, and every \
@@ -75,9 +97,15 @@ pub(super) fn question(names: &[String], rows: &[Vec<f64>], part: &Part) -> Opti
         )
     };
     let times = |a: f64, b: f64| short(a.max(b) / a.min(b));
+    // A command of so few steps may be volts: full duty of 8 bits would hardly have turned the motor.
+    let volts = if taken == EIGHT_BITS && peak <= FEW_VOLTS {
+        format!("; where it is volts, write voltage={own}:V")
+    } else {
+        String::new()
+    };
     Some(format!(
         "nothing tells the full duty of \"{name}\": it goes to {peak_said} {why}; {taken} is a guess (duty={own}:{} would make every gain {} times \
-         as {})",
+         as {}{volts})",
         short(other),
         times(other, taken),
         if other > taken { "large" } else { "small" }
@@ -108,6 +136,28 @@ mod tests {
         assert!(!is_asked("PWM", [0.0, 0.05, 0.1]));
     }
 
+    /// The program of an inverse pendulum sends 1000 for a brake: that was full duty, and a dead zone "explained" the motor.
+    #[test]
+    fn a_code_beyond_full_duty_both_ways_is_no_duty_and_is_told() {
+        let proposed = |levels: [f64; 4]| {
+            let names = ["t", "PWM", "rpm"].map(str::to_owned);
+            let row = |k: u32| vec![0.01 * f64::from(k), levels[k as usize / 10 % 4], 3.0 * f64::from(k)];
+            propose(&names, &(0..120).map(row).collect::<Vec<_>>()).unwrap()
+        };
+        for (levels, code) in [([0.0, 255.0, 1000.0, -255.0], "1000"), ([0.0, 100.0, -100.0, -999.0], "-999")]
+        {
+            let proposal = proposed(levels);
+            let told = format!("\"PWM\" is {code} in some rows");
+            let asked = proposal.unknown_units.iter().any(|text| text.contains(&told));
+            assert!(asked, "{:?}", proposal.unknown_units);
+            assert!(proposal.map.contains(&format!("duty=PWM:{}", levels[1])), "{}", proposal.map);
+        }
+        // A duty of one direction that was gentle at first, and one that was harder one way.
+        for levels in [[0.0, 50.0, 200.0, 100.0], [-100.0, 100.0, 140.0, 0.0]] {
+            assert_eq!(super::code(&levels), None, "{levels:?}");
+        }
+    }
+
     #[test]
     fn a_full_duty_that_may_be_another_is_told_with_the_reason() {
         for (name, full) in [
@@ -128,6 +178,7 @@ mod tests {
             ([0.0, 96.0, 37.0], "pwm", Some("finer than ten")),
             ([0.0, 900.0, 37.0], "pwm", Some("1000 is the next")),
             ([0.0, 12.0, -7.25], "pwm", Some("voltage=pwm:V")),
+            ([0.0, 12.0, -6.0], "pwm", Some("where it is volts, write voltage=pwm:V)")),
             // Said by the name, or by the values: full duty itself, and a share of it.
             ([0.0, 80.0, 50.0], "pwm [%]", None),
             ([-255.0, 255.0, 0.0], "pwm", None),
