@@ -1,10 +1,13 @@
 //! From bytes to UTF-8: UTF-8 and UTF-16 with and without a byte-order mark, and what older programs and disturbed lines write.
 //!
-//! A byte that is no UTF-8 is taken as a character of Windows-1252 (`°`, `µ`, `ü` in a header); among the numbers of a row it makes the row
-//! unreadable in either way, and the row is then named. Zero bytes, which a preallocated file or a disturbed line leaves, become one
-//! U+FFFD a run, never nothing: a number with a hole must not pass as another number.
+//! A byte that is no UTF-8 is taken as a character of Windows-1252 (`°`, `µ`, `ü` in a header), or of the code page in which the names are
+//! known words; among the numbers of a row it makes the row unreadable in either way, and the row is then named. Zero bytes, which a
+//! preallocated file or a disturbed line leaves, become one U+FFFD a run, never nothing: a number with a hole must not pass as another
+//! number.
 
 use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
+
+use super::code_pages;
 
 /// Zeros at this share of the high bytes, and at so few of the low ones, are UTF-16.
 const HIGH_ZEROS: f64 = 0.6;
@@ -24,6 +27,8 @@ pub(super) struct Decoder {
 enum Coding {
     Utf8,
     Utf16(encoding_rs::Decoder),
+    /// Another country's code page.
+    Page(encoding_rs::Decoder),
 }
 
 impl std::fmt::Debug for Coding {
@@ -31,6 +36,7 @@ impl std::fmt::Debug for Coding {
         f.write_str(match self {
             Coding::Utf8 => "Utf8",
             Coding::Utf16(_) => "Utf16",
+            Coding::Page(_) => "Page",
         })
     }
 }
@@ -59,7 +65,8 @@ impl Decoder {
                 } else if start.len() >= 8 && even > HIGH_ZEROS && odd < LOW_ZEROS {
                     Coding::Utf16(UTF_16BE.new_decoder_without_bom_handling())
                 } else {
-                    Coding::Utf8
+                    let page = code_pages::of(start);
+                    page.map_or(Coding::Utf8, |page| Coding::Page(page.new_decoder_without_bom_handling()))
                 }
             }
         };
@@ -108,7 +115,7 @@ impl Decoder {
                     rest = after;
                 }
             }
-            Coding::Utf16(decoder) => {
+            Coding::Utf16(decoder) | Coding::Page(decoder) => {
                 text.reserve(decoder.max_utf8_buffer_length(bytes.len()).unwrap_or(4 * bytes.len()));
                 let _ = decoder.decode_to_string(bytes, text, last);
             }
@@ -171,6 +178,18 @@ mod tests {
         ] {
             assert_eq!(decoded(&bytes), text, "{bytes:?}");
         }
+    }
+
+    #[test]
+    fn the_code_page_of_another_country_is_told_by_its_names_also_in_pieces() {
+        let text = "Время, с;Напряжение, В;Скорость, об/мин\n0;1;2\n";
+        let bytes = encoding_rs::WINDOWS_1251.encode(text).0;
+        assert_eq!(decoded(&bytes), text);
+        let mut out = String::new();
+        let mut decoder = Decoder::for_start(&bytes);
+        bytes.chunks(7).for_each(|piece| decoder.decode(piece, false, &mut out));
+        decoder.decode(&[], true, &mut out);
+        assert_eq!(out, text);
     }
 
     #[test]

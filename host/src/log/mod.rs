@@ -25,6 +25,7 @@ mod bursts;
 mod choice;
 mod clipped;
 mod clock;
+mod code_pages;
 mod counter;
 mod direction;
 mod disagreeing;

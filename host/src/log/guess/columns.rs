@@ -6,7 +6,7 @@ use super::one_motion::{pairs_of, ratio};
 use super::ranges::Range;
 use super::settle::settle;
 use super::turns::Turn;
-use super::{companions, drive, duty_range, leads, registers, words};
+use super::{companions, drive, duty_range, leads, registers, since_before, words};
 use crate::log::numbered::{counts_rows, numbers_rows};
 use crate::log::sample::numbers;
 use crate::log::units::Quantity;
@@ -44,6 +44,7 @@ pub fn parts(names: &[String], rows: &[Vec<f64>]) -> Vec<Part> {
     let mut said: Vec<words::Said> = names.iter().map(|name| words::said(name)).collect();
     companions::tell(&mut said, names);
     tell_turns(&mut said, names);
+    since_before::tell(&mut said, rows);
     // What has fractions counts nothing.
     for (index, said) in said.iter_mut().enumerate().filter(|(_, said)| said.unit == Some("counts")) {
         if numbers(rows, index).any(|value| value.fract() != 0.0) {

@@ -207,6 +207,15 @@ pub(in crate::log) fn half_question(sample: &Sample) -> Option<String> {
                     "; {} is what a controller was to reach, and not what it gave the motor",
                     name(*target)
                 );
+                // What is wanted of a motion is in its unit; in volts or percent the driver may have been given it.
+                let as_if = match words::said(&sample.with_units[*target]).unit_of {
+                    Some(Duty) => Some("duty [%]"),
+                    Some(Voltage) => Some("voltage [V]"),
+                    _ => None,
+                };
+                if let Some(options) = as_if.and_then(|as_if| options_as_if(sample, &[(*target, as_if)])) {
+                    text += &format!("; where the driver was given it, say {options}");
+                }
             }
             text += &not_driving(sample, &parts, motion);
             // Beyond 100 there are no percent.
@@ -355,6 +364,23 @@ mod tests {
         for told in ["current_mA", "current_A", "current_motor"] {
             assert!(!said(told).contains("taken for mA"), "{told}: {}", said(told));
         }
+    }
+
+    #[test]
+    fn a_set_point_in_percent_or_volts_may_be_what_the_driver_was_given() {
+        let asked = |target: &str| {
+            let row = |k: u32| {
+                vec![10.0 * f64::from(k), [0.0, 50.0, 25.0][k as usize / 30 % 3], f64::from(k * k % 97)]
+            };
+            let header = format!("Zeit [ms];{target};Geschwindigkeit [mm/s]");
+            half_question(&Sample::of(&header, (0..120).map(row).collect())).unwrap()
+        };
+        for (target, option) in
+            [("Sollwert [%]", "duty=Sollwert [%]:100"), ("Sollwert [V]", "voltage=Sollwert [V]:V")]
+        {
+            assert!(asked(target).contains(option), "{}", asked(target));
+        }
+        assert!(!asked("Sollwert [mm/s]").contains("--map"), "{}", asked("Sollwert [mm/s]"));
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod ranges;
 mod registers;
 mod settle;
 mod sides;
+mod since_before;
 mod spelling;
 mod symbols;
 mod time_steps;

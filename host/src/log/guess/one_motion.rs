@@ -7,6 +7,7 @@ use super::columns::Part;
 use super::turns::Turn;
 use super::words;
 use crate::log::units::{Quantity, Unit};
+use crate::log::wraps;
 
 /// The units of an angle and its speed in which the speed is so many times the change of the angle.
 pub(super) fn pairs_of(ratio: f64) -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -39,6 +40,16 @@ fn agree(parts: &mut [Part], said: &[words::Said], rows: &[Vec<f64>]) -> Option<
     let (ratio, uncertainty) = ratio(parts, rows)?;
     let is_open = |part: &Part| said[part.index].unit.is_none() && !said[part.index].register;
     let (of_angle, of_speed) = (parts[angle].unit.clone(), parts[speed].unit.clone());
+    // Steps of a servo's registers, as many a second.
+    if let Some((unit, steps)) = of_angle.split_once('/')
+        && said[parts[speed].index].unit.is_none()
+        && said[parts[speed].index].register
+        && (ratio - 1.0).abs() < EQUAL
+    {
+        parts[speed].unit = format!("{unit}/s/{steps}");
+        parts[speed].guessed = false;
+        return None;
+    }
     if of_angle == "counts" {
         if is_open(&parts[speed]) && (ratio - 1.0).abs() < EQUAL {
             "counts/s".clone_into(&mut parts[speed].unit);
@@ -76,9 +87,12 @@ pub(super) fn ratio(parts: &[Part], rows: &[Vec<f64>]) -> Option<(f64, f64)> {
         .map(|row| [at(row, time.index) * second, at(row, angle), at(row, speed)])
         .filter(|row| row.iter().all(|value| value.is_finite()))
         .collect();
+    let angles: Vec<f64> = whole.iter().map(|row| row[1]).collect();
+    let turn = wraps::turn_of(&angles);
+    let unwrapped = |change: f64| turn.map_or(change, |turn| change - turn * (change / turn).round());
     let (mut product, mut changes, mut speeds) = (0.0, 0.0, 0.0);
     for rows in whole.windows(3) {
-        let change = (rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
+        let change = unwrapped(rows[2][1] - rows[0][1]) / (rows[2][0] - rows[0][0]);
         // Where the clock begins anew, another run does.
         let is_one_run = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
         if change.is_finite() && is_one_run {
@@ -129,6 +143,18 @@ fn leave_out_other_motion(parts: &mut Vec<Part>, rows: &[Vec<f64>]) {
 #[cfg(test)]
 mod tests {
     use super::super::propose;
+
+    #[test]
+    fn a_register_of_steps_a_second_is_told_by_the_steps_beside_it_which_wrap() {
+        let names = ["time", "duty", "present_speed", "present_position"].map(str::to_owned);
+        let row = |k: u32| {
+            let t = 0.02 * f64::from(k);
+            let (speed, position) = (3000.0 + 500.0 * t.sin(), 3000.0 * t - 500.0 * t.cos());
+            vec![t, (50.0 + 9.0 * t.sin()).round(), speed.round(), position.round().rem_euclid(4096.0)]
+        };
+        let map = propose(&names, &(0..300).map(row).collect::<Vec<_>>()).unwrap().map;
+        assert!(map.ends_with("angle=present_position:rev/4096,speed=present_speed:rev/s/4096"), "{map}");
+    }
 
     #[test]
     fn a_speed_beside_an_angle_is_proposed_where_a_unit_makes_them_one_motion() {
