@@ -122,7 +122,10 @@ impl Choice<'_> {
             }
         }
         let Some(time) = self.time(options)? else {
-            return Ok(Err(Missing { header: "time_s", why: "no column gives the time" }));
+            return Ok(Err(Missing {
+                header: "time_s",
+                why: "no column is called time_s or mapped as the time",
+            }));
         };
         let rate_unused = options.rate_hz.is_some() && !matches!(time, TimeSource::Rate(_));
         let columns = Columns { time, values, only: self.only(map)?, rate_unused };
@@ -326,10 +329,13 @@ fn missing(columns: &Columns) -> Option<Missing> {
         return (!has(Quantity::Angle)).then_some(Missing { header: "angle_rad", why });
     }
     if !has(Quantity::Voltage) && !has(Quantity::Duty) {
-        return Some(Missing { header: "voltage_v", why: "no column gives the voltage" });
+        return Some(Missing {
+            header: "voltage_v",
+            why: "no column is called voltage_v or mapped as voltage or duty",
+        });
     }
     if !has(Quantity::Angle) && !has(Quantity::Speed) {
-        let why = "no column gives the angle or the speed (speed_rad_s)";
+        let why = "no column is called angle_rad or speed_rad_s or mapped as angle or speed";
         return Some(Missing { header: "angle_rad", why });
     }
     None

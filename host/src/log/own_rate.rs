@@ -52,7 +52,7 @@ mod tests {
             ("u,y,fs", "10", "20", "--rate 100 (nothing"),
             ("u,y,dt", "0.02", "0.02", "interval=dt:s"),
         ] {
-            assert_bad(&proposed(header, first, next), "column time_s", "no column gives the time", remedy);
+            assert_bad(&proposed(header, first, next), "column time_s", "no column is called time_s", remedy);
         }
         assert!(proposed("u,y,fs", "10", "").to_string().contains("fs = 10 makes 10 rows a second"));
         // Where the motion is not recognised either.

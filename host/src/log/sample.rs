@@ -319,8 +319,11 @@ fn no_table(sample: &Sample, head: &Preamble) -> Option<String> {
     }
 }
 
-/// What is said where nothing is known of the columns.
+/// What is said where nothing is known of the columns, or nothing but what was commanded and counted.
 fn any_mapping(sample: &Sample) -> String {
+    if let Some(said) = guess::unmeasured(sample) {
+        return said;
+    }
     format!(
         "say which column is what and in which unit; if they are time, voltage and speed: --map {}, and of a duty and encoder counts: --map \
          time=t:ms,duty=pwm:255,angle=enc:counts --supply-volts 12 --counts-per-rev {}",

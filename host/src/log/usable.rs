@@ -148,6 +148,8 @@ fn no_excitation(record: &Record) -> Option<Fault> {
     let level = voltage.first().copied().unwrap_or_default();
     let against = if turns_against(record, level) {
         "; and the motor turns the other way, so the sign of the motion or of the voltage is reversed, or something else drives it"
+    } else if level == 0.0 && peak(&speed(record)) > 0.0 {
+        "; a motor that runs out tells its friction beside its inertia and no gain (log what drove it before in the same record)"
     } else {
         ""
     };
@@ -266,7 +268,7 @@ pub(in crate::log) mod tests {
         record.angle_rad = Some(record.time_s.iter().map(|t| -3.0 * t).collect());
         assert_bad(&check_usable(&record).unwrap_err(), "column voltage_v", "turns the other way", "plan");
         record.voltage_v.fill(0.0);
-        assert!(check_usable(&record).is_err());
+        assert_bad(&check_usable(&record).unwrap_err(), "column voltage_v", "runs out", "plan");
         record.meta.insert(sysid::TEST_KEY, "fast-forward").unwrap();
         assert!(no_excitation(&record).is_none());
     }

@@ -2,7 +2,7 @@
 
 use super::ranges::Range;
 use super::{column, quoted, words};
-use crate::log::sample::numbers;
+use crate::log::sample::{Sample, numbers};
 use crate::log::samples::FEWEST_SAMPLES;
 use crate::log::units::Quantity;
 
@@ -43,9 +43,39 @@ pub(in crate::log) fn example(names: &[String], rows: &[Vec<f64>]) -> String {
     quoted(&parts.join(","))
 }
 
+/// What is said of a table that has a time and beside it only what somebody wanted and numbers of readings: no mapping of them is a log.
+pub(in crate::log) fn unmeasured(sample: &Sample) -> Option<String> {
+    let said: Vec<words::Said> = sample.names.iter().map(|name| words::said(name)).collect();
+    let is_time = |k: &usize| matches!(said[*k].quantity, Some((Quantity::Time | Quantity::Interval, _)));
+    let (times, others): (Vec<usize>, Vec<usize>) = (0..said.len()).partition(is_time);
+    let is_none = |k: &usize| said[*k].wanted || words::counts_readings(&words::of(&sample.names[*k]));
+    let wanted: Vec<String> =
+        others.iter().filter(|k| said[**k].wanted).map(|k| format!("\"{}\"", sample.names[*k])).collect();
+    (!times.is_empty() && !wanted.is_empty() && others.iter().all(is_none)).then(|| {
+        format!(
+            "{} was commanded, and no column was measured: log what drove the motor (its duty or voltage) and how it moved (an angle, counts or a \
+             speed) in every row",
+            wanted.join(" and ")
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A planner's own log was met with an example in which its commands are the speed, and the number of its samples the voltage.
+    #[test]
+    fn what_was_commanded_and_what_numbers_the_samples_is_no_example_of_a_log() {
+        let row =
+            |k: u32| vec![2451.0 + f64::from(k / 7), 17.0 + f64::from(k / 14), 102.0 + f64::from(k / 7)];
+        let said = |header: &str| unmeasured(&Sample::of(header, (0..60).map(row).collect()));
+        let told = said("t;pos_cmd;samples_consumed").unwrap();
+        assert!(told.contains("\"pos_cmd\" was commanded") && !told.contains("--map"), "{told}");
+        for other in ["t;pos_cmd;foo", "t;foo;bar", "foo;pos_cmd;samples_consumed"] {
+            assert_eq!(said(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn an_example_keeps_the_units_that_names_tell() {

@@ -39,7 +39,7 @@ pub mod words;
 pub(super) use channels::channels_question;
 pub use columns::{Part, parts};
 pub(super) use drive::half_question;
-pub(super) use example::example;
+pub(super) use example::{example, unmeasured};
 pub(super) use garbled_columns::{garbled_question, left_out};
 pub use look::{Look, look};
 use preview::preview;

@@ -67,9 +67,10 @@ pub(super) fn is_torque(name: &str) -> bool {
     of(name).iter().any(|word| TORQUES.contains(&word.as_str()))
 }
 
-/// Whether the words of a name are of how many readings there were: no motion, and nothing that drives one.
+/// Whether the words of a name are of how many readings there were (`sample_count`, `samples_consumed`): no motion, and nothing that drives one.
 pub(super) fn counts_readings(words: &[String]) -> bool {
-    words.windows(2).any(|pair| READINGS.contains(&pair[0].as_str()) && pair[1] == "count")
+    let ends = ["count", "consumed", "read", "received", "sent"];
+    words.windows(2).any(|pair| READINGS.contains(&pair[0].as_str()) && ends.contains(&pair[1].as_str()))
 }
 
 /// Whether a name says that its column drives nothing, whatever its numbers are: a clock, an error, a controller's term, what a sensor tells.
