@@ -11,6 +11,7 @@ use super::servo::{Controller, Servo, filtered_speed, volts};
 use super::servo_loop::{self, Followed};
 use super::servo_told::Told;
 use super::weak::{Regression, Weak};
+use crate::search::golden::lowest;
 
 /// Gains that are tried, duty per rad: full duty at 1.5 rad to full duty at 0.01 rad.
 const GAINS: (f64, f64, usize) = (0.7, 100.0, 40);
@@ -214,22 +215,18 @@ pub(super) fn find(records: &[Record]) -> Found {
     Found { run, told }
 }
 
-/// The trial of the gain that leaves least between those tried beside that of `run`, by thirds.
+/// The trial of the gain that leaves least between those tried beside that of `run`.
 fn between(seen: &[Seen], run: Loop, kind: usize) -> Trial {
     let (low, high, count) = GAINS;
     let step = (high / low).powf(1.0 / (count - 1) as f64);
     let Controller { gain: centre, damping } = run.controller;
-    let of_gain = |gain: f64| {
-        let controller = Controller { gain, damping: gain * damping / centre };
+    let times = |times: f64| {
+        let controller = Controller { gain: centre * times, damping: damping * times };
         Trial::new(seen, Loop { controller, ..run })
     };
-    let left = |gain: f64| of_gain(gain).left[kind];
-    let (mut a, mut b) = (centre / step, centre * step);
-    for _ in 0..12 {
-        let (c, d) = (a * (b / a).powf(1.0 / 3.0), a * (b / a).powf(2.0 / 3.0));
-        if left(c) < left(d) { b = d } else { a = c }
-    }
-    of_gain((a * b).sqrt())
+    let ends = [-step.ln(), step.ln()];
+    let (_, at) = lowest(ends, |at| times(at.exp()).left[kind]);
+    times(at.exp())
 }
 
 /// The simulated loop that follows `records` best from where a `rough` one is, or from a relay.

@@ -8,6 +8,7 @@ mod conventional;
 mod crew;
 mod fast;
 mod genetic;
+pub(crate) mod golden;
 mod islands;
 pub(crate) mod least_squares;
 mod projection;

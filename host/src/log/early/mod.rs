@@ -11,7 +11,8 @@ use super::motion::mean;
 use super::suspicion::{BEFORE_ITS_VOLTAGE, place_of};
 use super::timing::median;
 use super::{Hold, Record, Warning};
-use switch::{Switch, least_of, lowest};
+use crate::search::golden::lowest;
+use switch::{Switch, least_of};
 
 /// Most switches that are fitted.
 const MOST: usize = 24;

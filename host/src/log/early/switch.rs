@@ -3,6 +3,7 @@
 use crate::log::Record;
 use crate::log::motion::{mean, peak};
 use crate::log::timing::median_interval;
+use crate::search::golden::lowest;
 
 /// Rows before a switch and from it on that are looked at, and the fewest that tell.
 const BEFORE: usize = 4;
@@ -132,14 +133,4 @@ fn product(one: &[f64], other: &[f64]) -> f64 {
 /// Which of `values` is lowest.
 pub(super) fn least_of(values: impl Iterator<Item = f64>) -> usize {
     values.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place)
-}
-
-/// The lowest value of `of` between two ends, where it falls to one and rises again, and its place: by thirds.
-pub(super) fn lowest([mut low, mut high]: [f64; 2], of: impl Fn(f64) -> f64) -> (f64, f64) {
-    for _ in 0..10 {
-        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        if of(a) > of(b) { low = a } else { high = b }
-    }
-    let middle = 0.5 * (low + high);
-    (of(middle), middle)
 }
