@@ -125,7 +125,10 @@ pub fn load(paths: &[PathBuf], args: &ReadArgs) -> Result<Loaded> {
     let all = |paths: &[PathBuf]| -> Result<Vec<Record>> {
         let mut records = Vec::new();
         for path in paths {
-            records.extend(read(path, &options).map_err(|error| apart::as_one(error, paths, &options))?);
+            records.extend(
+                read::with_open_loops(path, &options)
+                    .map_err(|error| apart::as_one(error, paths, &options))?,
+            );
         }
         Ok(records)
     };

@@ -96,10 +96,15 @@ impl ReadOptions {
 /// # Ok::<(), motorlens::Error>(())
 /// ```
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
-    let tests = tests(path, options).map_err(|error| other_than_refused(error, options.map.as_ref()))?;
-    let mut records: Vec<Record> = tests.into_iter().flat_map(repair::repaired).collect();
+    let mut records = with_open_loops(path, options)?;
     servo::close_loops(&mut records);
     Ok(records)
+}
+
+/// The same with the loops of position servos still open, which more files may have to settle.
+pub(super) fn with_open_loops(path: &Path, options: &ReadOptions) -> Result<Vec<Record>> {
+    let tests = tests(path, options).map_err(|error| other_than_refused(error, options.map.as_ref()))?;
+    Ok(tests.into_iter().flat_map(repair::repaired).collect())
 }
 
 /// The tests of one file as its reader has them; what is true of every log whatever its layout, [`read`] adds.
