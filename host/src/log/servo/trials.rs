@@ -1,16 +1,16 @@
 //! Which controller drives a servo, tried out: the one whose voltage the motion explains best.
 //!
-//! A controller gives the voltage of every row, the motor's equation in its weak form ([`super::weak`]) what of that the motion does not
+//! A controller gives the voltage of every row, the motor's equation in its weak form ([`crate::log::weak`]) what of that the motion does not
 //! explain: beside friction alone, or under a weight too, which an arm lifts. Where the target stands between two rows and how late it
 //! arrives is not logged either, and is found alike. What the motion tells of a controller is judged by the simulated loop
-//! ([`super::servo_loop`]): the trial that leaves least may still leave nearly all.
+//! ([`super::simulated`]): the trial that leaves least may still leave nearly all.
 
-use super::Record;
-use super::motion::peak;
-use super::servo::{Controller, Servo, filtered_speed, volts};
-use super::servo_loop::{self, Followed};
-use super::servo_told::Told;
-use super::weak::{Regression, Weak};
+use super::simulated::{self, Followed};
+use super::told::Told;
+use super::{Controller, Servo, filtered_speed, volts};
+use crate::log::Record;
+use crate::log::motion::peak;
+use crate::log::weak::{Regression, Weak};
 use crate::search::golden::lowest;
 
 /// Gains that are tried, duty per rad: full duty at 1.5 rad to full duty at 0.01 rad.
@@ -233,7 +233,7 @@ fn between(seen: &[Seen], run: Loop, kind: usize) -> Trial {
 fn followed(records: &[Record], rough: &Trial, kind: usize) -> Option<Followed> {
     let arrived: Vec<Record> = records.iter().map(|record| arrived(record, rough.run)).collect();
     let from = |controller: Controller, motor: Regression| {
-        servo_loop::refined(&arrived, controller, motor, kind == 1)
+        simulated::refined(&arrived, controller, motor, kind == 1)
     };
     let graded = from(rough.run.controller, rough.motors[kind]?)?;
     if graded.left <= CLOSE {

@@ -8,10 +8,10 @@
 
 use levenberg_marquardt::LevenbergMarquardt;
 
-use super::Record;
-use super::motion::mean;
-use super::servo::{Controller, Servo, full_duty_v};
-use super::weak::Regression;
+use super::{Controller, Servo, full_duty_v};
+use crate::log::Record;
+use crate::log::motion::mean;
+use crate::log::weak::Regression;
 use crate::search::least_squares::{Minimum, Search};
 
 /// Longest step of the simulation, s, and most steps from sample to sample.
@@ -125,8 +125,8 @@ fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, param
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{Between, driven};
     use super::*;
-    use crate::log::servo::tests::{Between, driven};
     use crate::log::weak::Weak;
 
     #[test]

@@ -2,15 +2,19 @@
 //!
 //! The controller is part of the model: `duty = clamp(gain * (target - angle) - damping * speed, -1, 1)`, and the voltage is the duty
 //! times the supply. Gain (`--servo-gain`, duty per rad; of a servo whose register is in other units, that of its register) and
-//! damping (`--servo-damping`, duty per rad/s) are known, or found (`servo_trials`): where the controller saturates, and only there,
+//! damping (`--servo-damping`, duty per rad/s) are known, or found (`trials`): where the controller saturates, and only there,
 //! the motion tells its gain apart from the motor's. The loop of a servo is much faster than its log. Where the target moves on between two
 //! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
 
+mod simulated;
+mod told;
+mod trials;
+
 use super::motion::{low_pass, slope, speed};
-use super::servo_told::{late_target, told_or_assumed};
-use super::servo_trials::{Loop, Seen, find, of_known};
 use super::timing::median_interval;
 use super::{Hold, Record, Warning};
+use told::{late_target, told_or_assumed};
+use trials::{Loop, Seen, find, of_known};
 
 /// The loop of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,10 +41,10 @@ pub const USUAL_SUPPLY: f64 = 12.0;
 
 impl Controller {
     /// Full duty by the sign of the error: of a larger gain no encoder tells more.
-    pub(super) const RELAY: Self = Self { gain: 1e3, damping: 0.0 };
+    const RELAY: Self = Self { gain: 1e3, damping: 0.0 };
 
     /// Duty at an `error` of the angle, rad, and a `speed`, rad/s.
-    pub(super) fn duty(self, error: f64, speed: f64) -> f64 {
+    fn duty(self, error: f64, speed: f64) -> f64 {
         (self.gain * error - self.damping * speed).clamp(-1.0, 1.0)
     }
 }
@@ -61,17 +65,17 @@ fn drive(run: Loop, record: &mut Record) {
 }
 
 /// What a `duty` of each sample of `record` is in volts.
-pub(super) fn volts(record: &Record, duty: &[f64]) -> Vec<f64> {
+fn volts(record: &Record, duty: &[f64]) -> Vec<f64> {
     duty.iter().enumerate().map(|(k, duty)| duty * full_duty_v(record, k)).collect()
 }
 
 /// The volts that full duty is at sample `k`.
-pub(super) fn full_duty_v(record: &Record, k: usize) -> f64 {
+fn full_duty_v(record: &Record, k: usize) -> f64 {
     record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k])
 }
 
 /// The speed as a servo's loop sees it, and not as noisy as a difference of two samples.
-pub(super) fn filtered_speed(record: &Record) -> Vec<f64> {
+fn filtered_speed(record: &Record) -> Vec<f64> {
     match (&record.angle_rad, &record.speed_rad_s) {
         (_, Some(_)) => speed(record),
         (Some(angle), None) => {
@@ -117,7 +121,7 @@ pub fn close_loops(records: &mut [Record]) {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::super::weak::Weak;
     use super::*;
 

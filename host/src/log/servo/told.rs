@@ -1,8 +1,8 @@
 //! What is said of a servo's loop that is not logged: what the motion tells of its controller, what is assumed, and how late its target arrives.
 
-use super::servo::Controller;
-use super::timing::median_interval;
-use super::{Record, Warning};
+use super::Controller;
+use crate::log::timing::median_interval;
+use crate::log::{Record, Warning};
 
 /// What of a controller the motion tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
