@@ -37,6 +37,7 @@ pub mod book;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compare;
+mod cores;
 #[cfg(feature = "device")]
 pub mod device;
 pub mod diagnose;

@@ -3,10 +3,10 @@
 //! A view never changes, so pages read it without holding the session: a fit that steps on makes a new one.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::thread;
 
 use super::session::Passed;
 use crate::compare::free_run::{FreeRun, free_runs};
+use crate::cores;
 use crate::diagnose::evidence::Evidence;
 use crate::estimate::combinations;
 use crate::fit::layout::Values;
@@ -60,18 +60,8 @@ impl Tracks {
 
     /// The runs of `values` over all records, on all cores.
     pub fn runs(&self, values: &Values) -> Vec<FreeRun> {
-        let cores = thread::available_parallelism().map_or(1, usize::from);
         let numbers: Vec<usize> = (0..self.len()).collect();
-        let share = numbers.len().div_ceil(cores).max(1);
-        thread::scope(|scope| {
-            let parts: Vec<_> = numbers
-                .chunks(share)
-                .map(|part| {
-                    scope.spawn(|| part.iter().filter_map(|k| self.run(*k, values)).collect::<Vec<_>>())
-                })
-                .collect();
-            parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect()
-        })
+        cores::each(&numbers, |number| self.run(*number, values)).into_iter().flatten().collect()
     }
 }
 
