@@ -172,7 +172,16 @@ impl<'a> Weak<'a> {
 
     /// [`Self::regress`] with the torque of a pendulum beside friction and load.
     pub fn under_load(&self, late_s: f64) -> Option<Regression> {
+        self.loaded(&self.rows_of(late_s, |v| v))
+    }
+
+    /// What the voltage, `late_s` seconds later than logged, tells without the torque of a pendulum and with it.
+    pub fn without_and_under_load(&self, late_s: f64) -> [Option<Regression>; 2] {
         let rows = self.rows_of(late_s, |v| v);
+        [solved(&rows), self.loaded(&rows)]
+    }
+
+    fn loaded(&self, rows: &[([f64; 4], f64)]) -> Option<Regression> {
         let full = rows.iter().zip(&self.windows).map(|((row, v), window)| {
             let gravity = window.gravity.map(|g| g / window.area);
             ([row[0], row[1], row[2], row[3], gravity[0], gravity[1]], *v)

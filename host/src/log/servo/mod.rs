@@ -6,15 +6,16 @@
 //! the motion tells its gain apart from the motor's. The loop of a servo is much faster than its log. Where the target moves on between two
 //! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
 
+mod busiest;
+mod driven;
+#[cfg(test)]
+mod made;
 mod simulated;
 mod told;
 mod trials;
 
-use super::motion::{low_pass, slope, speed};
-use super::timing::median_interval;
-use super::{Hold, Record, Warning};
+use super::{Record, Warning};
 use told::{late_target, told_or_assumed};
-use trials::{Loop, Seen, find, of_known};
 
 /// The loop of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,54 +50,18 @@ impl Controller {
     }
 }
 
-/// Gives `record` the voltage that `run` makes of its loop.
-fn drive(run: Loop, record: &mut Record) {
-    let Some(servo) = record.servo.clone() else { return };
-    let speed = filtered_speed(record);
-    let duty: Vec<f64> = if run.moves {
-        let angle = record.angle_rad.as_deref().unwrap_or_default();
-        let error = run.target(&servo).into_iter().zip(angle).map(|(target, angle)| target - angle);
-        error.zip(&speed).map(|(error, w)| run.controller.duty(error, *w)).collect()
-    } else {
-        run.mean_duty(record, &servo, &speed)
-    };
-    record.hold = if run.moves { Hold::First } else { Hold::Zero };
-    record.voltage_v = volts(record, &duty);
-}
-
-/// What a `duty` of each sample of `record` is in volts.
-fn volts(record: &Record, duty: &[f64]) -> Vec<f64> {
-    duty.iter().enumerate().map(|(k, duty)| duty * full_duty_v(record, k)).collect()
-}
-
-/// The volts that full duty is at sample `k`.
-fn full_duty_v(record: &Record, k: usize) -> f64 {
-    record.supply_v.as_ref().map_or(USUAL_SUPPLY, |supply| supply[k])
-}
-
-/// The speed as a servo's loop sees it, and not as noisy as a difference of two samples.
-fn filtered_speed(record: &Record) -> Vec<f64> {
-    match (&record.angle_rad, &record.speed_rad_s) {
-        (_, Some(_)) => speed(record),
-        (Some(angle), None) => {
-            low_pass(&record.time_s, &slope(&record.time_s, angle), 0.5 * median_interval(&record.time_s))
-        }
-        (None, None) => Vec::new(),
-    }
-}
-
 /// Gives every servo of `records` its voltage, with one controller for all of which it is not known.
 pub fn close_loops(records: &mut [Record]) {
     let open: Vec<Record> =
         records.iter().filter(|r| r.servo.as_ref().is_some_and(|s| s.gain.is_none())).cloned().collect();
-    let found = if open.is_empty() { None } else { Some(find(&open)) };
+    let found = if open.is_empty() { None } else { Some(trials::find(&open)) };
     let mut said = false;
     for record in records.iter_mut() {
         let Some(servo) = record.servo.clone() else { continue };
         let known = servo.gain.map(|gain| Controller { gain, damping: servo.damping.unwrap_or(0.0) });
-        let known = known.map(|known| of_known(&Seen::of(record).into_iter().collect::<Vec<_>>(), known));
+        let known = known.map(|known| trials::known(record, known));
         let Some(run) = known.or(found.map(|found| found.run)) else { continue };
-        drive(run, record);
+        run.drive(record);
         let Controller { gain, damping } = run.controller;
         for (key, value) in [
             ("servo_gain", gain.to_string()),
@@ -114,62 +79,22 @@ pub fn close_loops(records: &mut [Record]) {
             record.warnings.push(told_or_assumed(record, run.controller, found.told));
             said = true;
         }
-        if run.late > 0 {
-            record.warnings.push(late_target(record, run.late));
+        if run.late_s > 0.0 {
+            record.warnings.push(late_target(record, run.late_s));
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Hold;
     use super::super::weak::Weak;
+    use super::made::{Between, Made};
     use super::*;
 
-    /// Where a target is between two rows: it moves on, or stands as it was so many rows before.
-    #[derive(Clone, Copy)]
-    pub(in crate::log) enum Between {
-        Moves,
-        Stands(usize),
-    }
-
-    /// A motor in a position loop that runs fifty times as often as it is logged.
+    /// A servo whose target moves on between two rows.
     fn servo(gain: f64, damping: f64, size: f64) -> Record {
-        driven([gain, damping, size], Between::Moves, |_| 0.0).0
-    }
-
-    /// The same whose target is so between two rows, and whose shaft has a `load` (V) by its angle; and the mean voltage of every row.
-    pub(in crate::log) fn driven(
-        [gain, damping, size]: [f64; 3],
-        between: Between,
-        load: impl Fn(f64) -> f64,
-    ) -> (Record, Vec<f64>) {
-        let (supply, dt) = (12.0, 2e-4);
-        let (mut w, mut x) = (0.0_f64, 0.0_f64);
-        let mut record = Record { name: "servo".into(), angle_rad: Some(Vec::new()), ..Record::default() };
-        let (mut targets, mut means) = (Vec::new(), Vec::new());
-        for k in 0..60_000 {
-            let t = f64::from(k) * dt;
-            let mut target = size * ((0.9 * t).sin().signum() * 0.6 + 0.4 * (2.3 * t).sin());
-            if k % 50 == 0 {
-                record.time_s.push(t);
-                record.angle_rad.as_mut().unwrap().push(x);
-                targets.push(target);
-                means.push(0.0);
-            }
-            if let Between::Stands(late) = between {
-                target = targets[(targets.len() - 1).saturating_sub(late)];
-            }
-            let v = supply * (gain * (target - x) - damping * w).clamp(-1.0, 1.0);
-            *means.last_mut().unwrap() += v / 50.0;
-            let push = v - load(x);
-            let friction = if w == 0.0 { push.clamp(-0.3, 0.3) } else { 0.3 * w.signum() };
-            w += dt / 0.05 * (0.5 * (push - friction) - w);
-            x += dt * w;
-        }
-        record.supply_v = Some(vec![supply; record.len()]);
-        record.servo = Some(Servo { target_rad: targets, gain: None, damping: None });
-        record.voltage_v = vec![0.0; record.len()];
-        (record, means)
+        Made { gain, damping, size, between: Between::Moves, ..Made::default() }.record()
     }
 
     fn gain_of(record: &Record) -> f64 {
@@ -184,7 +109,7 @@ mod tests {
     #[test]
     fn a_target_that_stands_between_two_rows_gives_each_row_its_mean_voltage() {
         for known in [None, Some(4.0)] {
-            let (mut record, means) = driven([4.0, 0.0, 1.0], Between::Stands(0), |_| 0.0);
+            let (mut record, means) = Made { gain: 4.0, size: 1.0, ..Made::default() }.log();
             record.servo.as_mut().unwrap().gain = known;
             let mut records = [record];
             close_loops(&mut records);
@@ -198,8 +123,7 @@ mod tests {
 
     #[test]
     fn the_controller_of_an_arm_that_lifts_a_weight_is_found() {
-        let (record, _) = driven([2.5, 0.0, 1.3], Between::Stands(0), |x| 2.0 * x.sin());
-        let mut records = [record];
+        let mut records = [Made { weight_v: 2.0, ..Made::default() }.record()];
         close_loops(&mut records);
         assert!((gain_of(&records[0]) / 2.5 - 1.0).abs() < 0.1, "{}", gain_of(&records[0]));
         assert!(said(&records[0]).what.contains("tells a gain"), "{:?}", said(&records[0]));
@@ -208,7 +132,7 @@ mod tests {
     #[test]
     fn a_target_that_arrives_some_rows_late_is_told_once_and_taken_so() {
         for known in [None, Some(2.5)] {
-            let (mut record, _) = driven([2.5, 0.0, 1.3], Between::Stands(3), |_| 0.0);
+            let mut record = Made { between: Between::Stands(3), ..Made::default() }.record();
             record.servo.as_mut().unwrap().gain = known;
             let mut records = [record];
             close_loops(&mut records);

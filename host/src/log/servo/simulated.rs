@@ -8,17 +8,19 @@
 
 use levenberg_marquardt::LevenbergMarquardt;
 
-use super::{Controller, Servo, full_duty_v};
+use super::Controller;
+use super::busiest::Stretch;
+use super::driven::{Loop, full_duty_v, target_at};
+use crate::cores;
 use crate::log::Record;
 use crate::log::motion::mean;
+use crate::log::timing::median_interval;
 use crate::log::weak::Regression;
 use crate::search::least_squares::{Minimum, Search};
 
 /// Longest step of the simulation, s, and most steps from sample to sample.
 const STEP_S: f64 = 2.5e-4;
 const MOST_STEPS: usize = 40;
-/// Most samples that are simulated, over all records.
-const MOST_SAMPLES: usize = 8_000;
 /// A search has ended where a step gains less than this share of the error, or after so many simulations a parameter.
 const ENDED: f64 = 1e-5;
 const PATIENCE: usize = 30;
@@ -31,9 +33,6 @@ const FIRST_STEP: f64 = 0.15;
 const FRICTION_V: f64 = 0.2;
 const DAMPING_S: f64 = 1e-3;
 
-/// A record, its loop, and how many of its samples are simulated.
-type Part<'a> = (&'a Record, &'a Servo, usize);
-
 /// A simulated loop, and how well it follows the angle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Followed {
@@ -43,34 +42,29 @@ pub(super) struct Followed {
     pub left: f64,
 }
 
-/// The loop that follows `records` best, from a controller that is about right and the motor seen with it, under the weight seen with that
-/// where the shaft `carries` one; none where the angle does not change.
+/// The loop that follows `stretches` best, from one that is about right and the motor seen with it, under the weight seen with that where the
+/// shaft `carries` one; none where the angle does not change.
 pub(super) fn refined(
-    records: &[Record],
-    start: Controller,
+    stretches: &[Stretch],
+    start: Loop,
     motor: Regression,
     carries: bool,
 ) -> Option<Followed> {
-    let mut left = MOST_SAMPLES;
-    let parts: Vec<Part> = records
-        .iter()
-        .filter_map(|record| {
-            let count = record.len().min(left);
-            left -= count;
-            Some((record, record.servo.as_ref()?, count)).filter(|(.., count)| *count > 0)
-        })
-        .collect();
-    let seconds = (start.damping / start.gain).max(DAMPING_S);
-    let mut begin = vec![start.gain, seconds, motor.gain, motor.tau_s.max(5e-3), FRICTION_V];
+    let Controller { gain, damping } = start.controller;
+    let mut begin =
+        vec![gain, (damping / gain).max(DAMPING_S), motor.gain, motor.tau_s.max(5e-3), FRICTION_V];
     if carries {
         begin.push(1.0);
     }
     let solver = LevenbergMarquardt::new().with_ftol(ENDED).with_patience(PATIENCE);
     let solver = solver.with_scale_diag(false).with_stepbound(FIRST_STEP);
     let search = Search { start: &begin, bound: BOUND, difference: DIFFERENCE, solver };
-    let [held, straight] = [false, true].map(|moves| search.minimise(|at| errors(&parts, &motor, moves, at)));
-    let Minimum { x, squares, .. } = if held.squares < straight.squares { held } else { straight };
-    let variation: f64 = parts.iter().map(|(record, _, count)| variation(record, *count)).sum();
+    let both = cores::each(&[false, true], |moves| {
+        let form = Form { seen: &motor, late_s: start.late_s, moves: *moves };
+        search.minimise(|at| stretches.iter().flat_map(|one| errors(one, form, at)).collect())
+    });
+    let Minimum { x, squares, .. } = both.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    let variation: f64 = stretches.iter().map(|one| variation(&one.record)).sum();
     let [gain, seconds] = [x[0].min(Controller::RELAY.gain), x[1]];
     // Of a damping that is as small as it began nothing is told.
     let damping = if seconds > 2.0 * DAMPING_S { gain * seconds } else { 0.0 };
@@ -82,37 +76,42 @@ pub(super) fn refined(
 }
 
 /// Sum of squares of the angle about its mean, rad^2.
-fn variation(record: &Record, count: usize) -> f64 {
-    let angle = &record.angle_rad.as_deref().unwrap_or_default()[..count];
+fn variation(record: &Record) -> f64 {
+    let angle = record.angle_rad.as_deref().unwrap_or_default();
     let mean = mean(angle);
     angle.iter().map(|x| (x - mean).powi(2)).sum()
 }
 
-/// What the simulated loops miss the measured angles by, rad.
-fn errors(parts: &[Part], seen: &Regression, moves: bool, parameters: &[f64]) -> Vec<f64> {
-    parts.iter().flat_map(|part| errors_of(*part, seen, moves, parameters)).collect()
+/// What of a loop no search changes.
+#[derive(Clone, Copy)]
+struct Form<'a> {
+    /// With the weight as it was seen.
+    seen: &'a Regression,
+    late_s: f64,
+    moves: bool,
 }
 
-/// The same of one record, under gain, damping as seconds of the gain, gain and time constant of the motor, friction, and where the shaft
-/// carries a weight the multiple of the one that was `seen`; the target moves on straight from row to row, or is held.
-fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, parameters: &[f64]) -> Vec<f64> {
+/// What the simulated loop misses the measured angles by, rad, under gain, damping as seconds of the gain, gain and time constant of the motor,
+/// friction, and where the shaft carries a weight the multiple of the one that was seen.
+fn errors(Stretch { record, speed }: &Stretch, form: Form, parameters: &[f64]) -> Vec<f64> {
     let [gain, seconds, motor, tau_s, friction] = std::array::from_fn(|k| parameters[k]);
     let controller = Controller { gain, damping: gain * seconds };
-    let weight = |x: f64| parameters.get(5).map_or(0.0, |times| times * seen.load_at(x));
+    let weight = |x: f64| parameters.get(5).map_or(0.0, |times| times * form.seen.load_at(x));
     let (time, angle) = (&record.time_s, record.angle_rad.as_deref().unwrap_or_default());
-    let (mut x, mut w) = (angle[0], 0.0_f64);
-    let mut all = Vec::with_capacity(count);
-    for k in 0..count {
-        all.push(x - angle[k]);
+    let (Some(servo), Some(&first)) = (&record.servo, angle.first()) else { return Vec::new() };
+    let late = form.late_s / median_interval(time);
+    let (mut x, mut w) = (first, *speed);
+    let mut all = Vec::with_capacity(angle.len());
+    for (k, measured) in angle.iter().enumerate() {
+        all.push(x - measured);
         let Some(next) = time.get(k + 1) else { break };
         let steps = (((next - time[k]) / STEP_S).ceil() as usize).clamp(1, MOST_STEPS);
         let dt = (next - time[k]) / steps as f64;
         let supply = full_duty_v(record, k);
         let lag = dt / tau_s.max(2.0 * dt);
-        let from = servo.target_rad[k];
-        let way = if moves { servo.target_rad[k + 1] - from } else { 0.0 };
         for step in 0..steps {
-            let target = from + way * (step as f64 + 0.5) / steps as f64;
+            let rows = k as f64 + (step as f64 + 0.5) / steps as f64 - late;
+            let target = target_at(&servo.target_rad, rows, form.moves);
             let push = supply * controller.duty(target - x, w) - weight(x);
             let holds = if w == 0.0 { push.clamp(-friction, friction) } else { friction * w.signum() };
             let turned = w + lag * (motor * (push - holds) - w);
@@ -125,16 +124,19 @@ fn errors_of((record, servo, count): Part, seen: &Regression, moves: bool, param
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Between, driven};
+    use super::super::busiest::whole;
+    use super::super::made::Made;
     use super::*;
     use crate::log::weak::Weak;
 
     #[test]
     fn a_loop_that_carries_its_weight_follows_an_arm_better_than_one_that_carries_nothing() {
-        let (record, means) = driven([2.5, 0.0, 1.3], Between::Stands(0), |x| 2.0 * x.sin());
+        let (record, means) = Made { weight_v: 2.0, ..Made::default() }.log();
         let seen = Weak::new(&record).unwrap().under(&means).under_load(0.0).unwrap();
-        let start = Controller { gain: 2.5, damping: 0.0 };
-        let left = |carries: bool| refined(std::slice::from_ref(&record), start, seen, carries).unwrap().left;
+        let controller = Controller { gain: 2.5, damping: 0.0 };
+        let start = Loop { controller, late_s: 0.0, moves: false };
+        let all = whole(&[record]);
+        let left = |carries: bool| refined(&all, start, seen, carries).unwrap().left;
         assert!(left(true) < 0.3 * left(false), "{} {}", left(true), left(false));
     }
 }

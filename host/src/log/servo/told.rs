@@ -48,9 +48,11 @@ pub(super) fn told_or_assumed(
     }
 }
 
-/// What is said of a target that arrives so many rows late.
-pub(super) fn late_target(record: &Record, rows: usize) -> Warning {
-    let ms = 1e3 * rows as f64 * median_interval(&record.time_s);
+/// What is said of a target that arrives so many seconds late.
+pub(super) fn late_target(record: &Record, late_s: f64) -> Warning {
+    // To a tenth of a row.
+    let rows = (10.0 * late_s / median_interval(&record.time_s)).round() / 10.0;
+    let ms = 1e3 * late_s;
     Warning {
         place: place(record),
         what: format!(

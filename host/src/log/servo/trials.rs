@@ -5,9 +5,12 @@
 //! arrives is not logged either, and is found alike. What the motion tells of a controller is judged by the simulated loop
 //! ([`super::simulated`]): the trial that leaves least may still leave nearly all.
 
+use super::Controller;
+use super::busiest::{Stretch, busiest};
+use super::driven::{Loop, Seen, volts};
 use super::simulated::{self, Followed};
 use super::told::Told;
-use super::{Controller, Servo, filtered_speed, volts};
+use crate::cores;
 use crate::log::Record;
 use crate::log::motion::peak;
 use crate::log::weak::{Regression, Weak};
@@ -35,40 +38,6 @@ const MOST_LATE: usize = 6;
 const LATE: f64 = 0.7;
 /// Of the gains every so many suffice to find how late it is.
 const EVERY: usize = 2;
-/// Places between two rows at which the duty is worked out: full duty is reached between them.
-const BETWEEN: usize = 8;
-
-/// How a motor is driven: its controller, how many rows late the target arrives there, and whether that moves on straight from row to row or is held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Loop {
-    pub controller: Controller,
-    pub late: usize,
-    pub moves: bool,
-}
-
-impl Loop {
-    /// The target as it arrives.
-    pub fn target(self, servo: &Servo) -> Vec<f64> {
-        (0..servo.target_rad.len()).map(|k| servo.target_rad[k.saturating_sub(self.late)]).collect()
-    }
-
-    /// The mean duty from each row of `record` to the next: the loop runs far more often than it is logged, and the shaft turns on meanwhile.
-    pub fn mean_duty(self, record: &Record, servo: &Servo, speed: &[f64]) -> Vec<f64> {
-        let (target, angle) = (self.target(servo), record.angle_rad.as_deref().unwrap_or_default());
-        let last = angle.len().saturating_sub(1);
-        let mean = |k: usize| {
-            let next = (k + 1).min(last);
-            let at = |values: &[f64], share: f64| values[k] + share * (values[next] - values[k]);
-            let duty = |step: usize| {
-                let share = (step as f64 + 0.5) / BETWEEN as f64;
-                let target = if self.moves { at(&target, share) } else { target[k] };
-                self.controller.duty(target - at(angle, share), at(speed, share))
-            };
-            (0..BETWEEN).map(duty).sum::<f64>() / BETWEEN as f64
-        };
-        (0..angle.len()).map(mean).collect()
-    }
-}
 
 /// A loop that is not logged, and what tells its controller.
 #[derive(Debug, Clone, Copy)]
@@ -77,18 +46,27 @@ pub(super) struct Found {
     pub told: Told,
 }
 
-/// A servo's record as every trial sees it.
-pub(super) struct Seen<'a> {
-    record: &'a Record,
-    servo: &'a Servo,
-    speed: Vec<f64>,
-    weak: Option<Weak<'a>>,
+/// What every trial goes through.
+pub(super) struct Searched<'a> {
+    parts: Vec<(Seen<'a>, Option<Weak<'a>>)>,
+    /// Rows that the trials went through so far.
+    #[cfg(test)]
+    pub steps: std::sync::atomic::AtomicUsize,
 }
 
-impl<'a> Seen<'a> {
-    pub fn of(record: &'a Record) -> Option<Self> {
-        let servo = record.servo.as_ref()?;
-        Some(Self { record, servo, speed: filtered_speed(record), weak: Weak::new(record) })
+impl<'a> Searched<'a> {
+    pub fn of(stretches: &'a [Stretch]) -> Self {
+        let part = |stretch: &'a Stretch| Some((Seen::of(&stretch.record)?, Weak::new(&stretch.record)));
+        Self {
+            parts: stretches.iter().filter_map(part).collect(),
+            #[cfg(test)]
+            steps: std::sync::atomic::AtomicUsize::new(0),
+        }
+    }
+
+    /// Time from row to row, s.
+    fn interval_s(&self) -> f64 {
+        self.parts.first().map_or(0.0, |(seen, _)| seen.interval_s)
     }
 }
 
@@ -103,16 +81,16 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(seen: &[Seen], run: Loop) -> Self {
+    fn new(searched: &Searched, run: Loop) -> Self {
         let (mut sums, mut full, mut all) = ([(0.0, 0.0); 2], 0, 0);
         let mut motors = [None; 2];
-        for one in seen {
-            let duty = run.mean_duty(one.record, one.servo, &one.speed);
+        for (seen, weak) in &searched.parts {
+            let duty = run.mean_duty(seen);
             full += duty.iter().filter(|duty| duty.abs() > 0.98).count();
             all += duty.len();
-            let volts = volts(one.record, &duty);
-            let Some(weak) = one.weak.as_ref().map(|weak| weak.under(&volts)) else { continue };
-            let found = [weak.regress(0.0, |v| v), weak.under_load(0.0)];
+            let Some(weak) = weak else { continue };
+            let volts = volts(seen.record, &duty);
+            let found = weak.under(&volts).without_and_under_load(0.0);
             let found = found.map(|of| of.filter(|of| of.gain > 0.0));
             for ((of, motor), (left, weight)) in found.iter().zip(&mut motors).zip(&mut sums) {
                 if let Some(of) = of {
@@ -122,6 +100,8 @@ impl Trial {
                 }
             }
         }
+        #[cfg(test)]
+        searched.steps.fetch_add(all, std::sync::atomic::Ordering::Relaxed);
         let mean = |(left, weight): (f64, f64)| {
             if weight > 0.5 * all as f64 { left / weight } else { f64::INFINITY }
         };
@@ -129,12 +109,13 @@ impl Trial {
     }
 }
 
-/// The trials of all `controllers` with a target that is so many rows late, moving on and held.
-fn trials(seen: &[Seen], controllers: &[Controller], late: usize) -> Vec<Trial> {
-    let runs = controllers
+/// The trials of all `controllers` with a target that is so many seconds late, moving on and held.
+fn trials(searched: &Searched, controllers: &[Controller], late_s: f64) -> Vec<Trial> {
+    let runs: Vec<Loop> = controllers
         .iter()
-        .flat_map(|controller| [true, false].map(|moves| Loop { controller: *controller, late, moves }));
-    runs.map(|run| Trial::new(seen, run)).collect()
+        .flat_map(|controller| [true, false].map(|moves| Loop { controller: *controller, late_s, moves }))
+        .collect();
+    cores::each(&runs, |run| Trial::new(searched, *run))
 }
 
 /// The trial that leaves least beside friction (0) or under a weight (1); the first of equals.
@@ -142,16 +123,22 @@ fn least(trials: &[Trial], kind: usize) -> Option<&Trial> {
     trials.iter().min_by(|a, b| a.left[kind].total_cmp(&b.left[kind]))
 }
 
-/// How a `controller` that is known drives what was `seen`.
-pub(super) fn of_known(seen: &[Seen], controller: Controller) -> Loop {
-    let tried = |late: usize| trials(seen, &[controller], late);
+/// How a `controller` that is known drives the motor of `record`.
+pub(super) fn known(record: &Record, controller: Controller) -> Loop {
+    let stretches = busiest(std::slice::from_ref(record));
+    of_known(&Searched::of(&stretches), controller)
+}
+
+/// How a `controller` that is known drives what is `searched`.
+fn of_known(searched: &Searched, controller: Controller) -> Loop {
+    let tried = |late: usize| trials(searched, &[controller], late as f64 * searched.interval_s());
     let run = |trials: &[Trial]| least(trials, 1).map(|trial| (trial.run, trial.left[1]));
     let at_once = run(&tried(0));
     let late = (1..=MOST_LATE).filter_map(|late| run(&tried(late))).min_by(|a, b| a.1.total_cmp(&b.1));
     match (at_once, late) {
         (Some((_, left)), Some((run, less))) if less < LATE * left => run,
         (Some((run, _)), _) => run,
-        (None, _) => Loop { controller, late: 0, moves: true },
+        (None, _) => Loop { controller, late_s: 0.0, moves: true },
     }
 }
 
@@ -165,30 +152,35 @@ fn controllers(every: usize) -> Vec<Controller> {
     (0..count).step_by(every).flat_map(of_gain).collect()
 }
 
-/// How many rows late the target arrives, and the trials of all controllers so.
-fn with_lateness(seen: &[Seen]) -> (usize, Vec<Trial>) {
-    let at_once = trials(seen, &controllers(1), 0);
+/// By how much the target arrives late, s, and the trials of all controllers so.
+fn with_lateness(searched: &Searched) -> (f64, Vec<Trial>) {
+    let at_once = trials(searched, &controllers(1), 0.0);
     let kind = usize::from(carries(&at_once));
     let less = least(&at_once, kind).map_or(f64::INFINITY, |trial| LATE * trial.left[kind]);
     let some = controllers(EVERY);
-    let late = (1..=MOST_LATE).filter_map(|late| {
-        let tried = trials(seen, &some, late);
-        least(&tried, kind).map(|trial| (late, trial.left[kind]))
+    let late = (1..=MOST_LATE).map(|late| late as f64 * searched.interval_s()).filter_map(|late_s| {
+        let tried = trials(searched, &some, late_s);
+        least(&tried, kind).map(|trial| (late_s, trial.left[kind]))
     });
     match late.filter(|(_, left)| *left < less).min_by(|a, b| a.1.total_cmp(&b.1)) {
-        Some((late, _)) => (late, trials(seen, &controllers(1), late)),
-        None => (0, at_once),
+        Some((late_s, _)) => (late_s, trials(searched, &controllers(1), late_s)),
+        None => (0.0, at_once),
     }
 }
 
 /// The loop that explains the motion of `records` best, and what tells its controller.
 pub(super) fn find(records: &[Record]) -> Found {
-    let seen: Vec<Seen> = records.iter().filter_map(Seen::of).collect();
-    let (late, tried) = with_lateness(&seen);
+    let stretches = busiest(records);
+    find_in(&stretches, &Searched::of(&stretches), assumed(records))
+}
+
+/// The same of the `stretches` that are `searched`; of a controller that they do not tell the `gain` is assumed.
+fn find_in(stretches: &[Stretch], searched: &Searched, gain: f64) -> Found {
+    let (late_s, tried) = with_lateness(searched);
     let kind = usize::from(carries(&tried));
-    let unknown = |seconds: f64, told: Told| {
-        let gain = assumed(records);
-        Found { run: of_known(&seen, Controller { gain, damping: gain * seconds }), told }
+    let unknown = |seconds: f64, told: Told| Found {
+        run: of_known(searched, Controller { gain, damping: gain * seconds }),
+        told,
     };
     let Some(best) = least(&tried, kind).filter(|best| best.left[kind].is_finite()) else {
         return unknown(0.0, Told::Nothing);
@@ -201,12 +193,12 @@ pub(super) fn find(records: &[Record]) -> Found {
     if best.saturated <= SATURATED || linear <= WORSE * best.left[kind] {
         return unknown(best.run.controller.damping / best.run.controller.gain, Told::NeverFull);
     }
-    let rough = between(&seen, best.run, kind);
-    let followed = followed(records, &rough, kind).filter(|followed| followed.left < HARDLY);
+    let rough = between(searched, best.run, kind);
+    let followed = followed(stretches, &rough, kind).filter(|followed| followed.left < HARDLY);
     let Some(Followed { controller, left, .. }) = followed else {
         return unknown(0.0, Told::Nothing);
     };
-    let run = least(&trials(&seen, &[controller], late), kind).map_or(rough.run, |trial| trial.run);
+    let run = least(&trials(searched, &[controller], late_s), kind).map_or(rough.run, |trial| trial.run);
     let told = match controller.gain {
         _ if left >= FOLLOWED => Told::Nothing,
         gain if gain >= GAINS.1 => Told::Relay,
@@ -216,24 +208,23 @@ pub(super) fn find(records: &[Record]) -> Found {
 }
 
 /// The trial of the gain that leaves least between those tried beside that of `run`.
-fn between(seen: &[Seen], run: Loop, kind: usize) -> Trial {
+fn between(searched: &Searched, run: Loop, kind: usize) -> Trial {
     let (low, high, count) = GAINS;
     let step = (high / low).powf(1.0 / (count - 1) as f64);
     let Controller { gain: centre, damping } = run.controller;
     let times = |times: f64| {
         let controller = Controller { gain: centre * times, damping: damping * times };
-        Trial::new(seen, Loop { controller, ..run })
+        Trial::new(searched, Loop { controller, ..run })
     };
     let ends = [-step.ln(), step.ln()];
     let (_, at) = lowest(ends, |at| times(at.exp()).left[kind]);
     times(at.exp())
 }
 
-/// The simulated loop that follows `records` best from where a `rough` one is, or from a relay.
-fn followed(records: &[Record], rough: &Trial, kind: usize) -> Option<Followed> {
-    let arrived: Vec<Record> = records.iter().map(|record| arrived(record, rough.run)).collect();
+/// The simulated loop that follows `stretches` best from where a `rough` one is, or from a relay.
+fn followed(stretches: &[Stretch], rough: &Trial, kind: usize) -> Option<Followed> {
     let from = |controller: Controller, motor: Regression| {
-        simulated::refined(&arrived, controller, motor, kind == 1)
+        simulated::refined(stretches, Loop { controller, ..rough.run }, motor, kind == 1)
     };
     let graded = from(rough.run.controller, rough.motors[kind]?)?;
     if graded.left <= CLOSE {
@@ -250,12 +241,6 @@ fn carries(trials: &[Trial]) -> bool {
     left(1) < CARRIES * left(0)
 }
 
-/// `record` with its target as `run` gets it.
-fn arrived(record: &Record, run: Loop) -> Record {
-    let servo = record.servo.as_ref().map(|servo| Servo { target_rad: run.target(servo), ..servo.clone() });
-    Record { servo, ..record.clone() }
-}
-
 /// A gain that just does not saturate: nothing is known, and nothing is lost.
 fn assumed(records: &[Record]) -> f64 {
     let errors = records.iter().flat_map(|record| {
@@ -264,4 +249,55 @@ fn assumed(records: &[Record]) -> f64 {
     });
     let largest = peak(&errors.collect::<Vec<f64>>());
     if largest > 0.0 { 1.0 / largest } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::Ordering;
+
+    use super::super::busiest::whole;
+    use super::super::made::Made;
+    use super::*;
+
+    fn found_in(stretches: &[Stretch]) -> (Found, usize) {
+        let searched = Searched::of(stretches);
+        (find_in(stretches, &searched, 1.0), searched.steps.load(Ordering::Relaxed))
+    }
+
+    #[test]
+    fn the_trials_of_a_long_log_go_through_no_more_rows_than_those_of_a_shorter_one() {
+        let steps = |rows: usize| {
+            let stretches = busiest(&[Made { rows, ..Made::default() }.record()]);
+            let (found, steps) = found_in(&stretches);
+            let gain = found.run.controller.gain;
+            assert!(found.told == Told::Gain && (gain / 2.5 - 1.0).abs() < 0.02, "{found:?}");
+            steps
+        };
+        // On all rows of it they would be some hundred million.
+        let (long, shorter) = (steps(100_000), steps(12_000));
+        assert!(long < 20_000_000 && long < shorter + shorter / 10, "{long} {shorter}");
+    }
+
+    #[test]
+    fn what_the_busiest_parts_of_a_log_tell_is_what_all_of_it_tells() {
+        let record = Made { damping: 0.1, noise: 1e-3, rows: 10_000, ..Made::default() }.record();
+        let records = std::slice::from_ref(&record);
+        let [part, all] = [busiest(records), whole(records)].map(|stretches| found_in(&stretches));
+        assert!(2 * part.1 < all.1, "{} {}", part.1, all.1);
+        let [part, all] = [part.0, all.0];
+        assert!(part.told == Told::Gain && all.told == Told::Gain, "{part:?} {all:?}");
+        assert!(part.run.moves == all.run.moves && part.run.late_s == all.run.late_s, "{part:?} {all:?}");
+        let [part, all] = [part.run.controller, all.run.controller];
+        assert!((part.gain / all.gain - 1.0).abs() < 0.01, "{part:?} {all:?}");
+        assert!((part.damping / all.damping - 1.0).abs() < 0.03, "{part:?} {all:?}");
+    }
+
+    #[test]
+    fn a_log_that_waits_most_of_the_time_tells_its_controller() {
+        // It rests for five minutes, and then moves every half a minute.
+        let target = |t: f64| if t < 300.0 { 0.0 } else { (2.4 * (t / 30.0).floor()).sin() };
+        let found = find(&[Made { target, rows: 60_000, ..Made::default() }.record()]);
+        let gain = found.run.controller.gain;
+        assert!(found.told == Told::Gain && (gain / 2.5 - 1.0).abs() < 0.05, "{found:?}");
+    }
 }
