@@ -8,12 +8,30 @@ use crate::log::{Hold, Record};
 /// Places between two rows at which the duty is worked out: full duty is reached between them.
 const BETWEEN: usize = 8;
 
-/// How a motor is driven: its controller, how late the target arrives there, and whether that moves on straight from row to row or is held.
+/// How a motor is driven: its controller, what of the loop is late, and whether the target moves on straight from row to row or is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Loop {
     pub controller: Controller,
-    pub late_s: f64,
+    pub late: Lateness,
     pub moves: bool,
+}
+
+/// What of a loop is late, the target or the voltage, and by how much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lateness {
+    /// From the row of a target to where the controller has it, s.
+    pub target_s: f64,
+    /// From where target and angle ask for a voltage to where it acts, s.
+    pub voltage_s: f64,
+}
+
+impl Lateness {
+    pub const NONE: Self = Self { target_s: 0.0, voltage_s: 0.0 };
+
+    /// So many times as late.
+    pub fn times(self, factor: f64) -> Self {
+        Self { target_s: factor * self.target_s, voltage_s: factor * self.voltage_s }
+    }
 }
 
 /// A servo's record as its loop sees it.
@@ -35,7 +53,7 @@ impl<'a> Seen<'a> {
 }
 
 impl Loop {
-    /// Gives `record` the voltage that the loop makes of its target.
+    /// Gives `record` the voltage that the loop asks for. How late that acts is the motor's to a fit, which tells a delay from a lag.
     pub fn drive(self, record: &mut Record) {
         let Some(seen) = Seen::of(record) else { return };
         let duty = if self.moves { self.duty(&seen) } else { self.mean_duty(&seen) };
@@ -44,9 +62,9 @@ impl Loop {
         record.voltage_v = voltage_v;
     }
 
-    /// The duty at each row.
+    /// The duty that is asked for at each row.
     fn duty(self, seen: &Seen) -> Vec<f64> {
-        let late = self.late_s / seen.interval_s;
+        let late = self.late.target_s / seen.interval_s;
         let motion = seen.angle.iter().zip(&seen.speed).enumerate();
         let duty = |(k, (angle, speed)): (usize, (&f64, &f64))| {
             let target = target_at(&seen.servo.target_rad, k as f64 - late, self.moves);
@@ -55,9 +73,9 @@ impl Loop {
         motion.map(duty).collect()
     }
 
-    /// The mean duty from each row to the next: the loop runs far more often than it is logged, and the shaft turns on meanwhile.
+    /// The mean duty that is asked for from each row to the next: the loop runs far more often than it is logged, and the shaft turns on meanwhile.
     pub fn mean_duty(self, seen: &Seen) -> Vec<f64> {
-        let late = self.late_s / seen.interval_s;
+        let late = self.late.target_s / seen.interval_s;
         let last = seen.angle.len().saturating_sub(1);
         let mean = |k: usize| {
             let next = (k + 1).min(last);

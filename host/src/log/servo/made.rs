@@ -3,7 +3,7 @@
 use super::Servo;
 use crate::log::Record;
 
-/// Where a target is between two rows: it moves on, or stands as it was so many rows before.
+/// Where a target is between two rows: it moves on, or stands as it was so many rows before, and before the first where the shaft is.
 #[derive(Clone, Copy)]
 pub(super) enum Between {
     Moves,
@@ -66,7 +66,7 @@ impl Made {
                 means.push(0.0);
             }
             if let Between::Stands(late) = self.between {
-                target = targets[row.saturating_sub(late)];
+                target = row.checked_sub(late).map_or(0.0, |then| targets[then]);
             }
             asked.push((self.gain * (target - x) - self.damping * w).clamp(-1.0, 1.0));
             let v = supply * k.checked_sub(dead).map_or(0.0, |then| asked[then]);

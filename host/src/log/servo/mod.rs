@@ -2,12 +2,15 @@
 //!
 //! The controller is part of the model: `duty = clamp(gain * (target - angle) - damping * speed, -1, 1)`, and the voltage is the duty
 //! times the supply. Gain (`--servo-gain`, duty per rad; of a servo whose register is in other units, that of its register) and
-//! damping (`--servo-damping`, duty per rad/s) are known, or found (`trials`): where the controller saturates, and only there,
-//! the motion tells its gain apart from the motor's. The loop of a servo is much faster than its log. Where the target moves on between two
-//! rows the voltage runs on there too (hold "first"); where it is held until the next, the voltage of a row is its mean until then.
+//! damping (`--servo-damping`, duty per rad/s) are known, or found (`identify`): where the controller saturates, and only there,
+//! the motion tells its gain apart from the motor's. Its target or its voltage may be late (`late`). The loop of a servo is much faster than its
+//! log: where the target moves on between two rows the voltage runs on there too (hold "first"); where it is held until the next, the
+//! voltage of a row is its mean until then.
 
 mod busiest;
 mod driven;
+mod identify;
+mod late;
 #[cfg(test)]
 mod made;
 mod simulated;
@@ -15,7 +18,7 @@ mod told;
 mod trials;
 
 use super::{Record, Warning};
-use told::{late_target, told_or_assumed};
+use told::told_or_assumed;
 
 /// The loop of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,12 +57,12 @@ impl Controller {
 pub fn close_loops(records: &mut [Record]) {
     let open: Vec<Record> =
         records.iter().filter(|r| r.servo.as_ref().is_some_and(|s| s.gain.is_none())).cloned().collect();
-    let found = if open.is_empty() { None } else { Some(trials::find(&open)) };
+    let found = if open.is_empty() { None } else { Some(identify::find(&open)) };
     let mut said = false;
     for record in records.iter_mut() {
         let Some(servo) = record.servo.clone() else { continue };
         let known = servo.gain.map(|gain| Controller { gain, damping: servo.damping.unwrap_or(0.0) });
-        let known = known.map(|known| trials::known(record, known));
+        let known = known.map(|known| identify::known(record, known));
         let Some(run) = known.or(found.map(|found| found.run)) else { continue };
         run.drive(record);
         let Controller { gain, damping } = run.controller;
@@ -72,16 +75,15 @@ pub fn close_loops(records: &mut [Record]) {
             let _ = record.meta.insert(key, &value);
         }
         let is_of_loop = |warning: &Warning| {
-            ["servo_gain", "late_target"].iter().any(|name| warning.what.starts_with(name))
+            ["servo_gain", "late_target", "late_voltage"].iter().any(|name| warning.what.starts_with(name))
         };
         record.warnings.retain(|warning| !is_of_loop(warning));
         if let (None, Some(found), false) = (known, found, said) {
             record.warnings.push(told_or_assumed(record, run.controller, found.told));
             said = true;
         }
-        if run.late_s > 0.0 {
-            record.warnings.push(late_target(record, run.late_s));
-        }
+        let or_gain = found.filter(|_| known.is_none()).and_then(|found| found.or_gain);
+        record.warnings.extend(told::late(record, run.late, or_gain));
     }
 }
 
@@ -146,6 +148,25 @@ mod tests {
                 "{:?}",
                 records[0].warnings
             );
+        }
+    }
+
+    #[test]
+    fn a_late_voltage_is_told_once_and_left_to_the_fit() {
+        for known in [None, Some(2.5)] {
+            let (mut record, means) = Made { dead_s: 0.02, ..Made::default() }.log();
+            record.servo.as_mut().unwrap().gain = known;
+            let mut records = [record];
+            close_loops(&mut records);
+            close_loops(&mut records);
+            let late: Vec<&Warning> =
+                records[0].warnings.iter().filter(|w| w.what.starts_with("late_")).collect();
+            assert!(late.len() == 1 && late[0].what.starts_with("late_voltage"), "{late:?}");
+            assert!(late[0].what.contains("2 rows (20 ms)"), "{late:?}");
+            // What acts two rows later is what was asked for.
+            let off = records[0].voltage_v.iter().zip(&means[2..]).map(|(v, mean)| (v - mean).powi(2));
+            let off = (off.sum::<f64>() / means.len() as f64).sqrt();
+            assert!(off < 0.4, "{off} V with {known:?}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! What is said of a servo's loop that is not logged: what the motion tells of its controller, what is assumed, and how late its target arrives.
 
 use super::Controller;
+use super::driven::Lateness;
 use crate::log::timing::median_interval;
 use crate::log::{Record, Warning};
 
@@ -35,8 +36,8 @@ pub(super) fn told_or_assumed(
              product of both gains is right"
         ),
         Told::Nothing => format!(
-            "the motion does not tell it: no loop of a gain and a damping follows it, under a weight, with a late target or as a relay either; \
-             {gain:.3} duty per rad and {damping:.3} duty per rad/s are assumed, and what is found of the motor may be wrong with them"
+            "the motion does not tell it: no loop of a gain and a damping follows it, under a weight, with a late target or voltage, or as a relay \
+             either; {gain:.3} duty per rad and {damping:.3} duty per rad/s are assumed, and what is found of the motor may be wrong with them"
         ),
     };
     Warning {
@@ -48,18 +49,37 @@ pub(super) fn told_or_assumed(
     }
 }
 
-/// What is said of a target that arrives so many seconds late.
-pub(super) fn late_target(record: &Record, late_s: f64) -> Warning {
+/// What is said of a loop of which something is late, whose gain may be another with a voltage that is; none where nothing is.
+pub(super) fn late(record: &Record, late: Lateness, or_gain: Option<f64>) -> Option<Warning> {
     // To a tenth of a row.
-    let rows = (10.0 * late_s / median_interval(&record.time_s)).round() / 10.0;
-    let ms = 1e3 * late_s;
-    Warning {
-        place: place(record),
-        what: format!(
-            "late_target: the shaft answers to its target {rows} rows ({ms:.0} ms) after the row that has it, and is taken to be driven so"
-        ),
-        fix: "nothing, if the way to the servo takes that long; otherwise log target and position of one instant in one row".into(),
-    }
+    let rows = |late_s: f64| (10.0 * late_s / median_interval(&record.time_s)).round() / 10.0;
+    let Lateness { target_s, voltage_s } = late;
+    let (what, fix) = if target_s > 0.0 {
+        let or = or_gain.map_or_else(String::new, |gain| {
+            format!("; a gain of {gain:.3} duty per rad with a voltage that acts as late would turn it alike")
+        });
+        let (rows, ms) = (rows(target_s), 1e3 * target_s);
+        let what = format!(
+            "late_target: the shaft answers to its target {rows} rows ({ms:.0} ms) after the row that has it, and is taken to be driven so{or}"
+        );
+        let otherwise = "otherwise log target and position of one instant in one row";
+        let known = if or_gain.is_some() {
+            "; --servo-gain, where it is known, tells which of both is late"
+        } else {
+            ""
+        };
+        (what, format!("nothing, if the way to the servo takes that long; {otherwise}{known}"))
+    } else if voltage_s > 0.0 {
+        let (rows, ms) = (rows(voltage_s), 1e3 * voltage_s);
+        let what = format!(
+            "late_voltage: the voltage of the servo's loop acts {rows} rows ({ms:.0} ms) after target and angle ask for it; what is fitted is the \
+             voltage that they ask for"
+        );
+        (what, "see whether a delay or a lag explains it: motorlens discover, or add the effect delay".into())
+    } else {
+        return None;
+    };
+    Some(Warning { place: place(record), what, fix })
 }
 
 fn place(record: &Record) -> String {
@@ -85,5 +105,29 @@ mod tests {
                 said.fix
             );
         }
+    }
+
+    #[test]
+    fn what_is_late_is_told_with_the_gain_that_explains_it_as_well() {
+        let record = Record { time_s: (0..10).map(|k| 0.01 * f64::from(k)).collect(), ..Record::default() };
+        let said = |target_s: f64, voltage_s: f64, or_gain: Option<f64>| {
+            late(&record, Lateness { target_s, voltage_s }, or_gain)
+        };
+        assert_eq!(said(0.0, 0.0, None), None);
+        let target = said(0.0301, 0.0, None).unwrap();
+        assert!(
+            target.what.starts_with("late_target") && target.what.contains("3 rows (30 ms)"),
+            "{target:?}"
+        );
+        assert!(!target.what.contains("gain") && !target.fix.contains("--servo-gain"), "{target:?}");
+        let either = said(0.0149, 0.0, Some(2.07)).unwrap();
+        assert!(either.what.contains("1.5 rows (15 ms)") && either.what.contains("2.070 duty"), "{either:?}");
+        assert!(either.fix.contains("--servo-gain"), "{either:?}");
+        let voltage = said(0.0, 0.02, None).unwrap();
+        assert!(
+            voltage.what.starts_with("late_voltage") && voltage.what.contains("2 rows (20 ms)"),
+            "{voltage:?}"
+        );
+        assert!(voltage.fix.contains("delay"), "{voltage:?}");
     }
 }
