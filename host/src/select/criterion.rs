@@ -5,6 +5,7 @@ use std::f64::consts::LN_2;
 use motorlens_shared::effects::Kind;
 
 use super::gain::Gain;
+use crate::fit::instants::usual_first;
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
 pub(crate) const WORTH: f64 = 10.0;
@@ -47,14 +48,19 @@ pub(super) fn is_large(gain: Gain, all: f64, places: usize, falls: impl FnOnce()
     is_beyond(gain, LARGE, all, places) || is_beyond(gain, (0.5 * nats, share), all, places) && falls() > 0.0
 }
 
-/// What the likelihood has to gain by a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every log is late by
-/// something, which shows only where the voltage jumps: a test with one step has one block that tells. In 120 plain motors, half of them
-/// disturbed, one gained more (docs/DIAGNOSIS.md).
-const LATE: f64 = 2.0 * WORTH;
+/// What the likelihood has to gain by dry friction, a delay or a filter where it is not sure in many blocks, natural logarithms. Nearly every motor has
+/// the one and nearly every log the others, and a test may have one block that tells: lateness shows only where the voltage jumps, friction where
+/// the shaft is slow. Of 120 plain motors, half of them disturbed, lateness gained more in one (docs/DIAGNOSIS.md).
+const EXPECTED: f64 = 2.0 * WORTH;
 
-/// Whether it is enough for what is only late.
-pub(super) fn is_late_enough(gain: Gain, all: f64) -> bool {
-    is_beyond(gain, (LATE, SHARE), all, 1)
+/// Whether nearly every motor or log has it: dry friction, on which most equations of the library build, and what is only late.
+pub(super) fn is_expected(kind: Kind) -> bool {
+    kind.spec().is_late() || usual_first(Kind::ALL.to_vec()).first() == Some(&kind)
+}
+
+/// Whether it is enough for what is expected.
+pub(super) fn is_enough_for_expected(gain: Gain, all: f64) -> bool {
+    is_beyond(gain, (EXPECTED, SHARE), all, 1)
 }
 
 /// Standard errors that the best of so many `places` has to show where one alone has to show `sure`: each of them may pass by chance so many

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use motorlens_shared::effects::Kind;
 
 use super::criterion::{
-    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_large, is_late_enough, is_trifle, is_worth,
-    is_worth_alone, sure_enough,
+    AS_GOOD, LIKELY, RISE, SURE, WORTH, best_of, is_enough_for_expected, is_expected, is_large, is_trifle,
+    is_worth, is_worth_alone, sure_enough,
 };
 use super::crossed::{Fall, crossed};
 use super::gain::Gain;
@@ -186,11 +186,11 @@ impl Fitted {
                 || self.fall(other, data).is_beyond_doubt(AS_GOOD, sure))
     }
 
-    /// The same, or by so much that fewer standard errors do, or where it is only late.
+    /// The same, or by so much that fewer standard errors do, or where it is expected.
     pub fn beats(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
         self.beats_surely(other, data, base)
             || self.outweighs(other, data, base)
-            || self.is_surely_late(other, data, base)
+            || self.is_as_expected(other, data, base)
     }
 
     /// Whether it is better than `other` by so much that it has to be only likely: a disturbance that lasts makes the blocks differ by more
@@ -202,10 +202,11 @@ impl Fitted {
         is_large && self.is_likelier(gain, best_of(places, LIKELY), other, data)
     }
 
-    /// Whether all that it has beyond `other` is late, and its likelihood is higher by so much that nothing else has to be sure.
-    pub fn is_surely_late(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
-        self.beyond(other).all(|kind| kind.spec().is_late())
-            && is_late_enough(self.gain_over(other), self.gain_over(base).total)
+    /// Whether nearly every motor or log has all that it has beyond `other`, and its likelihood is higher by so much that nothing else has to be
+    /// sure.
+    pub fn is_as_expected(&self, other: &Self, data: &Evidence, base: &Self) -> bool {
+        self.beyond(other).all(is_expected)
+            && is_enough_for_expected(self.gain_over(other), self.gain_over(base).total)
             && self.fall(other, data).rise() <= 0.0
     }
 
@@ -215,7 +216,7 @@ impl Fitted {
         let (all, places) = (explained + gain.total, places(kind));
         is_worth_alone(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places, || 0.0) && gain.sure > best_of(places, LIKELY)
-            || kind.spec().is_late() && is_late_enough(gain, all)
+            || is_expected(kind) && is_enough_for_expected(gain, all)
     }
 
     /// Whether the search for one of its parameters ended at its bound, which is no minimum, while none of `other` did.
@@ -243,7 +244,7 @@ impl Fitted {
     /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
     /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
     pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
-        !self.knows(data)[0] && other.knows(data)[0]
+        self.knows(data).iter().zip(other.knows(data)).any(|(own, others)| !own && others)
     }
 
     /// Whether the records determine anything of the motor itself beside its effects: its gain or its time constant.

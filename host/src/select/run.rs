@@ -194,7 +194,7 @@ pub fn tied<'a>(
     others.into_iter().find(|c| c.is_as_good_as(accepted, data, base))
 }
 
-/// The first of some `candidates` that beats `model` surely, searched to its end; else the first that outweighs it, or is surely late; else all
+/// The first of some `candidates` that beats `model` surely, searched to its end; else the first that outweighs it, or is as expected; else all
 /// that were searched.
 fn believed<'a>(
     data: &Evidence,
@@ -218,8 +218,8 @@ fn believed<'a>(
         settled.push(candidate);
     }
     let outweighs = settled.iter().position(|c| c.outweighs(model, data, base));
-    let late = || settled.iter().position(|c| c.is_surely_late(model, data, base));
-    outweighs.or_else(late).map(|k| settled.swap_remove(k)).ok_or(settled)
+    let expected = || settled.iter().position(|c| c.is_as_expected(model, data, base));
+    outweighs.or_else(expected).map(|k| settled.swap_remove(k)).ok_or(settled)
 }
 
 /// Whether all effects of one of the two are part of the other's.
