@@ -239,10 +239,11 @@ impl Errors {
             Some(share) if share < 0.0 => format!("With {names} the error rises; what is left is {left}"),
             Some(share) => {
                 let above = if self.left_over().is_some() { " above the noise" } else { "" };
-                capital(&format!(
-                    "{names} {verb} {:.0} % of the error{above}; what is left is {left}",
-                    100.0 * share
-                ))
+                // All of it is not explained where several times the noise is left.
+                let is_rounded = share >= 0.995 && self.left_over().is_some_and(|n| n > CLOSE);
+                let share =
+                    if is_rounded { "more than 99".to_owned() } else { format!("{:.0}", 100.0 * share) };
+                capital(&format!("{names} {verb} {share} % of the error{above}; what is left is {left}"))
             }
             None => format!("With {names} what is left is {left}"),
         }
@@ -295,6 +296,18 @@ mod tests {
             said,
             "Coulomb explains 97 % of the error above the noise; what is left is 4.0 x the noise"
         );
+    }
+
+    #[test]
+    fn all_of_the_error_is_not_explained_where_five_times_the_noise_is_left() {
+        let errors = Errors { base: 1001.0, model: 5.5, ..PLAIN };
+        let said = errors.headline(&["delay"], Verdict::PartlyExplained, SOME);
+        assert_eq!(
+            said,
+            "Delay explains more than 99 % of the error above the noise; what is left is 5.5 x the noise"
+        );
+        let said = Errors { model: 1.1, ..errors }.headline(&["delay"], Verdict::Explained, ALL);
+        assert!(said.starts_with("Delay explains 100 %"), "{said}");
     }
 
     #[test]
