@@ -219,9 +219,9 @@ fn owned() -> [Owned; 4] {
             fitted: &["2024-10-26_12h23m27.json", "2024-10-26_12h23m42.json", "2024-10-26_12h24m55.json"],
             unseen: "2024-10-26_12h27m27.json",
             options: ReadOptions { format: Format::BamJson, ..ReadOptions::default() },
-            named: &[Kind::Gravity],
-            // Its gear friction is no sure gain on these nine seconds: the validation record, which shows it, does not help to choose.
-            share: 0.4,
+            // Its gear friction is no sure gain on these nine seconds, but expected.
+            named: &[Kind::Gravity, Kind::Coulomb],
+            share: 0.2,
         },
         Owned {
             directory: "frc-romi-left",

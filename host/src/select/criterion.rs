@@ -138,6 +138,18 @@ mod tests {
     }
 
     #[test]
+    fn friction_and_lateness_are_expected_and_have_to_gain_much_rather_than_surely() {
+        assert!([Kind::Coulomb, Kind::Delay, Kind::SensorLag].map(is_expected).iter().all(|is| *is));
+        let others = [Kind::Stribeck, Kind::DeadZone, Kind::Gravity, Kind::Cogging, Kind::LoadFriction];
+        assert!(!others.map(is_expected).contains(&true));
+        // A servo's friction beside its pendulum.
+        let gain = Gain { total: 47.0, sure: 1.3 };
+        assert!(is_enough_for_expected(gain, 155.0));
+        assert!(!is_enough_for_expected(Gain { total: 19.0, ..gain }, 155.0));
+        assert!(!is_enough_for_expected(gain, 1e3), "less than the form of what is there may miss");
+    }
+
+    #[test]
     fn few_blocks_and_many_places_ask_for_more_standard_errors() {
         assert!(sure_enough(5) > sure_enough(50) && sure_enough(1000) < SURE + 0.01);
         assert!((best_of(24, SURE) - 3.6).abs() < 0.05);

@@ -241,10 +241,12 @@ impl Fitted {
         *self.simulated.get_or_init(run)
     }
 
-    /// Whether it leaves the gain open that `other` determines: its effects then have taken what was known of the motor, and no record says how
-    /// much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009).
-    pub fn opens_the_gain(&self, other: &Self, data: &Evidence) -> bool {
-        self.knows(data).iter().zip(other.knows(data)).any(|(own, others)| !own && others)
+    /// Whether it leaves the gain open that `other` determines, or by more than is expected the time constant: its effects then have taken what was
+    /// known of the motor, and no record says how much of it (practical identifiability: A. Raue et al., *Bioinformatics* 25, 2009). What is late
+    /// and a slow motor look alike in a short test, but nearly every log is late: then the time constant was not known before.
+    pub fn opens_the_motor(&self, other: &Self, data: &Evidence) -> bool {
+        let opens = |k: usize| !self.knows(data)[k] && other.knows(data)[k];
+        opens(0) || opens(1) && !self.beyond(other).all(is_expected)
     }
 
     /// Whether the records determine anything of the motor itself beside its effects: its gain or its time constant.

@@ -208,7 +208,7 @@ fn believed<'a>(
         if candidate.is_lost(model)
             || candidate.adds_a_trifle(model, data)
             || candidate.strays(model, data)
-            || candidate.opens_the_gain(model, data)
+            || candidate.opens_the_motor(model, data)
         {
             continue;
         }
