@@ -106,6 +106,11 @@ pub fn usual_first(mut laws: Vec<Kind>) -> Vec<Kind> {
     laws
 }
 
+/// The one of `kinds` on which most others build.
+pub fn usual(kinds: impl Iterator<Item = Kind>) -> Option<Kind> {
+    usual_first(kinds.collect()).first().copied()
+}
+
 /// The negative log-likelihood of a fit whose errors are those of a first-order autoregression.
 fn misfit_of(problem: &Problem, layout: &Layout, x: &[f64]) -> f64 {
     let plain = layout.all_plain(x);

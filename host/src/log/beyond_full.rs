@@ -11,7 +11,7 @@ const OFF: f64 = 0.5;
 
 /// A mapped duty goes beyond what is said to be full.
 pub(super) fn beyond_full(record: &Record) -> Option<Odd> {
-    let source = record.map.as_ref()?.source(Quantity::Duty)?;
+    let source = record.source(Quantity::Duty)?;
     let mean = record.mean_supply_v().filter(|volts| *volts > 0.0)?;
     let shares = record.voltage_v.iter().enumerate().filter_map(|(k, volts)| {
         let supply = record.supply_v.as_ref().map_or(mean, |supply| supply[k]);

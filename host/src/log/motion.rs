@@ -109,6 +109,16 @@ pub fn stretches(count: usize, holds: impl Fn(usize) -> bool) -> Vec<Range<usize
     found
 }
 
+/// The runs of equal numbers in `values`.
+pub fn runs(values: &[f64]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let run = |same: &[f64]| {
+        end += same.len();
+        end - same.len()..end
+    };
+    values.chunk_by(|one, next| one == next).map(run).collect()
+}
+
 /// The different ones of some values, in order.
 pub fn different(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut sorted: Vec<f64> = values.into_iter().collect();

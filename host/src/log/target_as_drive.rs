@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::Record;
-use super::motion::{correlation, span};
+use super::motion::{correlation, different, runs, span};
 use super::suspicion::Odd;
 
 /// A level is held for so many samples at least, and so many levels are held.
@@ -29,7 +29,8 @@ pub(super) fn target_as_drive(record: &Record) -> Option<Odd> {
     let angle = record.angle_rad.as_ref().filter(|_| !record.is_of_position_loop())?;
     let volts = &record.voltage_v;
     let way = span(angle);
-    let held = held(volts);
+    let mut held = runs(volts);
+    held.retain(|run| run.len() >= HELD);
     let rests = |run: &&Range<usize>| {
         let last = (run.len() / QUARTER).max(2);
         span(&angle[run.end - last..run.end]) <= RESTS * way
@@ -37,14 +38,13 @@ pub(super) fn target_as_drive(record: &Record) -> Option<Odd> {
     let resting = held.iter().filter(rests).count();
     let levels: Vec<f64> = held.iter().map(|run| volts[run.start]).collect();
     let places: Vec<f64> = held.iter().map(|run| angle[run.end - 1]).collect();
-    let mut sorted = places.clone();
-    sorted.sort_by(f64::total_cmp);
-    let different = 1 + sorted.windows(2).filter(|pair| pair[1] - pair[0] > APART * way).count();
+    let sorted = different(places.iter().copied());
+    let apart = 1 + sorted.windows(2).filter(|pair| pair[1] - pair[0] > APART * way).count();
     let turns = levels.windows(3).filter(|of| (of[1] - of[0]) * (of[2] - of[1]) < 0.0).count();
     let is_sent = way > 0.0
         && held.len() >= FEWEST
         && resting as f64 >= MOST * held.len() as f64
-        && different >= PLACES
+        && apart >= PLACES
         && turns >= TURNS
         && correlation(&levels, &places).abs() > GOES_WITH;
     is_sent.then(|| {
@@ -63,17 +63,6 @@ pub(super) fn target_as_drive(record: &Record) -> Option<Odd> {
                 .into(),
         )
     })
-}
-
-/// The ranges of samples in which one level is held.
-fn held(volts: &[f64]) -> Vec<Range<usize>> {
-    let mut begin = 0;
-    let runs = volts.chunk_by(|one, next| one == next).map(|level| {
-        let run = begin..begin + level.len();
-        begin = run.end;
-        run
-    });
-    runs.filter(|run| run.len() >= HELD).collect()
 }
 
 #[cfg(test)]

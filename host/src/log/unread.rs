@@ -10,7 +10,7 @@ use super::Record;
 use super::dropouts::{FAST, LONGEST_SPIKE};
 use super::edges::EDGE;
 use super::garbled::SPIKE_SPEED;
-use super::motion::span;
+use super::motion::{runs, span};
 use super::repair::APART;
 use super::sentinels::{FEW_COUNTS, MOST};
 
@@ -52,16 +52,6 @@ fn unread(speed: &[f64], volts: &[f64]) -> Vec<Range<usize>> {
     let out: Vec<Range<usize>> = runs.iter().filter(is_of_them).cloned().collect();
     let count: usize = out.iter().map(ExactSizeIterator::len).sum();
     if count as f64 > MOST * speed.len() as f64 { Vec::new() } else { out }
-}
-
-/// The runs of equal numbers in `values`.
-fn runs(values: &[f64]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let run = |same: &[f64]| {
-        end += same.len();
-        end - same.len()..end
-    };
-    values.chunk_by(|one, next| one == next).map(run).collect()
 }
 
 /// Readings of a speed, and what of their steps its drive explains.

@@ -5,7 +5,7 @@ use std::f64::consts::LN_2;
 use motorlens_shared::effects::Kind;
 
 use super::gain::Gain;
-use crate::fit::instants::usual_first;
+use crate::fit::instants::usual;
 
 /// A gain that is worth more parameters: natural logarithms (a factor of 20,000 in likelihood) ...
 pub(crate) const WORTH: f64 = 10.0;
@@ -55,7 +55,7 @@ const EXPECTED: f64 = 2.0 * WORTH;
 
 /// Whether nearly every motor or log has it: dry friction, on which most equations of the library build, and what is only late.
 pub(super) fn is_expected(kind: Kind) -> bool {
-    kind.spec().is_late() || usual_first(Kind::ALL.to_vec()).first() == Some(&kind)
+    kind.spec().is_late() || usual(Kind::ALL.iter().copied()) == Some(kind)
 }
 
 /// Whether it is enough for what is expected.

@@ -216,7 +216,7 @@ impl Fitted {
         let (all, places) = (explained + gain.total, places(kind));
         is_worth_alone(gain, all, places) && gain.sure > best_of(places, sure_enough(self.scored.blocks()))
             || is_large(gain, all, places, || 0.0) && gain.sure > best_of(places, LIKELY)
-            || is_expected(kind) && is_enough_for_expected(gain, all)
+            || is_enough_for_expected(gain, all) && is_expected(kind)
     }
 
     /// Whether the search for one of its parameters ended at its bound, which is no minimum, while none of `other` did.

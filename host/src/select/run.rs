@@ -10,7 +10,7 @@ use super::fitted::{Fitted, SETTLED};
 use super::forward::{forward, lacks, pairs, simplest, tried, with};
 use crate::diagnose::contained::{covers, parts};
 use crate::diagnose::evidence::Evidence;
-use crate::fit::instants::usual_first;
+use crate::fit::instants::usual;
 use crate::fit::uncertainty::Spread;
 
 /// What was selected.
@@ -131,11 +131,6 @@ pub fn run(
     steps.pop();
     steps.push(used);
     Selected { steps, first: all.into_iter().next().unwrap_or_default(), rivals }
-}
-
-/// The effect of `kinds` on which most others build.
-fn usual(kinds: impl Iterator<Item = Kind>) -> Option<Kind> {
-    usual_first(kinds.collect()).first().copied()
 }
 
 /// Candidates with the effect on which most others build, and one more: a motor is rarely without friction, and what it lacks beside that may

@@ -429,10 +429,10 @@ pub(super) const SENSED: [&str; 11] = [
     "temperatur",
 ];
 
-/// A name with one of these says how hard a motor pushes, and neither its voltage nor its duty.
-pub(super) const EFFORTS: [&str; 5] = ["effort", "torque", "drehmoment", "couple", "tau"];
+/// A name with this or a torque says how hard a motor pushes, and neither its voltage nor its duty.
+pub(super) const EFFORT: &str = "effort";
 
-/// Those of them that say a torque wherever they stand; an effort is one in ROS alone.
+/// These say a torque wherever they stand; an effort is one in ROS alone.
 pub(super) const TORQUES: [&str; 4] = ["torque", "drehmoment", "couple", "tau"];
 
 /// Counts per one of these are those since the row before.

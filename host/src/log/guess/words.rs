@@ -5,7 +5,7 @@ pub(super) use super::spelling::bracketed;
 pub(in crate::log) use super::spelling::of;
 use super::unit_names::{PER, UNITS, rate_in, unit_named};
 use super::vocabulary::{
-    ACTION, CLOCKS, COMMANDED, EFFORTS, ERROR_ENDS, GYROSCOPE, LINEAR, OF_A_VELOCITY, RATES, READINGS,
+    ACTION, CLOCKS, COMMANDED, EFFORT, ERROR_ENDS, GYROSCOPE, LINEAR, OF_A_VELOCITY, RATES, READINGS,
     REGISTERS, ROWS, SCALES, SENSED, TARGETS, TELL_TURNS, TERMS, TIME_STEPS, TORQUES, TURNING, TURNS, WANTED,
     WORDS,
 };
@@ -116,8 +116,8 @@ pub fn said(name: &str) -> Said {
         ends.max_by_key(|(text, ..)| text.len()).map(|(_, quantity, unit)| (*quantity, *unit))
     });
     let unit_of = unit.map(|(of, _)| of);
-    let effort = words.iter().any(|word| EFFORTS.contains(&word.as_str()));
     let any_of = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let effort = any_of(&[EFFORT]) || any_of(&TORQUES);
     let is_made = any_of(&WANTED) || is_error(&words);
     let wanted = any_of(&TARGETS) || is_made;
     // A torque that was wanted is no place to go to.
